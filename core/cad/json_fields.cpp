@@ -16,24 +16,15 @@ using Json = JsonFields::Json;
 
 }  // namespace
 
-Json parse_json(const std::string& text)
-{
-    try {
-        return Json::parse(text);
-    } catch (const Json::exception& error) {
-        refuse_format(std::string("this is not JSON: ") + error.what());
-    }
-}
-
 std::string read_list_file(const std::filesystem::path& file, const char* what)
 {
-    constexpr std::uint64_t most_bytes = std::uint64_t{256} << 20;
+    constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
     const File input(file, File::Mode::read);
     const std::uint64_t size = input.size();
     if (size > most_bytes)
-        throw Error(ErrorCode::bad_format, file,
-                    std::string("this is no list of ") + what + ": it has " + std::to_string(size) +
-                        " bytes, more than 256 MB");
+        throw Error(
+            ErrorCode::bad_format, file,
+            std::string("this is no list of ") + what + ": it has " + std::to_string(size) + " bytes, more than 64 MB");
     std::string text(size, '\0');
     input.read_at(text.data(), text.size(), 0);
     return text;

@@ -10,9 +10,7 @@
 
 namespace pcm {
 
-// Throws Error(bad_format) for text that is not JSON.
-nlohmann::ordered_json parse_json(const std::string& text);
-// The bytes of a file; at most 256 MB. `what` the list has: "measures". Throws Error(bad_format) for a longer file, and
+// The bytes of a file; at most 64 MB. `what` the list has: "measures". Throws Error(bad_format) for a longer file, and
 // what reading throws.
 std::string read_list_file(const std::filesystem::path& file, const char* what);
 

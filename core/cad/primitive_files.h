@@ -60,6 +60,6 @@ inline constexpr const char* cad_extensions[] = {".dxf", ".scr", ".csv", ".json"
 std::string json_of(const std::vector<Primitive>& primitives);
 // Throws Error(bad_format), naming the primitive and the field.
 std::vector<Primitive> parse_primitives(const std::string& json);
-std::vector<Primitive> read_primitives(const std::filesystem::path& file);  // at most 256 MB
+std::vector<Primitive> read_primitives(const std::filesystem::path& file);  // at most 64 MB
 
 }  // namespace pcm

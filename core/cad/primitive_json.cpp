@@ -1,6 +1,7 @@
 // Lists of primitives as JSON. Angles are in radians here, so that every number reads back as the same double.
 #include "pcm/cad/json_fields.h"
 #include "pcm/cad/primitive_files.h"
+#include "pcm/system/bounded_json.h"
 #include "pcm/system/error.h"
 #include "pcm/system/undo_list.h"
 
@@ -229,7 +230,7 @@ std::string json_of(const std::vector<Primitive>& primitives)
 
 std::vector<Primitive> parse_primitives(const std::string& text)
 {
-    const Json json = parse_json(text);
+    const Json json = parse_bounded_json(text);
     const JsonFields fields(json, "the file");
     if (!fields.has("format") || fields.text("format", true) != format)
         throw Error(ErrorCode::bad_format, {}, "this is no list of primitives: 'format' is not \"pcm primitives\"");

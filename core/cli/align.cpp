@@ -4,6 +4,7 @@
 #include "pcm/build/builder.h"
 #include "pcm/cli/common.h"
 #include "pcm/cloud/vector.h"
+#include "pcm/filter/result_tree.h"
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/pipe/transformed_reader.h"
 #include "pcm/system/error.h"
@@ -166,11 +167,14 @@ void print(const Arguments& arguments, const Result& result)
 
 BuildReport write_moved(Arguments& arguments, const std::shared_ptr<const Tree>& tree, const Affine& motion)
 {
-    TransformedReader points(std::make_unique<TreeReader>(tree, std::nullopt, Selection()), motion);
+    const auto open = [&] {
+        return std::make_unique<TransformedReader>(std::make_unique<TreeReader>(tree, std::nullopt, Selection()),
+                                                   motion);
+    };
     arguments.options.memory_bytes = arguments.memory;
     arguments.options.sampling = tree->info().sampling;
     arguments.options.progress = console_progress(arguments.common);
-    BuildReport report = build_tree(points, tree->info().sources, arguments.output, arguments.options);
+    BuildReport report = build_or_write(open, tree->info().sources, arguments.output, arguments.options);
     end_progress(arguments.common);
     return report;
 }
@@ -202,7 +206,7 @@ int align(Arguments& arguments)
     result.fixed_system = system_of(*fixed->tree());
     if (!arguments.output.empty()) result.build = write_moved(arguments, moving->tree(), result.fit.motion);
     if (arguments.common.json)
-        std::printf("%s\n", json_of(arguments, pairs, result).dump(2).c_str());
+        print_json(json_of(arguments, pairs, result));
     else
         print(arguments, result);
     return result.build ? finished(result.build->outcome) : 0;
@@ -228,8 +232,10 @@ Run add_align(Options& options)
                 "Standard deviation of a picked point, source units (default: a quarter of the distance between the "
                 "clouds' points there)")
         .not_negative();
-    options.option("-o,--output", arguments->output,
-                   "The moved cloud as a new tree, by convention NAME.pct (default: only the motion is reported)");
+    options.option(
+        "-o,--output", arguments->output,
+        "The moved cloud as a new tree, by convention NAME.pct, or as a file, by the extension (default: only the "
+        "motion is reported)");
     options.option("-m,--memory", arguments->memory, "Memory limit of the build, e.g. 512M or 2G (default 1G)").bytes();
     options.option("--chunk-points", arguments->options.chunk_points,
                    "Maximum number of points per chunk (default 25000)");

@@ -48,7 +48,7 @@ int append(Arguments& arguments)
         json["parts"] = report.parts;
         json["position_error"] = report.outcome.error;
         json["notes"] = report.notes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(report.outcome);
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());

@@ -20,6 +20,13 @@ TargetChoice TargetOptions::get() const
     return {output, in_place};
 }
 
+void TargetOptions::add_overwrite(Options& options, const std::string& names)
+{
+    options.flag(
+        "--overwrite", overwrite,
+        "Also write " + names + " where the tree has an attribute of this name from elsewhere, whose values are lost");
+}
+
 void NeighbourOptions::add_to(Options& options)
 {
     options
@@ -102,6 +109,7 @@ int run_attribute_filter(const Common& common, const std::string& tree, const Ta
                          NeighbourAttributeOptions options)
 {
     options.progress = console_progress(common);
+    options.overwrite = choice.overwrite;
     UpdateTarget target(tree, choice.get());
     const NeighbourAttributeReport report = target.update(
         [&](const std::filesystem::path& folder) { return compute_neighbour_attributes(folder, options); });
@@ -110,7 +118,7 @@ int run_attribute_filter(const Common& common, const std::string& tree, const Ta
         Json json;
         json["tree"] = target.path().string();
         put_attribute_report(json, options.wanted, report);
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
     } else {
         print_attribute_report(target.path(), options.wanted, report);
     }

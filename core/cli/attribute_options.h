@@ -17,7 +17,10 @@ namespace pcm::cli {
 struct TargetOptions {
     std::string output;
     bool in_place = false;
+    bool overwrite = false;  // where the command has the option; see add_overwrite()
     void add_to(Options& options);
+    // For attributes of these names that the command did not make: "curvature, mean_distance".
+    void add_overwrite(Options& options, const std::string& names);
     // Throws UsageError unless exactly one of the two was given.
     TargetChoice get() const;
 };

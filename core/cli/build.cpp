@@ -108,7 +108,7 @@ int build(Arguments& arguments)
         put_attribute_report(json["normals"], wanted, computed);
         if (!arguments.common.json) print_attribute_report(output, wanted, computed);
     }
-    if (arguments.common.json) std::printf("%s\n", json.dump(2).c_str());
+    if (arguments.common.json) print_json(json);
     return finished(report.outcome);
 }
 

@@ -46,6 +46,11 @@ void end_progress(const Common& common)
     if (!common.quiet && !common.json && isatty(STDERR_FILENO)) std::fprintf(stderr, "\r%60s\r", "");
 }
 
+void print_json(const Json& json)
+{
+    std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
+}
+
 double points_per_second(const Outcome& outcome)
 {
     return outcome.seconds > 0 ? static_cast<double>(outcome.points_out) / outcome.seconds : 0;

@@ -26,6 +26,11 @@ void add_common(Options& options, Common& common);
 ProgressFunction console_progress(const Common& common);
 void end_progress(const Common& common);
 
+// Prints a command's report, with --json. Paths, names and coordinate systems may hold bytes that are not UTF-8, which
+// JSON cannot: U+FFFD replaces them. Never throws for text, so finished work does not end as a failure. The only place
+// where commands write JSON.
+void print_json(const Json& json);
+
 double points_per_second(const Outcome& outcome);
 // points, seconds, points_per_second, peak_rss_bytes, warnings: printed by every command that processes points.
 void put_outcome(Json& json, const Outcome& outcome);

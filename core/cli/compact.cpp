@@ -31,7 +31,7 @@ int compact(Arguments& arguments)
         json["bytes"] = report.build.bytes;
         json["nodes"] = report.build.nodes;
         json["levels"] = report.build.levels;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(report.build.outcome);
     }
     std::printf("%s: %s points in %.1f s (%.2f M points/s), %llu nodes on %u levels, %s (%s before)\n", output.c_str(),

@@ -85,7 +85,7 @@ int convert(Arguments& arguments)
         json["position_error"] = report.outcome.error;
         if (report.grid) json["grid"] = {{"scale", report.grid->scale}, {"offset", report.grid->offset}};
         json["notes"] = report.notes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(report.outcome);
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());

@@ -38,7 +38,7 @@ int erase(Arguments& arguments)
         json["bytes_written"] = report.bytes_written;
         json["tree_bounds"] = cloud.empty() ? Json() : Json({{"min", cloud.min}, {"max", cloud.max}});
         json["levels_as_even_as_before"] = report.coverage_kept;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(report.outcome);
     }
     if (report.points_deleted == 0) std::printf("note: no point is selected; %s\n", extent_text(cloud).c_str());

@@ -36,7 +36,8 @@ void check(const Arguments& arguments)
     if (!arguments.label.empty() && arguments.target.output.empty() == !arguments.target.in_place)
         throw UsageError("--label needs either -o COPY, a tree to write, or --in-place");
     if (arguments.label.empty() && has_target) throw UsageError("-o and --in-place are for --label");
-    if (arguments.overwrite && arguments.out.empty()) throw UsageError("--overwrite is for --out");
+    if (arguments.overwrite && arguments.out.empty() && arguments.label.empty())
+        throw UsageError("--overwrite is for --out and --label");
     // Before the work, not after it.
     if (!arguments.out.empty()) check_primitive_file(arguments.out, arguments.overwrite);
 }
@@ -75,8 +76,8 @@ void print_text(const Arguments& arguments, const DetectReport& found, const Lab
     std::printf("%.1f s, peak memory %s\n", found.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
 }
 
-void print_json(const Arguments& arguments, const DetectReport& found, const LabelReport& labels,
-                const std::vector<std::string>& notes)
+void report_json(const Arguments& arguments, const DetectReport& found, const LabelReport& labels,
+                 const std::vector<std::string>& notes)
 {
     Json json;
     json["tree"] = arguments.tree;
@@ -93,7 +94,7 @@ void print_json(const Arguments& arguments, const DetectReport& found, const Lab
     json["labelled_tree"] = arguments.label.empty() ? Json() : Json(labels.tree.string());
     json["points_changed"] = labels.outcome.points_out;
     json["notes"] = notes;
-    std::printf("%s\n", json.dump(2).c_str());
+    print_json(json);
 }
 
 // The list of primitives, when the labels are written: then its failure is no reason to repeat the command.
@@ -119,6 +120,14 @@ int run(Arguments& arguments)
     if (arguments.normal_angle) options.normal_angle = *arguments.normal_angle * degree;
     options.progress = console_progress(arguments.common);
     const auto tree = Tree::open(arguments.tree);
+    LabelOptions label;
+    label.target = arguments.target.get();
+    label.attribute = arguments.label;
+    label.overwrite = arguments.overwrite;
+    label.memory_bytes = options.memory_bytes;
+    label.threads = options.threads;
+    label.progress = console_progress(arguments.common);
+    if (!arguments.label.empty()) check_label_attribute(*tree, label);
     DetectReport found = detect_primitives(tree, options);
     std::vector<std::string> notes = found.notes;
     // The list is complete before the labels are written, and gets its name after that: both or none.
@@ -135,12 +144,6 @@ int run(Arguments& arguments)
     }
     LabelReport labels;
     if (!arguments.label.empty()) {
-        LabelOptions label;
-        label.target = arguments.target.get();
-        label.attribute = arguments.label;
-        label.memory_bytes = options.memory_bytes;
-        label.threads = options.threads;
-        label.progress = console_progress(arguments.common);
         labels = label_primitives(tree, found, label);
         found.outcome.warnings.insert(found.outcome.warnings.end(), labels.outcome.warnings.begin(),
                                       labels.outcome.warnings.end());
@@ -148,7 +151,7 @@ int run(Arguments& arguments)
     put_in_place(list, arguments, labels, found.outcome);
     end_progress(arguments.common);
     if (arguments.common.json)
-        print_json(arguments, found, labels, notes);
+        report_json(arguments, found, labels, notes);
     else
         print_text(arguments, found, labels, notes);
     return finished(found.outcome);
@@ -201,7 +204,11 @@ Run add_detect(Options& options)
         .option("--out", arguments->out,
                 "List of the primitives (.json), table (.csv) or drawing (.dxf, .scr), by the extension")
         .group(group);
-    options.flag("--overwrite", arguments->overwrite, "Replace the file of --out if it exists").group(group);
+    options
+        .flag("--overwrite", arguments->overwrite,
+              "Replace the file of --out if it exists; write --label where the tree has an attribute of this name from "
+              "elsewhere, whose values are lost")
+        .group(group);
     options
         .option("--label", arguments->label,
                 "Write this attribute (u32): the label of each point's primitive, or 0; --where NAME=3 selects them")

@@ -93,7 +93,7 @@ FitAtOptions options_of(const Arguments& a)
     return options;
 }
 
-void print_json(const Arguments& arguments, const FittedPrimitive& fitted, const SetDone& done, double seconds)
+void report_json(const Arguments& arguments, const FittedPrimitive& fitted, const SetDone& done, double seconds)
 {
     Json json;
     json["tree"] = arguments.tree;
@@ -115,7 +115,7 @@ void print_json(const Arguments& arguments, const FittedPrimitive& fitted, const
     notes.insert(notes.end(), done.notes.begin(), done.notes.end());
     json["notes"] = notes;
     json["warnings"] = done.outcome.warnings;
-    std::printf("%s\n", json.dump(2).c_str());
+    print_json(json);
 }
 
 void print_text(const Arguments& arguments, const FittedPrimitive& fitted, const SetDone& done, double seconds)
@@ -151,14 +151,16 @@ int fit(const Arguments& arguments)
                                 : arguments.name;
     SetDone done;
     if (fitted.primitive.fit.has_shape()) {
+        Outcome listed;  // its warnings
         // The list first: points that are deleted cannot be fitted again.
-        if (!arguments.list.empty()) add_to_list(arguments.list, fitted.primitive);
+        if (!arguments.list.empty()) run_last_step(listed, [&] { add_to_list(arguments.list, fitted.primitive); });
         done = arguments.actions.run(fitted.points, arguments.common, arguments.memory, arguments.threads);
+        done.outcome.warnings.insert(done.outcome.warnings.begin(), listed.warnings.begin(), listed.warnings.end());
     }
     end_progress(arguments.common);
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (arguments.common.json)
-        print_json(arguments, fitted, done, seconds);
+        report_json(arguments, fitted, done, seconds);
     else
         print_text(arguments, fitted, done, seconds);
     return fitted.primitive.fit.has_shape() ? finished(done.outcome) : 1;

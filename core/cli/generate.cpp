@@ -38,7 +38,7 @@ int generate(Arguments& arguments)
         json["cylinders"] = cylinders;
         json["spheres"] = spheres;
         json["notes"] = report.notes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
     } else {
         for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
         std::printf("%s: %s points in %.1f s (%.2f M points/s); %zu planes, %zu cylinders, %zu spheres\n",

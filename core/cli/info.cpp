@@ -275,7 +275,7 @@ template <class... Cloud>
 void show(const Common& common, const Cloud&... cloud)
 {
     if (common.json)
-        std::printf("%s\n", to_json(cloud...).dump(2).c_str());
+        print_json(to_json(cloud...));
     else
         print(cloud...);
 }

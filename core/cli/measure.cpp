@@ -3,6 +3,8 @@
 #include "pcm/cli/measure_output.h"
 #include "pcm/measure/snap.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
+#include "pcm/system/update_file.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -52,6 +54,37 @@ Measure measure_of(const Arguments& arguments, PointCloud* cloud, double& moved)
     return measure;
 }
 
+// What is to be shown and written: the measures of --list, then the new one.
+MeasureList list_with(const std::string& file, const std::optional<Measure>& added)
+{
+    MeasureList list;
+    if (!file.empty()) list = MeasureList::read(file);
+    if (added) list.add(*added);
+    return list;
+}
+
+// Writes the files, and returns the list in them: where one of them is the list that was read, what other processes
+// have added to it meanwhile is kept.
+MeasureList write_files(const Arguments& arguments, const std::optional<Measure>& added,
+                        const std::optional<CoordinateSystem>& system)
+{
+    MeasureList list = list_with(arguments.list, added);
+    MeasureFiles others = arguments.files;
+    for (const std::string& output : arguments.files.outputs) {
+        std::error_code none;
+        if (arguments.list.empty() || lower_extension(output) != ".json" ||
+            !std::filesystem::equivalent(output, arguments.list, none))
+            continue;
+        update_file(output, [&] {
+            list = list_with(arguments.list, added);
+            return list.text();
+        });
+        others.outputs.erase(std::find(others.outputs.begin(), others.outputs.end(), output));
+    }
+    others.write(list, system);
+    return list;
+}
+
 int run(const Arguments& arguments)
 {
     if (arguments.kind.empty() && arguments.list.empty())
@@ -59,15 +92,15 @@ int run(const Arguments& arguments)
     if (arguments.kind.empty() && !(arguments.points.empty() && arguments.from.empty() && arguments.surface.empty()))
         throw UsageError("points are of no use without a kind of measure");
     arguments.files.check();
-    MeasureList list;
-    if (!arguments.list.empty()) list = MeasureList::read(arguments.list);
+    if (!arguments.list.empty()) MeasureList::read(arguments.list);  // refused before the work, not after it
     std::shared_ptr<PointCloud> cloud;
     if (!arguments.from.empty()) cloud = PointCloud::open(arguments.from);
     const auto system = cloud ? system_of(*cloud) : std::nullopt;
     const std::string unit = length_unit_of(system);
     double moved = 0;
-    if (!arguments.kind.empty()) list.add(measure_of(arguments, cloud.get(), moved));
-    arguments.files.write(list, system);
+    std::optional<Measure> added;
+    if (!arguments.kind.empty()) added = measure_of(arguments, cloud.get(), moved);
+    const MeasureList list = write_files(arguments, added, system);
     if (arguments.common.json) {
         Json json;
         json["measures"] = Json::array();
@@ -76,7 +109,7 @@ int run(const Arguments& arguments)
         json["unit"] = unit;
         if (const std::string caution = caution_of(system); !caution.empty()) json["notes"] = {caution};
         json["files"] = arguments.files.outputs;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return 0;
     }
     if (const std::string caution = caution_of(system); !caution.empty()) std::printf("note: %s\n", caution.c_str());

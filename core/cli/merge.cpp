@@ -39,7 +39,7 @@ int merge(Arguments& arguments)
         json["crs"] = report.system.empty() ? Json() : Json(report.system);
         json["bytes"] = report.build.bytes;
         json["notes"] = report.build.notes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(outcome);
     }
     for (const std::string& note : report.build.notes) std::printf("note: %s\n", note.c_str());

@@ -44,6 +44,7 @@ Run add_normals(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     arguments->target.add_to(options);
+    arguments->target.add_overwrite(options, "normal_confidence, curvature and mean_distance");
     options.flag("--radii", arguments->radii, "Also write radii, measured across the normals, in the same pass");
     options
         .option("--radius-neighbours", arguments->radius_neighbours,

@@ -50,6 +50,7 @@ int run(Arguments& arguments)
         throw UsageError("--radius is for --method radius alone");
     options.radius = arguments.radius.value_or(0);
     options.neighbours = arguments.neighbours;
+    options.overwrite = arguments.target.overwrite;
     options.memory_bytes = arguments.memory;
     options.threads = arguments.threads;
     options.backend = arguments.flann ? NeighbourBackend::flann : NeighbourBackend::own;
@@ -78,7 +79,7 @@ int run(Arguments& arguments)
     json["deviation"] = report.deviation;
     json["threshold"] = report.threshold;
     json["levels_as_even_as_before"] = report.coverage_kept;
-    std::printf("%s\n", json.dump(2).c_str());
+    print_json(json);
     return finished(report.outcome);
 }
 
@@ -89,6 +90,7 @@ Run add_outliers(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     arguments->target.add_to(options);
+    arguments->target.add_overwrite(options, "outlier, of --label,");
     options.flag("--count", arguments->options.count_only, "Only report how many points would be removed");
     options.flag("--label", arguments->options.label,
                  "Remove nothing: write the attribute outlier, 1 for outliers and 0 for others");

@@ -60,7 +60,7 @@ Json value_of(const std::string& text)
     return value.is_number() ? value : Json(text);
 }
 
-void print_json(const Arguments& arguments, const PickResult& result, const PointDescription* point)
+void report_json(const Arguments& arguments, const PickResult& result, const PointDescription* point)
 {
     Json json;
     json["tree"] = arguments.tree;
@@ -86,7 +86,7 @@ void print_json(const Arguments& arguments, const PickResult& result, const Poin
                          {"grid_step", point->grid_step},
                          {"attributes", attributes}};
     }
-    std::printf("%s\n", json.dump(2).c_str());
+    print_json(json);
 }
 
 void print_text(const PickResult& result, const PointDescription* point, const PointCloud& cloud)
@@ -123,7 +123,7 @@ int pick(const Arguments& arguments)
     if (result.hit) point = describe_point(cloud->cache(), picker.sizes(), result.hit->node, result.hit->index);
     end_progress(arguments.common);
     if (arguments.common.json)
-        print_json(arguments, result, point ? &*point : nullptr);
+        report_json(arguments, result, point ? &*point : nullptr);
     else
         print_text(result, point ? &*point : nullptr, *cloud);
     return 0;

@@ -5,6 +5,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/rounded_text.h"
+#include "pcm/system/update_file.h"
 
 #include <cstdio>
 
@@ -85,15 +86,16 @@ void check_list(const std::filesystem::path& file) { read_list(file); }
 
 void add_to_list(const std::filesystem::path& file, Primitive& primitive)
 {
-    std::error_code error;
-    const bool exists = std::filesystem::exists(file, error);
-    PrimitiveList list;
-    list.add_all(read_list(file));
-    primitive.colour = next_colour(list);
-    primitive = list[list.add(primitive)];
-    CadOptions options;
-    options.overwrite = exists;
-    write_primitives(file, list.all(), options);
+    Primitive added;
+    update_file(file, [&] {
+        PrimitiveList list;
+        list.add_all(read_list(file));
+        added = primitive;
+        added.colour = next_colour(list);
+        added = list[list.add(added)];
+        return pcm::json_of(list.all());
+    });
+    primitive = added;
 }
 
 }  // namespace pcm::cli

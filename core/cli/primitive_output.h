@@ -17,8 +17,9 @@ void print_primitive(const Primitive& primitive);
 // Throws Error(invalid_argument) unless the file's name ends in .json, and what read_primitives() throws for one that
 // is there and no list: before the work, not after it.
 void check_list(const std::filesystem::path& file);
-// Writes the list with the primitive added, which gets a name unless it has one; a list that does not exist is made.
-// Throws what check_list() and write_primitives() throw.
+// Writes the list with the primitive added, which gets a colour, and a name unless it has one; a list that does not
+// exist is made. Processes that add to one list at once wait for each other (system/update_file.h). Throws what
+// check_list(), json_of() and update_file() throw.
 void add_to_list(const std::filesystem::path& file, Primitive& primitive);
 
 }  // namespace pcm::cli

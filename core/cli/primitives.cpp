@@ -2,8 +2,11 @@
 #include "pcm/cli/common.h"
 #include "pcm/fit/primitive_text.h"
 #include "pcm/measure/measure.h"
+#include "pcm/system/new_output.h"
 #include "pcm/system/output_group.h"
+#include "pcm/system/update_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -51,27 +54,63 @@ void print(const Primitive& primitive, const std::string& unit)
     if (fit.verdict != FitVerdict::good) std::printf("  %s: %s\n", name_of(fit.verdict), fit.message.c_str());
 }
 
-int run(Arguments& arguments)
+std::vector<Primitive> read_all(const Arguments& arguments)
 {
-    arguments.options.unit = *cad_unit(arguments.unit == "none" ? "" : arguments.unit);
     std::vector<Primitive> primitives = read_primitives(arguments.list);
     for (const std::string& other : arguments.more)
         for (Primitive& primitive : read_primitives(other)) primitives.push_back(std::move(primitive));
+    return primitives;
+}
+
+// Whether the output is a list that was read: then what other processes have added to it meanwhile is to be kept.
+bool is_input(const std::string& output, const Arguments& arguments)
+{
+    const auto is_output = [&](const std::string& list) {
+        std::error_code none;
+        return std::filesystem::equivalent(output, list, none);
+    };
+    return lower_extension(output) == ".json" &&
+           (is_output(arguments.list) || std::any_of(arguments.more.begin(), arguments.more.end(), is_output));
+}
+
+CadReport write(const std::string& output, std::vector<Primitive>& primitives, const Arguments& arguments)
+{
+    if (primitives.empty() || !is_input(output, arguments))
+        return write_primitives(output, primitives, arguments.options);
+    check_primitive_file(output, arguments.options.overwrite);
+    update_file(output, [&] {
+        primitives = read_all(arguments);
+        return json_of(primitives);
+    });
+    return {primitives.size(), {}};
+}
+
+int run(Arguments& arguments)
+{
+    arguments.options.unit = *cad_unit(arguments.unit == "none" ? "" : arguments.unit);
+    std::vector<Primitive> primitives = read_all(arguments);
     std::vector<std::string> notes;
     Json files = Json::array();
-    OutputGroup group;
-    for (const std::string& output : arguments.outputs) {
-        const CadReport report = write_primitives(output, primitives, arguments.options);
-        files.push_back({{"file", output}, {"primitives", report.written}});
-        for (const std::string& note : report.notes) notes.push_back(output + ": " + note);
+    const auto write_those = [&](bool inputs) {
+        for (const std::string& output : arguments.outputs) {
+            if (is_input(output, arguments) != inputs) continue;
+            const CadReport report = write(output, primitives, arguments);
+            files.push_back({{"file", output}, {"primitives", report.written}});
+            for (const std::string& note : report.notes) notes.push_back(output + ": " + note);
+        }
+    };
+    {
+        OutputGroup group;
+        write_those(false);
+        group.put_in_place();
     }
-    group.put_in_place();
+    write_those(true);  // last: to add to a list again would add twice
     if (arguments.common.json) {
         Json json = Json::parse(json_of(primitives));
         json["unit"] = name_of(arguments.options.unit);
         json["files"] = files;
         json["notes"] = notes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return 0;
     }
     for (const Primitive& primitive : primitives) print(primitive, name_of(arguments.options.unit));

@@ -79,7 +79,7 @@ int run(Arguments& arguments)
         json["heights"] = {extent.box.min[2], extent.box.max[2]};
     }
     if (!arguments.output.empty()) json["file"] = arguments.output;
-    std::printf("%s\n", json.dump(2).c_str());
+    print_json(json);
     return finished(outcome);
 }
 

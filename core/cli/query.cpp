@@ -72,7 +72,7 @@ int estimate(const Arguments& arguments, PointCloud& cloud, const Query& query)
         json["seconds_expected"] = e.seconds ? Json(*e.seconds) : Json();
         json["seconds"] = e.own_seconds;
         if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return 0;
     }
     std::printf("points      about %s%s; from %s to %s\n",
@@ -116,7 +116,7 @@ int count(const Arguments& arguments, PointCloud& cloud, const Query& query)
         json["bytes_read"] = statistics.bytes_read;
         json["spacing"] = std::isfinite(outcome.error) ? Json(outcome.error) : Json();
         if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return 0;
     }
     std::printf("%s points in %s; %s points of %s chunks examined\n", grouped(outcome.points_out).c_str(),
@@ -157,7 +157,7 @@ int nearest(const Arguments& arguments, PointCloud& cloud, const Query& query)
         json["error"] = std::isfinite(outcome.error) ? Json(outcome.error) : Json();
         json["points_compared"] = outcome.points_in;
         if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return 0;
     }
     for (const Neighbour& n : result.points)
@@ -191,7 +191,7 @@ int first_hit(const Arguments& arguments, PointCloud& cloud, const Query& query)
                            {"index", result.hit->index}};
         json["error"] = std::isfinite(result.outcome.error) ? Json(result.outcome.error) : Json();
         if (arguments.statistics) json["cache"] = cache_json(cloud.cache().statistics());
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return 0;
     }
     if (result.hit)

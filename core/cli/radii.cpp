@@ -50,6 +50,7 @@ Run add_radii(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     arguments->target.add_to(options);
+    arguments->target.add_overwrite(options, "mean_distance");
     arguments->neighbours.neighbours = usual_radius_neighbours;
     arguments->neighbours.add_to(options);
     options.flag("--mean-distance", arguments->mean_distance,

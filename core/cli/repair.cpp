@@ -51,7 +51,7 @@ int repair(Arguments& arguments)
         json["faults"] = report.faults;
         json["restored"] = report.restored;
         json["leftovers"] = report.healed;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return result ? result : finished(report.outcome);
     }
     print(arguments.tree.c_str(), report, check);

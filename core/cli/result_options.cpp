@@ -28,7 +28,10 @@ void ResultArguments::add_to(Options& options)
 {
     const char* const group = "Output";
     const Option to =
-        options.option("-o,--output", output, "The new tree's folder, by convention NAME.pct").group(group);
+        options
+            .option("-o,--output", output,
+                    "The new tree's folder, by convention NAME.pct; or a file, by the extension: NAME.laz, .ply, ...")
+            .group(group);
     options.flag("--in-place", in_place, "Replace the tree by the result, atomically").excludes(to).group(group);
     options.flag("--overwrite", overwrite, "Replace an existing tree of the output's name").group(group);
     options.option("--chunk-points", chunk_points, "Maximum number of points per chunk (default 25000)").group(group);
@@ -51,7 +54,7 @@ Sources::Sources(const std::vector<std::string>& inputs, const ResultArguments& 
     }
     if (arguments.in_place) throw UsageError("--in-place: only a single tree can be replaced by the result");
     // Refuses what cannot be the output's name before the files are read.
-    const fs::path output = output_tree(arguments.output);
+    const fs::path output = result_place(arguments.output, true);
     if (fs::exists(output) && !arguments.overwrite)
         throw Error(ErrorCode::exists, arguments.output, "the output exists already",
                     "choose another name, or overwrite it");

@@ -153,7 +153,7 @@ void print(const Arguments& arguments, const PointSet& set, const SetStatistics&
         json["peak_rss_bytes"] = peak_memory_bytes();
         json["notes"] = done.notes;
         json["warnings"] = done.outcome.warnings;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return;
     }
     if (statistics.points == 0) {

@@ -3,6 +3,7 @@
 #include "pcm/cli/cache_statistics.h"
 #include "pcm/cli/common.h"
 #include "pcm/cli/region_options.h"
+#include "pcm/cloud/attribute_length.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 
@@ -29,11 +30,18 @@ struct Arguments {
     throw Error(ErrorCode::invalid_argument, {}, "'" + text + "': " + what, hint);
 }
 
-// "name:type" or "name:typexN"
-Attribute parse_attribute(const std::string& text)
+// "name:type" or "name:typexN"; then ":length", ":length^2", ... for values that grow with the cloud
+Attribute parse_attribute(std::string text)
 {
-    const char* const expected = "write NAME:TYPE or NAME:TYPExN, such as height:f32 or tint:u8x3";
+    const char* const expected =
+        "write NAME:TYPE or NAME:TYPExN, such as height:f32 or tint:u8x3, and :length after it for lengths in source "
+        "units";
     Attribute attribute;
+    if (const auto unit = text.rfind(":length"); unit != std::string::npos && unit > 0) {
+        attribute.description = std::string(attribute_unit::length) + text.substr(unit + 7);
+        if (length_power(attribute) == 0) refuse(text, "the length has no exponent of one digit", expected);
+        text.resize(unit);
+    }
     const auto colon = text.rfind(':');
     if (colon == std::string::npos || colon == 0) refuse(text, "a name and a type are expected", expected);
     attribute.name = text.substr(0, colon);
@@ -199,7 +207,7 @@ int set(Arguments& arguments)
         json["peak_rss_bytes"] = peak_memory_bytes();
         json["warnings"] = set.outcome.warnings;
         if (arguments.statistics) json["cache"] = cache_json(statistics);
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(set.outcome);
     }
     std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(),
@@ -221,7 +229,9 @@ Run add_set(Options& options)
         "Assignments: NAME=VALUE, NAME=VALUE,VALUE,... (one value per component), NAME[COMPONENT]=VALUE");
     options
         .option("--new", arguments->attributes,
-                "Attribute to add first, such as height:f32 or tint:u8x3; its values are 0")
+                "Attribute to add first, such as height:f32 or tint:u8x3; its values are 0. height:f32:length has "
+                "lengths in "
+                "source units, which grow when the cloud is scaled, area:f32:length^2 areas")
         .one_value_each();
     const char* const group = "Points to change (default: all)";
     options.option("--level", arguments->level, "Only the points up to this level").group(group);

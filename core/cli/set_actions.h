@@ -17,6 +17,8 @@ struct SetDone {
     std::string what;  // "saved", ...; empty: nothing
     std::string output;
     std::uint64_t changed = 0;
+    std::optional<std::int64_t> number;  // the class, of what was classified
+    std::string subject;                 // "class 7 'low point (noise)' given to 2,167 points"; else empty
     Outcome outcome;
     std::vector<std::string> notes;
 };
@@ -28,7 +30,7 @@ public:
     // Throws UsageError for options that do not go together.
     void check() const;
     // Throws what select/set_changes.h and select/set_points.h throw, and Error(invalid_argument) for a class that is
-    // no integer.
+    // neither an integer nor the name of one.
     SetDone run(const PointSet& set, const Common& common, std::uint64_t memory, unsigned threads) const;
 
 private:
@@ -36,7 +38,7 @@ private:
 
     std::string attribute_, extract_;
     bool erase_ = false, overwrite_ = false;
-    std::optional<double> classify_;
+    std::string classify_;
     std::string classes_ = "classification";
     TargetOptions target_;
 };

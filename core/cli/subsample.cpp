@@ -17,6 +17,7 @@ struct Arguments {
     std::vector<std::string> inputs;
     ResultArguments result;
     SubsampleOptions options;
+    bool asked_exact = false;
 };
 
 std::string chosen_text(const Arguments& arguments, const SubsampleReport& report)
@@ -58,7 +59,7 @@ int run(Arguments& arguments)
         }
         json["bytes"] = report.build.bytes;
         json["notes"] = notes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(outcome);
     }
     for (const std::string& note : notes) std::printf("note: %s\n", note.c_str());
@@ -77,16 +78,17 @@ Run add_subsample(Options& options)
     options
         .positional("input", arguments->inputs, "A tree, or files, folders and trees, which are merged into one cloud")
         .required();
-    const Option spacing =
-        options.option("-s,--spacing", arguments->options.spacing,
-                       "Spacing of the points, source units: the level whose spacing is nearest, unless --exact");
-    options
-        .option("-n,--points", arguments->options.points,
-                "Number of points: the finest level with at most so many, unless --exact")
+    const Option spacing = options.option(
+        "-s,--spacing", arguments->options.spacing,
+        "Spacing of the points, source units: no two points are nearer, and every point of the cloud has one that "
+        "is; exactly, unless --nearest-level");
+    options.option("-n,--points", arguments->options.points, "Number of points: exactly, unless --nearest-level")
         .excludes(spacing);
-    options.flag(
-        "--exact", arguments->options.exact,
-        "Exactly the spacing (no two points nearer, every point of the cloud near one), or exactly the number");
+    const Option level =
+        options.off_flag("--nearest-level", arguments->options.exact,
+                         "Quickly: the tree's level of detail whose spacing is nearest, which may be twice or half of "
+                         "the one given, or all points; or the finest level with at most so many points");
+    options.flag("--exact", arguments->asked_exact, "The default; kept for scripts").excludes(level);
     arguments->result.add_to(options);
     arguments->reading.add_to(options);
     arguments->reading.add_ignore_crs(options);

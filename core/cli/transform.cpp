@@ -1,3 +1,4 @@
+#include "pcm/filter/result_tree.h"
 #include "pcm/io/pipe/transformed_reader.h"
 
 #include "pcm/build/builder.h"
@@ -71,10 +72,12 @@ int transform(Arguments& arguments)
     if (std::filesystem::equivalent(tree->folder(), arguments.output, ignored))
         refuse("the output is the input tree", "give the new tree another name");
     const Affine map = map_of(arguments, tree->info().bounds());
-    TransformedReader points(std::make_unique<TreeReader>(tree, std::nullopt, Selection()), map);
+    const auto open = [&] {
+        return std::make_unique<TransformedReader>(std::make_unique<TreeReader>(tree, std::nullopt, Selection()), map);
+    };
     arguments.options.memory_bytes = arguments.memory;
     arguments.options.progress = console_progress(arguments.common);
-    const BuildReport report = build_tree(points, tree->info().sources, arguments.output, arguments.options);
+    const BuildReport report = build_or_write(open, tree->info().sources, arguments.output, arguments.options);
     end_progress(arguments.common);
     if (arguments.common.json) {
         Json json;
@@ -83,7 +86,7 @@ int transform(Arguments& arguments)
         put_outcome(json, report.outcome);
         json["position_error"] = report.outcome.error;
         json["bytes"] = report.bytes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(report.outcome);
     }
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
@@ -99,7 +102,10 @@ Run add_transform(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
-    options.positional("output", arguments->output, "The new tree's folder, by convention NAME.pct").required();
+    options
+        .positional("output", arguments->output,
+                    "The new tree's folder, by convention NAME.pct; or a file, by the extension: NAME.laz, .ply, ...")
+        .required();
     const char* group = "Transformation (scaled and rotated about the pivot, then translated)";
     options.option("--translate", arguments->translate, "Translation dx dy dz, source units").values(3).group(group);
     options

@@ -70,7 +70,7 @@ int verify(const Arguments& arguments)
         json["faults"] = report.faults;
         json["around"] = report.around;
         json["notes"] = report.notes;
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return intact ? 0 : 1;
     }
     if (!levels.levels.empty()) print(levels);

@@ -117,7 +117,7 @@ int run(Arguments& arguments)
     list.add(measure_of(arguments, report, *cloud));
     arguments.files.write(list, system);
     if (arguments.common.json)
-        std::printf("%s\n", json_of(arguments, report, length_unit_of(system)).dump(2).c_str());
+        print_json(json_of(arguments, report, length_unit_of(system)));
     else
         print(arguments, report, length_unit_of(system));
     return 0;

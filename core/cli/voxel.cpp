@@ -47,7 +47,7 @@ int voxel(Arguments& arguments)
         json["most_points_in_a_voxel"] = report.most_in_one;
         json["bytes"] = report.build.bytes;
         json["notes"] = sources.notes(report.build.notes);
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(outcome);
     }
     for (const std::string& note : sources.notes(report.build.notes)) std::printf("note: %s\n", note.c_str());

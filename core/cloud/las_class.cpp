@@ -29,6 +29,7 @@ std::string las_class_name(unsigned code)
                                             "ignored ground",
                                             "snow",
                                             "temporal exclusion"};
+    static_assert(std::size(names) == named_las_classes);
     if (code < std::size(names)) return names[code];
     return code < 64 ? "reserved" : "user defined";
 }

@@ -1,5 +1,6 @@
 #include "pcm/filter/neighbour_attributes.h"
 
+#include "pcm/cloud/attribute_length.h"
 #include "pcm/filter/attribute_pass.h"
 #include "pcm/filter/precision.h"
 #include "pcm/filter/result_attributes.h"
@@ -39,17 +40,22 @@ void check(const NeighbourAttributeOptions& options, const std::filesystem::path
     }
 }
 
-AttributePlaces make_places(TreeChanges& changes, const WantedValues& wanted)
+AttributePlaces make_places(TreeChanges& changes, const WantedValues& wanted, bool overwrite)
 {
     AttributePlaces places;
     const auto place = [&](bool is_wanted, std::string_view name, ScalarType type, std::uint32_t components,
                            const char* description) -> std::optional<std::size_t> {
         if (!is_wanted) return {};
-        return place_for(changes, {std::string(name), type, components, 1, 0, description});
+        const Attribute attribute{std::string(name), type, components, 1, 0, description};
+        // Normals and radii are what the cloud looks like: new ones are to take the place of any.
+        if (name != attribute_name::normal && name != attribute_name::radius)
+            check_may_write(*changes.tree(), attribute, overwrite);
+        return place_for(changes, attribute);
     };
     // In the order that exports have them.
     places.normal = place(wanted.normal, attribute_name::normal, ScalarType::f32, 3, "");
-    places.radius = place(wanted.radius, attribute_name::radius, ScalarType::f32, 1, "");
+    places.radius =
+        place(wanted.radius, attribute_name::radius, ScalarType::f32, 1, attribute_unit::radius_description.data());
     places.curvature = place(wanted.curvature, attribute_name::curvature, ScalarType::f32, 1,
                              "share of the smallest variance among the neighbours, 0 to 1/3");
     places.confidence = place(wanted.confidence, attribute_name::normal_confidence, ScalarType::u8, 1,
@@ -85,7 +91,7 @@ NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::pat
     NeighbourAttributeOptions options = asked;
     NeighbourAttributeReport report;
     const auto changes = std::make_shared<TreeChanges>(path);
-    const AttributePlaces places = make_places(*changes, options.wanted);
+    const AttributePlaces places = make_places(*changes, options.wanted, options.overwrite);
     const TreeInfo info = changes->tree()->info();
     L2Options cache_options;
     cache_options.capacity_bytes = options.memory_bytes / 2;

@@ -48,6 +48,9 @@ struct NeighbourAttributeOptions {
     std::optional<std::uint16_t> level;
     std::optional<double> time_limit;            // seconds
     std::optional<double> error_target_percent;  // at least 0
+    // Values of attributes named curvature, mean_distance and normal_confidence that this filter did not make may be
+    // lost (filter/result_attributes.h). Normals and radii of any origin are replaced.
+    bool overwrite = false;
     std::uint64_t memory_bytes = std::uint64_t(512) << 20;
     unsigned threads = 0;  // 0: one per processor
     NeighbourBackend backend = NeighbourBackend::own;
@@ -64,8 +67,8 @@ struct NeighbourAttributeReport : FilterReport {
 
 // In place and atomic: whatever ends it early, also a crash, a cancelled progress or a full disk, leaves the tree as it
 // was. Open readers keep reading the old tree. Throws Error(invalid_argument) for options out of range and for an
-// attribute that exists with another type, Error(exists) when another process or thread changes the tree, and what
-// reading and writing throw. What fails after the tree is changed is a warning of the outcome.
+// attribute that exists with another type or origin, Error(exists) when another process or thread changes the tree, and
+// what reading and writing throw. What fails after the tree is changed is a warning of the outcome.
 NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::path& tree,
                                                       const NeighbourAttributeOptions& options);
 

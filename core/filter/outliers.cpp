@@ -176,7 +176,8 @@ void label(const std::filesystem::path& path, const OutlierOptions& options, Out
 {
     Watch watch(options.progress);
     const auto changes = std::make_shared<TreeChanges>(path);
-    const std::size_t place = place_for(*changes, {std::string(attribute_name::outlier), ScalarType::u8, 1, 1, 0, ""});
+    check_may_write(*changes->tree(), outlier_attribute(), options.overwrite);
+    const std::size_t place = place_for(*changes, outlier_attribute());
     L2Cache cache(changes, cache_options(options));
     try {
         const OutlierTest test(cache, options, report);

@@ -30,6 +30,7 @@ struct OutlierOptions {
     double factor = 3;            // finite; of the statistical and the robust method
     double radius = 0;            // source units, inclusive, positive; of the method `radius`
     bool label = false;       // removes nothing: writes the attribute "outlier" (u8), 1 for outliers and 0 for others
+    bool overwrite = false;   // label: an attribute "outlier" that this filter did not make may be lost
     bool count_only = false;  // changes nothing; the report says what would be removed
     std::uint64_t memory_bytes = std::uint64_t(512) << 20;
     unsigned threads = 0;  // 0: one per processor
@@ -50,8 +51,9 @@ struct OutlierReport : FilterReport {
 // all pairs, at map coordinates too. A scratch file of 8 bytes a point lies in the tree's folder while it runs
 // (when points are only counted, in the system's folder for temporary files); it has no name. Removing keeps the levels
 // of the other points (see update/erase.h). Throws Error(invalid_argument) for options out of range, and for an
-// attribute "outlier" of another type; Error(exists) when another process or thread changes the tree; what reading and
-// writing throw. What fails after the tree is changed is a warning of the outcome.
+// attribute "outlier" of another type or, unless `overwrite`, of another origin; Error(exists) when another process or
+// thread changes the tree; what reading and writing throw. What fails after the tree is changed is a warning of the
+// outcome.
 OutlierReport remove_outliers(const std::filesystem::path& tree, const OutlierOptions& options);
 
 }  // namespace pcm

@@ -1,15 +1,75 @@
 #include "pcm/filter/result_tree.h"
 
+#include "pcm/convert/convert.h"
+#include "pcm/io/formats.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
+#include "pcm/system/output_path.h"
 #include "pcm/tree/tree_lock.h"
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <system_error>
+#include <utility>
 
 namespace pcm {
 
 namespace fs = std::filesystem;
+
+namespace {
+
+// A reader that its maker keeps, too.
+class SharedReader final : public PointReader {
+public:
+    explicit SharedReader(std::shared_ptr<PointReader> points) : points_(std::move(points)) {}
+    const FileInfo& info() const override { return points_->info(); }
+    bool read(PointBatch& batch, std::size_t max_points) override { return points_->read(batch, max_points); }
+    bool seekable() const override { return points_->seekable(); }
+    void seek(std::uint64_t index) override { points_->seek(index); }
+    double fraction_read() const override { return points_->fraction_read(); }
+
+private:
+    const std::shared_ptr<PointReader> points_;
+};
+
+}  // namespace
+
+fs::path result_place(const fs::path& copy, bool overwrite)
+{
+    if (!is_point_file_name(copy) || fs::is_directory(copy)) {
+        fs::path place = output_tree(copy);
+        if (fs::exists(place) && !overwrite)
+            throw Error(ErrorCode::exists, copy, "the output exists already", "choose another name, or overwrite it");
+        return place;
+    }
+    std::string extension = lower_extension(copy).substr(1);
+    const Format* const format = format_of_extension(extension);
+    if (!format || !format->create)
+        throw Error(ErrorCode::unsupported, copy, "files of this format are only read, not written",
+                    "use another extension, or .pct for a tree");
+    check_output(copy, overwrite);
+    return output_file(copy);
+}
+
+BuildReport build_or_write(const std::function<std::unique_ptr<PointReader>()>& open,
+                           const std::vector<std::string>& sources, const fs::path& output, const BuildOptions& options)
+{
+    if (!is_point_file_name(output) || fs::is_directory(output)) return build_tree(*open(), sources, output, options);
+    result_place(output, options.overwrite);
+    ConvertOptions convert;
+    convert.write.threads = options.threads;
+    convert.overwrite = options.overwrite;
+    convert.progress = options.progress;
+    const ConvertReport written = write_cloud(open, output, convert);
+    BuildReport report;
+    report.outcome = written.outcome;
+    report.points_skipped = written.points_skipped;
+    report.skipped = written.skipped;
+    report.bytes = written.bytes;
+    report.notes = written.notes;
+    return report;
+}
 
 BuildReport build_result(const fs::path& path, const ResultOptions& options,
                          const std::function<std::shared_ptr<PointReader>(std::shared_ptr<const Tree>)>& filter)
@@ -38,8 +98,9 @@ BuildReport build_result(const fs::path& path, const ResultOptions& options,
     build.overwrite = in_place || options.overwrite;
     build.progress = options.progress;
     check_build_options(build);  // before the filter begins
-    const std::shared_ptr<PointReader> points = filter(tree);
-    return build_tree(*points, tree->info().sources, in_place ? tree->folder() : options.target.copy, build);
+    const fs::path output = in_place ? tree->folder() : options.target.copy;
+    return build_or_write([&] { return std::make_unique<SharedReader>(filter(tree)); }, tree->info().sources, output,
+                          build);
 }
 
 }  // namespace pcm

@@ -1,8 +1,8 @@
 // A part of a cloud's points that is evenly spread: to a spacing, or of a number.
 //
-// The levels of a tree are such parts already (tree/tree.h, Sampling), so the level nearest to what is asked costs no
-// more than reading it. Exactly the spacing, or exactly the number, is made on request. Points keep their positions and
-// attributes bit for bit.
+// A result has exactly the spacing, or exactly the number. The levels of a tree are such parts already (tree/tree.h,
+// Sampling), of other spacings and numbers: the level nearest to what is asked costs no more than reading it. Points
+// keep their positions and attributes bit for bit.
 #pragma once
 
 #include "pcm/filter/result_tree.h"
@@ -23,8 +23,9 @@ struct SubsampleOptions {
     std::optional<double> spacing;        // source units
     std::optional<std::uint64_t> points;  // how many
     // Of a spacing: no two points are nearer than it, and every point of the cloud has one that is (squares compared in
-    // double). Of a number: that many, unless the cloud has fewer. Else: a level.
-    bool exact = false;
+    // double). Of a number: that many, unless the cloud has fewer. False: choose_level(), whose spacing may be twice or
+    // half of the one asked for, and which may be all points.
+    bool exact = true;
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // of the reader
     unsigned threads = 0;                                   // 0: one per processor
 };

@@ -1,5 +1,6 @@
 #include "pcm/gl/gpu_radii.h"
 
+#include "pcm/cloud/attribute_length.h"
 #include "pcm/gl/chunk_boxes.h"
 #include "pcm/gl/gpu_cursor.h"
 #include "pcm/gl/radius_search.h"
@@ -39,6 +40,7 @@ Attribute attribute_of_radii()
     Attribute attribute;
     attribute.name = attribute_name::radius;
     attribute.type = ScalarType::f32;
+    attribute.description = attribute_unit::radius_description;
     return attribute;
 }
 

@@ -1,6 +1,7 @@
 // Lists of measures as JSON.
 #include "pcm/cad/json_fields.h"
 #include "pcm/measure/measure_list.h"
+#include "pcm/system/bounded_json.h"
 #include "pcm/system/error.h"
 
 #include <nlohmann/json.hpp>
@@ -98,7 +99,7 @@ std::string MeasureList::text() const
 
 MeasureList MeasureList::parse(const std::string& text)
 {
-    const Json json = parse_json(text);
+    const Json json = parse_bounded_json(text);
     const JsonFields fields(json, "the file");
     if (!fields.has("format") || fields.text("format", true) != format)
         refuse("this is no list of measures: 'format' is not \"pcm measures\"");

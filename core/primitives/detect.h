@@ -58,10 +58,14 @@ DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const De
 struct LabelOptions {
     TargetChoice target;                  // in place or into a copy
     std::string attribute = "primitive";  // u32, made when absent: the label, or 0
+    bool overwrite = false;               // values that are not labels of primitives may be lost
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     unsigned threads = 0;
     ProgressFunction progress;
 };
+// Throws what label_primitives() would because of the attribute's name: before the search, not after it. See
+// filter/result_attributes.h.
+void check_label_attribute(const Tree& tree, const LabelOptions& options);
 
 struct LabelReport {
     Outcome outcome;             // in: points of the tree; out: points whose value was changed

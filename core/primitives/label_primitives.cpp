@@ -55,6 +55,11 @@ void write(L2Cache& cache, std::size_t place, const PointLabels& labels, const L
 
 }  // namespace
 
+void check_label_attribute(const Tree& tree, const LabelOptions& options)
+{
+    check_may_write(tree, primitive_attribute(options.attribute), options.overwrite);
+}
+
 LabelReport label_primitives(const std::shared_ptr<const Tree>& tree, const DetectReport& found,
                              const LabelOptions& options)
 {
@@ -63,12 +68,13 @@ LabelReport label_primitives(const std::shared_ptr<const Tree>& tree, const Dete
     if (!found.labels)
         throw Error(ErrorCode::invalid_argument, tree->folder(), "there are no labels: nothing was detected",
                     "detect primitives first");
+    check_label_attribute(*tree, options);
     UpdateTarget target(tree->folder(), options.target);
     LabelReport report = target.update([&](const std::filesystem::path& folder) {
         LabelReport written;
         const auto changes = std::make_shared<TreeChanges>(folder);
         require_unchanged(*tree, *changes->tree());
-        const std::size_t place = place_for(*changes, {options.attribute, ScalarType::u32, 1, 1, 0, ""});
+        const std::size_t place = place_for(*changes, primitive_attribute(options.attribute));
         L2Options capacity;
         capacity.capacity_bytes = options.memory_bytes;
         L2Cache cache(changes, capacity);

@@ -151,7 +151,9 @@ private:
 
 SetChangeReport save_as_attribute(const PointSet& set, const std::string& name, const SetChangeOptions& options)
 {
-    const auto place = [&](TreeChanges& changes) { return place_for(changes, {name, ScalarType::u8, 1, 1, 0, ""}); };
+    const Attribute attribute = selection_attribute(name);
+    check_may_write(set.tree(), attribute, options.overwrite);
+    const auto place = [&](TreeChanges& changes) { return place_for(changes, attribute); };
     return change_column(set, true, options, place,
                          [&](NodeId node, const Column& before, const std::function<Column&()>& edit) {
                              const std::vector<std::uint8_t> flags = set.flags(node);

@@ -24,6 +24,7 @@ struct SetChangeOptions {
     TargetChoice target;
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // of the cache
     unsigned threads = 0;                                   // 0: one per processor
+    bool overwrite = false;  // save_as_attribute(): values that it did not make may be lost
     ProgressFunction progress;
 };
 
@@ -34,7 +35,8 @@ struct SetChangeReport {
 
 // Writes the attribute `name` (u8): 1 for the points of the set, 0 for all others; made when absent. A condition
 // NAME=1 selects them again. An empty set is fine. Throws Error(invalid_argument) for an attribute of that name and
-// another type.
+// another type; and, unless `overwrite`, for one that this function did not make, and for standard names, before
+// anything is copied (filter/result_attributes.h: check_may_write()).
 SetChangeReport save_as_attribute(const PointSet& set, const std::string& name, const SetChangeOptions& options);
 
 // Sets an integer attribute of the points, made as u8 when absent. `value` is the raw value. Throws

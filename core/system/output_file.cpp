@@ -85,15 +85,28 @@ void OutputFile::put_in_place()
 
 void OutputFile::finish()
 {
+    OutputGroup* const group = OutputGroup::current();
+    if (!group) {
+        finish_if([] { return true; });
+        return;
+    }
+    complete();
+    group->add(path_, place_, part_, file_);
+    finished_ = true;
+}
+
+void OutputFile::complete()
+{
     if (finished_) throw Error(ErrorCode::invalid_argument, path_, "finish() was called twice");
     flush();
     file_.sync();
-    if (OutputGroup* const group = OutputGroup::current()) {
-        group->add(path_, place_, part_, file_);
-        finished_ = true;
-        return;
-    }
+}
+
+bool OutputFile::finish_if(const std::function<bool()>& condition)
+{
+    complete();
     const OpenFolder folder(folder_holding(place_));
+    if (!condition()) return false;
     put_in_place();
     finished_ = true;
     try {
@@ -102,6 +115,7 @@ void OutputFile::finish()
     } catch (const Error& error) {
         throw Error::after(path_, "the file is complete and in place", error);
     }
+    return true;
 }
 
 }  // namespace pcm

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string_view>
 #include <vector>
 
@@ -36,9 +37,13 @@ public:
     void rewrite(const void* bytes, std::size_t count, std::uint64_t offset);
     // Throws an Error that is_done() when the file is complete and in place, but may not survive a loss of power.
     void finish();
+    // The same at once, also while there is an OutputGroup, after `condition` was asked as the last thing before the file
+    // gets its name. Where it is false, the name keeps the file that it has, and this returns false.
+    bool finish_if(const std::function<bool()>& condition);
 
 private:
     void flush();
+    void complete();
     void put_in_place();
 
     std::filesystem::path path_, place_;  // as given; where the file is put

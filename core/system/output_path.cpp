@@ -4,7 +4,11 @@
 #include "pcm/system/file.h"
 #include "pcm/system/tree_folder.h"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
 #include <optional>
+#include <string_view>
 #include <system_error>
 
 namespace pcm {
@@ -100,6 +104,16 @@ fs::path output_file(const fs::path& path)
     return place;
 }
 
+bool is_point_file_name(const fs::path& path)
+{
+    // tests/io/formats_test.cpp holds this against the table of formats.
+    static constexpr std::array<std::string_view, 13> endings{".bpc", ".las", ".laz", ".pcd", ".ply", ".e57", ".xyz",
+                                                              ".txt", ".asc", ".csv", ".pwn", ".pts", ".ptx"};
+    std::string ending = path.extension().string();
+    for (char& c : ending) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    return std::find(endings.begin(), endings.end(), ending) != endings.end();
+}
+
 fs::path output_tree(const fs::path& given)
 {
     fs::path path = given;
@@ -113,6 +127,10 @@ fs::path output_tree(const fs::path& given)
     const fs::path place = without_links(path);
     const fs::file_status status = status_of_name(place);
     refuse_inside_tree(place, given);
+    if (!fs::exists(status) && is_point_file_name(path))
+        throw Error(ErrorCode::invalid_argument, given,
+                    "this is the name of a file (" + path.extension().string() + "), and a tree is a folder",
+                    "name the tree " + path.stem().string() + ".pct, and convert that to the file");
     if (!fs::exists(status) && place != path)
         throw Error(ErrorCode::not_found, given,
                     "this is a symbolic link to " + place.string() + ", which does not exist",

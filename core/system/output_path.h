@@ -15,9 +15,13 @@ namespace pcm {
 // stream such as /dev/stdout), and for a place inside a tree's folder.
 std::filesystem::path output_file(const std::filesystem::path& path);
 
+// Whether the name ends as that of a file of points does (.las, .laz, .ply, .pcd, .e57, .xyz, ...), in any case. A tree
+// of such a name is a mistake: what was meant is the file.
+bool is_point_file_name(const std::filesystem::path& path);
+
 // The same for the folder of a tree. Throws Error(exists) for a file, Error(invalid_argument) for a place inside
-// another tree, its index file included, and for a link that leads nowhere. An existing folder is the caller's to
-// judge.
+// another tree, its index file included, for a link that leads nowhere, and, unless such a folder exists, for the name
+// of a file of points. An existing folder is the caller's to judge.
 std::filesystem::path output_tree(const std::filesystem::path& path);
 
 // Throws Error(exists) unless the existing folder `path` is a tree and nothing else, so that replacing it loses only

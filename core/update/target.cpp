@@ -2,6 +2,7 @@
 
 #include "pcm/build/build_folder.h"
 #include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
 #include "pcm/system/renamed_error.h"
 #include "pcm/tree/tree.h"
 #include "pcm/update/clone.h"
@@ -31,6 +32,7 @@ UpdateTarget::UpdateTarget(const fs::path& tree, const TargetChoice& choice)
     if (choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree, "no output is given, and the tree is not to be changed in place",
                     "name the tree to write, or choose to change this one in place");
+    output_tree(path_);
     tree_ = Tree::open(tree)->folder();  // what is wrong with the original comes first
     made_ = std::make_unique<BuildFolder>(path_, false);
     if (made_->left_over()) made_->clear();

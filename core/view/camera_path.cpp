@@ -1,6 +1,7 @@
 #include "pcm/view/camera_path.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/system/bounded_json.h"
 #include "pcm/system/error.h"
 
 #include <nlohmann/json.hpp>
@@ -15,7 +16,7 @@
 namespace pcm {
 namespace {
 
-using Json = nlohmann::json;
+using Json = nlohmann::ordered_json;
 constexpr double degree = pi / 180;
 
 // The camera's axes in source axes.
@@ -135,7 +136,7 @@ CameraPath CameraPath::of_text(const std::string& text, const std::filesystem::p
 {
     std::size_t number = 0;
     try {
-        return path_of(Json::parse(text), file.stem().string(), number);
+        return path_of(parse_bounded_json(text), file.stem().string(), number);
     } catch (const Json::exception& error) {
         throw Error(ErrorCode::bad_format, file, std::string("the camera path is not JSON: ") + error.what());
     } catch (const Error& error) {

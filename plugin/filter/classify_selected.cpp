@@ -1,4 +1,5 @@
 // Selected Points: Classify.
+#include "pcm/cloud/las_class.h"
 #include "pcm/select/set_changes.h"
 
 #include "plugin/filter/filter.h"
@@ -32,9 +33,12 @@ void run(const FilterRun& run)
     options.progress = operation.progress();
     const SetChangeReport report = classify_points(*selected.points, value, name, options);
     log_warnings(run, report.outcome.warnings);
+    const std::string meaning = name == "classification" && value >= 0 && value < 256
+                                    ? " (" + las_class_name(static_cast<unsigned>(value)) + ")"
+                                    : std::string();
     run.log("The attribute '" + name + "' of " + grouped(selected.points->size()) + " points of " +
-            report.tree.string() + " is " + std::to_string(value) + "; " + grouped(report.outcome.points_out) +
-            " of them had another value.");
+            report.tree.string() + " is " + std::to_string(value) + meaning + "; " +
+            grouped(report.outcome.points_out) + " of them had another value.");
     show_changed(run, report.tree, options.target);
 }
 

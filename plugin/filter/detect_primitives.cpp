@@ -54,8 +54,10 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichBool("Labels", false, "Label the points",
                                  "Write which primitive each point belongs to as an attribute: its number in the list, "
                                  "or 0. Into a copy of the tree, or in place. Default off."));
-    parameters.addParam(RichString("Attribute", "primitive", "Attribute",
-                                   "Name of the attribute that gets the labels. Default primitive."));
+    parameters.addParam(
+        RichString("Attribute", "primitive", "Attribute",
+                   "Name of the attribute that gets the labels. One of this name that was not made so is "
+                   "refused, unless 'Overwrite' is on. Default primitive."));
     add_target_parameters(parameters);
     add_work_parameters(parameters);
 }
@@ -119,10 +121,12 @@ void run(const FilterRun& run)
     if (labelled) {
         labels.target = target_of(run.parameters);
         labels.attribute = run.parameters.getString("Attribute").trimmed().toStdString();
+        labels.overwrite = run.parameters.getBool("Overwrite");
         labels.memory_bytes = options.memory_bytes;
         labels.threads = options.threads;
         if (labels.target.in_place) refuse_locked(run.document, cloud.cloud->tree()->folder());
     }
+    if (labelled) check_label_attribute(*cloud.cloud->tree(), labels);
     DetectReport found;
     {
         Operation operation(run.callback);

@@ -3,6 +3,7 @@
 #include "pcm/build/builder.h"
 #include "pcm/io/reader.h"
 #include "pcm/system/error.h"
+#include "pcm/system/output_path.h"
 #include "pcm/tree/tree.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
@@ -174,6 +175,11 @@ std::shared_ptr<PointCloud> shown_tree(MeshDocument& document)
 std::filesystem::path as_tree(std::filesystem::path path)
 {
     const std::string extension = std::string(".") + tree_extension;
+    if (path.extension() != extension && is_point_file_name(path) && !std::filesystem::is_directory(path))
+        throw Error(
+            ErrorCode::invalid_argument, path,
+            "this is the name of a file (" + path.extension().string() + "), and the result is a tree, a folder",
+            "name it " + path.stem().string() + extension + ", and export the new layer to the file");
     if (path.extension() != extension) path += extension;
     return path;
 }

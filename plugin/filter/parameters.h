@@ -50,7 +50,8 @@ void add_tree_parameter(RichParameterList& parameters);
 std::filesystem::path tree_of(const RichParameterList& parameters, MeshDocument& document);
 std::shared_ptr<PointCloud> shown_tree(MeshDocument& document);  // of the current layer; throws in the same way
 
-// `path` with the extension of trees.
+// `path` with the extension of trees. Throws Error(invalid_argument) for the name of a file of points, unless it is a
+// folder's.
 std::filesystem::path as_tree(std::filesystem::path path);
 
 // How many points were left out; nothing is logged for 0.

@@ -33,6 +33,9 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichBool("Label", false, "Only label",
                                  "Remove no point: write the attribute outlier, 1 for outliers and 0 for others. "
                                  "Default off."));
+    parameters.addParam(RichBool("Overwrite", false, "Overwrite",
+                                 "Also write labels where the tree has an attribute outlier that this filter did not "
+                                 "make, whose values are lost. Default off: refused."));
     parameters.addParam(RichBool("CountOnly", false, "Count only",
                                  "Only report how many points would be removed; change nothing. Default off."));
     add_target_parameters(parameters);
@@ -49,6 +52,7 @@ OutlierOptions options_of(const RichParameterList& parameters)
     options.neighbours = neighbours_of(parameters);
     options.factor = static_cast<double>(parameters.getFloat("Factor"));
     options.radius = static_cast<double>(parameters.getFloat("Radius"));
+    options.overwrite = parameters.getBool("Overwrite");
     options.label = parameters.getBool("Label");
     options.count_only = parameters.getBool("CountOnly");
     options.memory_bytes = memory_of(parameters);

@@ -16,6 +16,10 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichString("Attribute", "selected", "Attribute",
                                    "Name of the attribute (u8) that becomes 1 for the selected points and 0 for all "
                                    "others; made when absent. Default selected."));
+    parameters.addParam(
+        RichBool("Overwrite", false, "Overwrite",
+                 "Also write an attribute that this filter did not make, whose values are lost. Default "
+                 "off: refused."));
     add_set_change_parameters(parameters);
 }
 
@@ -23,6 +27,7 @@ void run(const FilterRun& run)
 {
     const SelectedLayer selected = selected_layer(run.document);
     SetChangeOptions options = set_change_options_of(run.parameters);
+    options.overwrite = run.parameters.getBool("Overwrite");
     const std::string name = run.parameters.getString("Attribute").trimmed().toStdString();
     Operation operation(run.callback);
     options.progress = operation.progress();

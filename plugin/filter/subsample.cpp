@@ -19,14 +19,17 @@ void add_parameters(RichParameterList& parameters)
     parameters.addParam(RichEnum("By", 0, {"Spacing", "Number of points"}, "Thin to",
                                  "Whether 'Spacing', the default, or 'Number of points' counts."));
     parameters.addParam(RichFloat("Spacing", 0.1f, "Spacing",
-                                  "Distance between neighbouring points, in source units. The level of detail whose "
-                                  "spacing is nearest is taken, unless 'Exact' is on. Default 0.1."));
+                                  "Distance between neighbouring points, in source units: exactly, unless 'Exact' is "
+                                  "off. Default 0.1."));
     parameters.addParam(RichInt("Points", 1000000, "Number of points",
-                                "The finest level of detail with at most this many points is taken, unless 'Exact' "
-                                "is on. Default 1000000."));
-    parameters.addParam(RichBool("Exact", false, "Exact",
-                                 "Exactly the spacing: no two points are nearer than it, and every point of the cloud "
-                                 "has one that is. Or exactly the number of points. Takes longer. Default off."));
+                                "How many points the result has: exactly, unless 'Exact' is off. Default "
+                                "1000000."));
+    parameters.addParam(
+        RichBool("Exact", true, "Exact",
+                 "No two points are nearer than the spacing, and every point of the cloud has one that "
+                 "is; or exactly the number of points. Off: quickly, the level of detail whose spacing is "
+                 "nearest, which may be twice or half of the one given, or all points; or the finest "
+                 "level with at most that many points. Default on."));
     add_result_parameters(parameters, true);
 }
 
@@ -63,7 +66,7 @@ Filter subsample_filter()
     using F = MeshFilterInterface;
     return {"Subsample Point Cloud Tree",
             "Makes a <b>point cloud tree</b> of an evenly spread part of another one's points, which keep all their "
-            "attributes: a level of detail, which is quick, exactly a spacing, or exactly a number of points. It "
+            "attributes: exactly a spacing, exactly a number of points, or a level of detail, which is quick. It "
             "takes clouds of any size in bounded memory. Esc cancels it.",
             F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling), add_parameters, run};
 }

@@ -48,12 +48,12 @@ TEST_F(ResultCommands, SubsampleToALevelASpacingAndANumber)
     const Json levels = json_of("info " + path("a.pct"))["level"];
     const double spacing = levels[1]["spacing"];
     const Json level = json_of("subsample " + path("a.pct") + " -s " + std::to_string(spacing * 1.1) + " -o " +
-                               path("one.pct") + " -m 128M");
+                               path("one.pct") + " -m 128M --nearest-level");
     EXPECT_EQ(level["level"], 1);
     EXPECT_EQ(level["spacing"], levels[1]["spacing"]);
     EXPECT_EQ(level["points"], levels[1]["points_to_here"]);
     EXPECT_EQ(level["points_in"], 30000);
-    const Json exact = json_of("subsample " + path("a.las") + " -s 0.7 --exact -o " + path("two.pct") + " -m 128M");
+    const Json exact = json_of("subsample " + path("a.las") + " -s 0.7 -o " + path("two.pct") + " -m 128M");
     EXPECT_EQ(exact["spacing"], 0.7);
     EXPECT_FALSE(exact.contains("level"));
     EXPECT_EQ(json_of("verify " + path("two.pct"))["points"], exact["points"]);
@@ -63,7 +63,7 @@ TEST_F(ResultCommands, SubsampleToALevelASpacingAndANumber)
     EXPECT_EQ(pcmlab("subsample " + path("a.pct") + " -o " + path("b.pct")).code, 2);
     EXPECT_EQ(pcmlab("subsample -n 3 -s 3 " + path("a.pct") + " -o " + path("b.pct")).code, 2);
     EXPECT_EQ(pcmlab("subsample -n 3 " + path("a.pct")).code, 2);
-    const Result text = pcmlab("subsample " + path("two.pct") + " -s 5 -o " + path("c.pct"));
+    const Result text = pcmlab("subsample " + path("two.pct") + " -s 5 --nearest-level -o " + path("c.pct"));
     EXPECT_NE(text.out.find("level "), std::string::npos) << text.out;
 }
 

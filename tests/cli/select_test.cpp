@@ -117,6 +117,16 @@ TEST_F(SelectCommand, SavesExtractsClassifiesAndDeletes)
     EXPECT_EQ(saved["output"], (folder_ / "copy.pct").string());
     EXPECT_EQ(select("--where yard=1", "copy.pct")["points"], in);
     const Json classified = select("--where yard=1 --classify 77 --in-place", "copy.pct");
+    EXPECT_EQ(classified["class"], 77);
+    // One number, anywhere in the command line, and the names of LAS; the report says which class that is.
+    const Result seven = pcmlab("select " + path("copy.pct") + " --where yard=1 --in-place --classify 7");
+    EXPECT_NE(seven.out.find("class 7 'low point (noise)' given to"), std::string::npos) << seven.out;
+    EXPECT_EQ(select("--classify 7 --in-place --where yard=1", "copy.pct")["points_changed"], 0);
+    EXPECT_EQ(select("--where yard=1 --classify Ground --in-place", "copy.pct")["class"], 2);
+    const Result named = pcmlab("select --where yard=1 --classify groud --in-place " + path("copy.pct"));
+    EXPECT_EQ(named.code, 1);
+    EXPECT_NE(named.err.find("'groud' is neither an integer nor a class"), std::string::npos) << named.err;
+    EXPECT_EQ(select("--where yard=1 --classify 77 --in-place", "copy.pct")["points_changed"], in);
     EXPECT_EQ(select("--where classification=77", "copy.pct")["points"],
               count([&](const LasRecord& p) { return region_.contains(position(p)); }));
     EXPECT_EQ(select("--where yard=1 --classify 3 --class-attribute kind --in-place", "copy.pct")["points_changed"],
@@ -147,7 +157,7 @@ TEST_F(SelectCommand, RefusesWhatMakesNoSense)
     refused(sphere_ + "--level 0 --grow --distance 3", 2, "--level");
     refused(sphere_ + "--classify 2.5 --in-place", 1, "no integer");
     refused(sphere_ + "--classify 300 --in-place", 1, "cannot be 300");
-    refused(sphere_ + "--save-attribute intensity --in-place", 1, "another type");
+    refused(sphere_ + "--save-attribute intensity --in-place", 1, "was not made by this operation");
     refused(sphere_ + "--extract " + path("in.las"), 1, "exists already");
     refused(sphere_ + "--extract " + path("in.pct") + " --overwrite", 1, "the tree itself");
     refused("--sphere 0 0 90000 1 --extract " + path("x.las"), 1, "no point is selected");

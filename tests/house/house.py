@@ -221,6 +221,24 @@ def check_format(program, root=ROOT, names=None):
     return complaints
 
 
+def check_reports(tree):
+    """nlohmann's dump() throws for text that is not UTF-8, unless it is given a handler: commands print by print_json() alone,
+    lists are written with a handler."""
+    complaints = []
+    for name, text in tree.sources.items():
+        calls = re.findall(r"[.>]\s*dump\s*\(([^;]*)", text) if name.startswith(("core/", "plugin/")) else []
+        for arguments in calls:
+            if "error_handler_t::replace" not in arguments:
+                complaints.append(f"{name}: dump() without error_handler_t::replace throws for text that is not UTF-8")
+            elif name.startswith("core/cli/") and name != "core/cli/common.cpp":
+                complaints.append(f"{name}: commands print JSON by print_json() of core/cli/common.h")
+        if name == "core/cli/common.cpp" and len(calls) != 1:
+            complaints.append(f"{name}: dump() is called {len(calls)} times; print_json() calls it once")
+        if name.startswith("core/cli/") and re.search(r"<<\s*(std::setw\(\d+\)\s*<<\s*)?(json|Json)\b", text):
+            complaints.append(f"{name}: commands print JSON by print_json() of core/cli/common.h")
+    return complaints
+
+
 # Words of the project's former dialect, and what to write instead. Patterns for comments, messages and read-me files.
 WORDS = {
     r"numbers? that (is|are) (none|not a number)": "NaN",

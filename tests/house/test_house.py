@@ -45,6 +45,9 @@ class Project(unittest.TestCase):
     def test_exceptions_from_the_sizes_are_still_needed(self):
         self.none(house.check_exceptions(self.tree))
 
+    def test_reports_take_any_text(self):
+        self.none(house.check_reports(self.tree))
+
     def test_words_are_plain(self):
         self.none(house.check_words({**self.tree.sources, **house.other_texts()}))
 
@@ -103,6 +106,14 @@ class Checks(unittest.TestCase):
     def test_an_exception_that_is_no_longer_needed(self):
         self.assertEqual(len(house.check_exceptions(small({"core/tree/a.h": ""}), {"core/tree/a.h": "x"}, {})), 1)
         self.assertEqual(len(house.check_exceptions(small({"core/tree/a.h": ""}), {}, {"core/tree/a.h:int f()": "x"})), 1)
+
+    def test_a_report_that_throws(self):
+        safe = "text = json.dump(1, ' ', false, Json::error_handler_t::replace);\n"
+        self.assertEqual(house.check_reports(small({"core/cad/a.cpp": safe, "core/cli/common.cpp": safe})), [])
+        self.assertEqual(len(house.check_reports(small({"core/cad/a.cpp": "puts(json.dump(2).c_str());\n"}))), 1)
+        self.assertEqual(len(house.check_reports(small({"core/cli/a.cpp": safe}))), 1)
+        self.assertEqual(len(house.check_reports(small({"core/cli/common.cpp": safe + safe}))), 1)
+        self.assertEqual(len(house.check_reports(small({"core/cli/a.cpp": "std::cout << json;\n"}))), 1)
 
     def test_a_word_of_the_dialect(self):
         self.assertEqual(len(house.check_words({"a.h": "// whoever wants to\n// a bit a cell\n// a resumed build\n"})), 2)

@@ -2,6 +2,7 @@
 // others.
 #include "pcm/io/formats.h"
 
+#include "pcm/system/output_path.h"
 #include "tests/io/bytes.h"
 
 #include <set>
@@ -18,6 +19,7 @@ TEST(Formats, EveryRowIsFoundByItsExtensionsAndItsMagic)
         EXPECT_FALSE(format.label.empty()) << format.extensions[0];
         EXPECT_NE(format.open, nullptr) << format.extensions[0];
         for (const std::string_view extension : format.extensions) {
+            if (!extension.empty()) EXPECT_TRUE(is_point_file_name("a." + std::string(extension))) << extension;
             if (extension.empty()) continue;
             EXPECT_TRUE(seen.insert(extension).second) << extension << " is in two rows";
             EXPECT_EQ(format_of_extension(extension), &format) << extension;

@@ -268,7 +268,7 @@ int render(const RenderArguments& arguments)
     end_progress(arguments.common);
     summary.seconds = seconds_since(start);
     if (arguments.common.json)
-        std::printf("%s\n", to_json(summary, arguments, screen).dump(2).c_str());
+        print_json(to_json(summary, arguments, screen));
     else
         print(summary, arguments, screen);
     return finished(summary.outcome);

@@ -63,7 +63,7 @@ int run(Arguments& arguments)
         json["points_computed"] = report.outcome.points_out;
         json["used_known_normals"] = normals;
         json["computed_with"] = context.renderer();
-        std::printf("%s\n", json.dump(2).c_str());
+        print_json(json);
         return finished(report.outcome);
     }
     std::printf("%s: radii: %.1f s, exact\n%s points, computed with %s, peak memory %s\n", target.path().c_str(),

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -183,9 +184,27 @@ std::optional<Descriptor> ExtraBytesPlan::parse(const std::byte* from)
     return d;
 }
 
+// Whether descriptors can be components of one attribute.
+bool match(const Descriptor& a, const Descriptor& b)
+{
+    return a.type == b.type && a.components == 1 && b.components == 1 && !a.plain && !b.plain &&
+           a.scale[0] == b.scale[0] && a.offset[0] == b.offset[0];
+}
+
+// Whether the descriptors from `first` on are a normal, by the names that programs for LAS use.
+bool is_normal_at(const std::vector<Descriptor>& list, std::size_t first)
+{
+    for (std::size_t c = 0; c < 3; ++c)
+        if (first + c >= list.size() || !is_normal_name(list[first + c].name, c) ||
+            !match(list[first + c], list[first]))
+            return false;
+    return true;
+}
+
 // How many descriptors from `first` on are components of one attribute; 1 when they are separate.
 std::size_t ExtraBytesPlan::group_at(const std::vector<Descriptor>& list, std::size_t first) const
 {
+    if (is_normal_at(list, first)) return 3;
     const Descriptor& d = list[first];
     const std::string ending = "[0]";
     if (d.components != 1 || d.plain || d.name.size() <= ending.size() ||
@@ -195,9 +214,7 @@ std::size_t ExtraBytesPlan::group_at(const std::vector<Descriptor>& list, std::s
     std::size_t count = 1;
     for (; first + count < list.size(); ++count) {
         const Descriptor& next = list[first + count];
-        if (next.name != component_name(name, count) || next.type != d.type || next.components != 1 || next.plain ||
-            next.scale[0] != d.scale[0] || next.offset[0] != d.offset[0] || next.description != d.description)
-            break;
+        if (next.name != component_name(name, count) || !match(next, d) || next.description != d.description) break;
     }
     return count > 3 ? count : 1;
 }
@@ -229,7 +246,8 @@ std::string ExtraBytesPlan::plan_described(const std::vector<std::byte>& bytes)
         if (result_.schema.size() + pieces >= max_attributes) return "more attributes than can be kept";
         for (std::size_t piece = 0; piece < pieces; ++piece) {
             Attribute attribute;
-            attribute.name = group > 1    ? d.name.substr(0, d.name.size() - 3)
+            attribute.name = group == 3   ? std::string(attribute_name::normal)
+                             : group > 1  ? d.name.substr(0, d.name.size() - 3)
                              : pieces > 1 ? component_name(d.name, piece)
                                           : d.name;
             attribute.type = d.type;
@@ -332,6 +350,14 @@ Fields fields_of_file(const Header& header, const std::vector<Vlr>& vlrs, std::v
     for (const Vlr& vlr : vlrs)
         if (vlr.user_id == spec_user_id && vlr.id == extra_bytes_record_id) descriptions.push_back(vlr.value);
     return ExtraBytesPlan(header, notes).plan(descriptions);
+}
+
+bool is_normal_name(const std::string& name, std::size_t component)
+{
+    const std::string known = normal_names[component];
+    return name.size() == known.size() && std::equal(name.begin(), name.end(), known.begin(), [](char a, char b) {
+               return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+           });
 }
 
 std::string exact_name(const std::string& field) { return field + "_exact"; }

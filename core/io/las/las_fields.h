@@ -4,6 +4,7 @@
 #include "pcm/cloud/attribute.h"
 #include "pcm/io/las/las_header.h"
 
+#include <array>
 #include <cstddef>
 #include <string>
 #include <vector>
@@ -30,6 +31,10 @@ Fields fields_of_format(unsigned format);
 // noted. Where the VLR contradicts the record, they are one
 // attribute of plain bytes, and a note says why.
 Fields fields_of_file(const Header& header, const std::vector<Vlr>& vlrs, std::vector<std::string>& notes);
+
+// The extra bytes in which programs for LAS keep normals, which are one attribute "normal" here.
+inline constexpr std::array<const char*, 3> normal_names{"NormalX", "NormalY", "NormalZ"};
+bool is_normal_name(const std::string& name, std::size_t component);  // in any case
 
 // An attribute of more than three components has one descriptor per component, "name[0]", "name[1]", ...: no data type
 // has that many.

@@ -10,7 +10,8 @@ namespace pcm {
 // red/green/blue as "rgb" x 3, the wave packet as wave_packet_descriptor, wave_packet_offset, wave_packet_size,
 // wave_return_location and wave_direction x 3. scan_angle (formats 6 to 10) has scale 0.006: its value is in degrees.
 //
-// Extra bytes become attributes as their VLR describes them; undescribed bytes are "extra_bytes", u8 x n. Where
+// Extra bytes become attributes as their VLR describes them; NormalX, NormalY and NormalZ of one type, in this order,
+// become "normal" x 3; undescribed bytes are "extra_bytes", u8 x n. Where
 // create_las() wrote extra bytes because the field of the same name cannot hold the values, they replace the field.
 //
 // Metadata are the header's bytes, "las.header", and the VLRs and EVLRs, "las.vlr/<user id>/<record id>/<description>"

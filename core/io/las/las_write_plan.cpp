@@ -1,5 +1,6 @@
 #include "pcm/io/las/las_write_plan.h"
 
+#include "pcm/cloud/attribute_length.h"
 #include "pcm/cloud/with_type.h"
 #include "pcm/io/las/las_layout.h"
 #include "pcm/system/error.h"
@@ -185,22 +186,37 @@ private:
     void into_extra_bytes(std::size_t i, const std::string& name, const std::string& description)
     {
         const Attribute& attribute = cloud_.schema[i];
-        const std::string text = cut_text(description, most_name_bytes);
+        const std::string text = shortened_description(description, most_name_bytes);
         if (text != description) plan_.notes.push_back("the description of '" + name + "' is cut to 32 bytes");
         const bool plain = is_plain_bytes(attribute) && attribute.components > 3 && attribute.components <= 255;
-        const bool one_descriptor = attribute.components <= 3 || plain;
+        const bool is_normal = is_written_as_normal(attribute);
+        const bool one_descriptor = !is_normal && (attribute.components <= 3 || plain);
         const bool exact = description == exact_description && is_exact_name(name);
         // With room for the longest suffix of a component.
         const std::size_t suffix = one_descriptor ? 0 : component_name("", attribute.components - 1).size();
-        const std::string short_name =
-            exact && name.size() + suffix <= most_name_bytes ? name : free_name(name, most_name_bytes - suffix);
+        const std::string short_name = is_normal || exact && name.size() + suffix <= most_name_bytes
+                                           ? name
+                                           : free_name(name, most_name_bytes - suffix);
         if (short_name != name)
             plan_.notes.push_back("'" + name + "' is written as '" + short_name +
                                   "': names have at most 32 bytes, and no two fields of a point have one");
         for (std::uint32_t c = 0; c < (one_descriptor ? 1u : attribute.components); ++c)
-            add_descriptor(attribute, one_descriptor ? short_name : component_name(short_name, c), text,
-                           one_descriptor ? attribute.components : 1, plain);
+            add_descriptor(attribute,
+                           one_descriptor ? short_name
+                           : is_normal    ? free_name(normal_names[c], most_name_bytes)
+                                          : component_name(short_name, c),
+                           text, one_descriptor ? attribute.components : 1, plain);
         add_field(i, attribute.bytes());
+    }
+
+    // Three numbers of the names that other programs know, unless the cloud has those names, too.
+    bool is_written_as_normal(const Attribute& attribute) const
+    {
+        const auto is_taken = [](const Attribute& other) {
+            return is_normal_name(other.name, 0) || is_normal_name(other.name, 1) || is_normal_name(other.name, 2);
+        };
+        return attribute.name == attribute_name::normal && attribute.components == 3 &&
+               std::none_of(cloud_.schema.begin(), cloud_.schema.end(), is_taken);
     }
 
     // Of the exact copy of a field.

@@ -1,5 +1,6 @@
 #include "pcm/io/pipe/transformed_reader.h"
 
+#include "pcm/cloud/attribute_length.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/pipe/batch_shape.h"
@@ -25,10 +26,11 @@ void turn(Column& column, const std::array<Vec3d, 3>& by)
 }
 
 template <class T>
-void stretch(Column& column, double by)
+void stretch(Column& column, std::size_t components, double by)
 {
     T* const values = column.as<T>();
-    for (std::size_t i = 0; i < column.size(); ++i) values[i] = static_cast<T>(static_cast<double>(values[i]) * by);
+    const std::size_t count = column.size() * components;
+    for (std::size_t i = 0; i < count; ++i) values[i] = static_cast<T>(static_cast<double>(values[i]) * by);
 }
 
 }  // namespace
@@ -72,6 +74,17 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
     }
 }
 
+// Numbers that are stored as they are shown are multiplied; all others keep their raw values, exactly.
+TransformedReader::Growth TransformedReader::growth_of(const Attribute& attribute) const
+{
+    Growth growth;
+    const int power = length_power(attribute);
+    if (power != 0) growth.factor = std::pow(of_lengths_, power);
+    const bool floats = attribute.type == ScalarType::f32 || attribute.type == ScalarType::f64;
+    growth.by_scale = !floats || attribute.offset != 0;
+    return growth;
+}
+
 const FileInfo& TransformedReader::info() const
 {
     info_ = cloud_->info();
@@ -79,6 +92,16 @@ const FileInfo& TransformedReader::info() const
     info_.near_grid.reset();
     info_.promised_box.reset();
     if (!grid_) info_.position_type = ScalarType::f64;
+    Schema schema;
+    for (Attribute attribute : info_.schema) {
+        const Growth growth = growth_of(attribute);
+        if (growth.by_scale && growth.factor != 1) {
+            attribute.scale *= growth.factor;
+            attribute.offset *= growth.factor;
+        }
+        schema.add(std::move(attribute));
+    }
+    info_.schema = std::move(schema);
     if (!system_note_.empty()) info_.notes.push_back(system_note_);
     return info_;
 }
@@ -110,10 +133,10 @@ bool TransformedReader::read(PointBatch& batch, std::size_t max_points)
             if (floats) turn<float>(batch.attributes[k], of_normals_);
             if (doubles) turn<double>(batch.attributes[k], of_normals_);
         }
-        if (attribute.name == attribute_name::radius && attribute.components == 1) {
-            if (floats) stretch<float>(batch.attributes[k], of_lengths_);
-            if (doubles) stretch<double>(batch.attributes[k], of_lengths_);
-        }
+        const Growth growth = growth_of(attribute);
+        if (growth.by_scale || growth.factor == 1) continue;
+        if (floats) stretch<float>(batch.attributes[k], attribute.components, growth.factor);
+        if (doubles) stretch<double>(batch.attributes[k], attribute.components, growth.factor);
     }
     return true;
 }

@@ -13,7 +13,8 @@ namespace pcm {
 
 // Where the map only scales and shifts along the axes, gridded points keep their integers and get another grid;
 // otherwise positions become doubles. An attribute `normal` of three floats is transformed by the inverse transpose, as
-// planes are, and keeps its length; `radius` grows with the cube root of the volume. Metadata stay as they are; a note
+// planes are, and keeps its length; lengths (cloud/attribute_length.h) grow with
+// the cube root of the volume, areas with its square, and so on. Metadata stay as they are; a note
 // says so where they state a coordinate system. One thread, as for the source.
 class TransformedReader final : public PointReader {
 public:
@@ -30,6 +31,14 @@ private:
     const std::unique_ptr<PointReader> cloud_;
     const Affine map_;
     std::array<Vec3d, 3> of_normals_{};
+    // For each attribute: what its values are multiplied by, and whether its scale and offset do that. Found anew when
+    // the schema grows, as that of files read one after the other may.
+    struct Growth {
+        double factor = 1;
+        bool by_scale = false;
+    };
+    Growth growth_of(const Attribute& attribute) const;
+
     double of_lengths_ = 1;
     std::optional<Grid> grid_;  // when points stay gridded
     std::string system_note_;

@@ -380,6 +380,40 @@ TEST(LasReader, ExtraBytesNamesAndScalesThatClash)
     }
 }
 
+// As CloudCompare and PDAL write them, and as this library did before.
+TEST(LasReader, NormalsByTheNamesOfOtherPrograms)
+{
+    std::mt19937_64 random(15);
+    TemporaryFolder folder;
+    const auto schema_of_file = [&](const std::string& descriptors, std::size_t bytes) {
+        LasFile file = random_las(random, 2, 0, 3, bytes);
+        file.vlrs = {{"LASF_Spec", 4, descriptors}};
+        return read_whole(write_file(folder / "a.las", file.bytes())).info.schema;
+    };
+    const auto named = [](const char* x, const char* y, const char* z) {
+        return extra_descriptor(9, 0, x) + extra_descriptor(9, 0, y) + extra_descriptor(9, 0, z);
+    };
+    for (const std::string& descriptors : {named("NormalX", "NormalY", "NormalZ"),
+                                           named("normalx", "normaly", "normalz"), extra_descriptor(29, 0, "normal")}) {
+        const Schema schema = schema_of_file(descriptors + extra_descriptor(1, 0, "gap"), 13);
+        const auto place = schema.find("normal");
+        ASSERT_TRUE(place);
+        EXPECT_EQ(schema[*place].type, ScalarType::f32);
+        EXPECT_EQ(schema[*place].components, 3u);
+        EXPECT_TRUE(schema.find("gap"));
+    }
+    // Not three numbers of one type in a row: separate attributes.
+    for (const Schema& schema :
+         {schema_of_file(named("NormalX", "NormalZ", "NormalY"), 12),
+          schema_of_file(extra_descriptor(9, 0, "NormalX") + extra_descriptor(10, 0, "NormalY") +
+                             extra_descriptor(9, 0, "NormalZ"),
+                         16),
+          schema_of_file(extra_descriptor(9, 0, "NormalX") + extra_descriptor(9, 0, "NormalY"), 8)}) {
+        EXPECT_FALSE(schema.find("normal"));
+        EXPECT_TRUE(schema.find("NormalX"));
+    }
+}
+
 TEST(LasReader, MalformedExtraBytesStayAsBytes)
 {
     std::mt19937_64 random(14);

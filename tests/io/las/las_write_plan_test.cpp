@@ -2,6 +2,9 @@
 #include "tests/io/las/las_clouds.h"
 
 #include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
 
 namespace pcm::test {
 namespace {
@@ -64,6 +67,35 @@ TEST(LasWriter, RandomSchemasRoundTrip)
                             << schema[i].name;
                     }
             }
+        }
+    }
+}
+
+// Names that other programs know as normals; a cloud that has attributes of these names keeps both.
+TEST(LasWriter, NormalsAreNormalXYZ)
+{
+    TemporaryFolder folder;
+    const auto path = folder / "a.las";
+    const auto has = [&](const std::string& name) {
+        std::ifstream file(path, std::ios::binary);
+        const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+        return bytes.find(name + std::string(32 - name.size(), '\0')) != std::string::npos;
+    };
+    const Attribute normal{"normal", ScalarType::f32, 3, 1, 0, "by hand"}, gap{"gap", ScalarType::u8, 1, 1, 0, {}},
+        other{"normaly", ScalarType::f64, 1, 1, 0, {}};
+    for (const Schema& schema : {schema_of({normal, gap}), schema_of({gap, normal, other})}) {
+        const Whole cloud = gridded_cloud(schema, 50, 3);
+        write_cloud(path, cloud);
+        const bool plain = !schema.find("normaly");
+        for (const char* name : {"NormalX", "NormalY", "NormalZ"}) EXPECT_EQ(has(name), plain) << name;
+        EXPECT_EQ(has("normal"), !plain);
+        const Whole copy = read_whole(path);
+        for (const Attribute& attribute : schema) {
+            const auto place = copy.info.schema.find(attribute.name);
+            ASSERT_TRUE(place) << attribute.name;
+            EXPECT_EQ(copy.info.schema[*place], attribute);
+            const Column& before = cloud.points.attributes[*schema.find(attribute.name)];
+            EXPECT_EQ(std::memcmp(copy.points.attributes[*place].data(), before.data(), before.bytes()), 0);
         }
     }
 }

@@ -1,0 +1,125 @@
+// Results whose name is that of a file: written as the file, or refused before any work; never a folder of that name.
+#include "tests/cli/command.h"
+
+#include <cmath>
+#include <sstream>
+
+namespace pcm::test {
+namespace {
+
+namespace fs = std::filesystem;
+
+class FileResult : public CommandTest {
+protected:
+    FileResult()
+    {
+        EXPECT_EQ(pcmlab("generate -q -n 6000 --no-truth --origin 0 0 0 " + path("scene.las")).code, 0);
+        EXPECT_EQ(pcmlab("build -q " + path("scene.las") + " -o " + path("t.pct")).code, 0);
+    }
+    std::uint64_t points_in(const std::string& name)
+    {
+        const Result result = pcmlab("info --json --scan " + path(name));
+        EXPECT_EQ(result.code, 0) << result.err;
+        return result.code == 0 ? Json::parse(result.out)["points"].get<std::uint64_t>() : 0;
+    }
+};
+
+TEST_F(FileResult, IsWrittenInTheFormatOfItsName)
+{
+    const std::string pairs = " --pair 0 0 0 1 0 0 --pair 9 0 0 10 0 0 --pair 0 9 0 1 9 0 --pair 0 0 5 1 0 5 -o ";
+    const std::pair<std::string, std::string> commands[] = {
+        {"voxel " + path("t.pct") + " --size 0.5 -o ", ""},
+        {"voxel " + path("scene.las") + " --size 0.5 -o ", ""},
+        {"subsample " + path("t.pct") + " -n 1234 -o ", ""},
+        {"subsample " + path("scene.las") + " -s 0.5 -o ", ""},
+        {"subsample " + path("t.pct") + " -n 1234 --nearest-level -o ", ""},
+        {"transform " + path("t.pct") + " ", " --translate 1 2 3"},
+        {"transform " + path("t.pct") + " ", " --rotate 0 0 1 30 --scale 2"},
+        {"align " + path("t.pct") + " " + path("t.pct") + pairs, ""}};
+    for (const std::string name : {"out.las", "out.LAZ", "out.ply", "out.xyz"})
+        for (const auto& [before, after] : commands) {
+            SCOPED_TRACE(before + name + after);
+            fs::remove(folder_ / name);
+            const Result made = pcmlab(before + path(name) + after + " --json");
+            ASSERT_EQ(made.code, 0) << made.err;
+            ASSERT_TRUE(fs::is_regular_file(folder_ / name));
+            const Json report = Json::parse(made.out);
+            EXPECT_EQ(points_in(name), report["points"]);
+            EXPECT_EQ(report["bytes"], fs::file_size(folder_ / name));
+            const Result again = pcmlab(before + path(name) + after);
+            EXPECT_EQ(again.code, 1);
+            EXPECT_NE(again.err.find("exists already"), std::string::npos) << again.err;
+            EXPECT_EQ(pcmlab(before + path(name) + after + " --overwrite").code, 0);
+        }
+    // The same points as those of the tree.
+    ASSERT_EQ(pcmlab("voxel -q " + path("t.pct") + " --size 0.5 -o " + path("v.pct")).code, 0);
+    ASSERT_EQ(pcmlab("voxel -q " + path("t.pct") + " --size 0.5 -o " + path("v.las")).code, 0);
+    EXPECT_EQ(points_in("v.las"), points_in("v.pct"));
+    std::size_t entries = 0;
+    for (const auto& entry : fs::directory_iterator(folder_.path())) entries += entry.is_directory();
+    EXPECT_EQ(entries, 2u) << "t.pct and v.pct";
+}
+
+TEST_F(FileResult, IsRefusedWhereOnlyATreeIsMade)
+{
+    const std::string tree = path("t.pct"), to = " -o " + path("clean.laz");
+    for (const std::string& command :
+         {"build " + path("scene.las") + to, "outliers " + tree + to, "normals " + tree + to, "radii " + tree + to,
+          "select " + tree + " --where 'z>0' --classify 7" + to, "select " + tree + " --where 'z>0' --delete" + to,
+          "select " + tree + " --where 'z>0' --save-attribute mine" + to,
+          "detect " + tree + " --shape plane --label shape" + to, "compact " + tree + to,
+          "append " + tree + " " + path("scene.las") + to, "delete " + tree + " --where 'z>0'" + to,
+          "merge " + path("clean.laz") + " " + tree + " " + tree}) {
+        const Result result = pcmlab(command);
+        EXPECT_EQ(result.code, 1) << command << "\n" << result.out;
+        EXPECT_NE(result.err.find("this is the name of a file (.laz), and a tree is a folder"), std::string::npos)
+            << command << "\n"
+            << result.err;
+        EXPECT_NE(result.err.find("clean.pct"), std::string::npos) << result.err;
+        EXPECT_FALSE(fs::exists(folder_ / "clean.laz")) << command;
+    }
+    const Result odd = pcmlab("voxel " + tree + " --size 1 -o " + path("a.e57"));
+    EXPECT_EQ(odd.code, 1) << odd.out;
+    EXPECT_FALSE(fs::exists(folder_ / "a.e57"));
+    // A tree that an earlier version gave such a name is a tree still.
+    fs::rename(folder_ / "t.pct", folder_ / "t.laz");
+    EXPECT_EQ(pcmlab("compact --in-place " + path("t.laz")).code, 0);
+    EXPECT_EQ(pcmlab("verify " + path("t.laz")).code, 0);
+}
+
+// Half of a level's spacing lies between that level and all points.
+TEST_F(FileResult, ASpacingIsExactUnlessALevelIsAskedFor)
+{
+    const Json levels = Json::parse(pcmlab("info --json " + path("t.pct")).out)["level"];
+    const double spacing = levels[levels.size() - 2]["spacing"].get<double>() / 1.9;
+    const auto subsample = [&](const std::string& options) {
+        const Result made = pcmlab("subsample --json --overwrite " + path("t.pct") + " -o " + path("thin.xyz") +
+                                   " -s " + std::to_string(spacing) + options);
+        EXPECT_EQ(made.code, 0) << made.err;
+        return Json::parse(made.out)["points"].get<std::size_t>();
+    };
+    const std::size_t all = subsample(" --nearest-level");
+    for (const std::string options : {"", " --exact"}) {
+        const std::size_t points = subsample(options);
+        EXPECT_LT(points, all);
+        std::ifstream file(folder_ / "thin.xyz");
+        std::vector<std::array<double, 3>> places;
+        for (std::string line; std::getline(file, line);) {
+            std::istringstream numbers(line);
+            std::array<double, 3> p{};
+            numbers >> p[0] >> p[1] >> p[2];
+            places.push_back(p);
+        }
+        ASSERT_EQ(places.size(), points);
+        double least = 1e9;
+        for (std::size_t i = 0; i < places.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                least = std::min(least, std::hypot(places[i][0] - places[j][0], places[i][1] - places[j][1],
+                                                   places[i][2] - places[j][2]));
+        EXPECT_GE(least, spacing * (1 - 1e-6));
+    }
+    EXPECT_EQ(pcmlab("subsample --exact --nearest-level -s 1 " + path("t.pct") + " -o " + path("b.pct")).code, 2);
+}
+
+}  // namespace
+}  // namespace pcm::test
