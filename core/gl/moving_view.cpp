@@ -63,8 +63,8 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
     const auto is_coarsest = [&](const Stroke& stroke) {
         return selection.trees[stroke.place.tree].wanted[stroke.place.index].ancestor == no_ancestor;
     };
-    for (double seen = 0;
-         fits < strokes.size() && (is_coarsest(strokes[fits]) || seen < FrameBudget::least_in_view); ++fits)
+    for (double seen = 0; fits < strokes.size() && (is_coarsest(strokes[fits]) || seen < FrameBudget::least_in_view);
+         ++fits)
         seen += cost.work(strokes[fits], {}).splats;
     double expected = take(count);
     if (expected > available && fits < count) {

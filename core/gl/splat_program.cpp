@@ -59,15 +59,14 @@ SplatProgram::SplatProgram(const SplatPermutation& permutation)
       doubles_(permutation.doubles)
 {
     const auto find = [&](const char* name) { return program_.uniform(name); };
-    at_ = {find("projection"),    find("to_eye"),       find("eye_scale"),      find("point_size"),
-           find("pixels"),        find("radius_scale"), find("viewport"),       find("guard"),
-           find("focal"),         find("principal"),    find("depth_of"),       find("sample_places"),
-           find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),        find("centre_ray"),
-           find("centre_pixel"),  find("pixel_bounds"), find("near"),           find("reference"),
-           find("translation"),   find("from_eye"),     find("least_radius"),   find("least_pixels"),
-           find("ramp"),          find("ramp_place"),   find("uniform_colour"), find("clip_planes"),
-           find("clip_ends"),     find("clip_count"),   find("clip_outside"),   find("selected_colour"),
-           find("tone")};
+    at_ = {
+        find("projection"),   find("to_eye"),          find("eye_scale"),     find("point_size"),   find("pixels"),
+        find("radius_scale"), find("viewport"),        find("guard"),         find("focal"),        find("principal"),
+        find("depth_of"),     find("sample_places"),   find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),
+        find("centre_ray"),   find("centre_pixel"),    find("pixel_bounds"),  find("near"),         find("reference"),
+        find("translation"),  find("from_eye"),        find("least_radius"),  find("least_pixels"), find("ramp"),
+        find("ramp_place"),   find("uniform_colour"),  find("clip_planes"),   find("clip_ends"),    find("clip_count"),
+        find("clip_outside"), find("selected_colour"), find("tone")};
 }
 
 void SplatProgram::set(std::int32_t place, const Vec3d& v) const

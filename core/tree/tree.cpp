@@ -214,9 +214,8 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     if (node.points == 0) return empty_chunk(columns);
     const Extent& extent = node.extent;
     const std::shared_ptr<const File> file = files_->get(extent.file);
-    DecodedChunk decoded = or_repair(folder_, [&] {
-        return pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns);
-    });
+    DecodedChunk decoded = or_repair(
+        folder_, [&] { return pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns); });
     check(id, decoded.header);
     add_missing_columns(decoded.chunk, info_.schema, columns);
     return std::move(decoded.chunk);

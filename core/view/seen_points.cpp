@@ -18,8 +18,7 @@ double share_in_view(const Frustum& frustum, const std::vector<Clip>* clips, con
     for (int i = 0; i < steps * steps * steps; ++i) {
         const int along[3] = {i % steps, i / steps % steps, i / (steps * steps)};
         Vec3d p{};
-        for (std::size_t a = 0; a < 3; ++a)
-            p[a] = box.min[a] + (along[a] + 0.5) / steps * (box.max[a] - box.min[a]);
+        for (std::size_t a = 0; a < 3; ++a) p[a] = box.min[a] + (along[a] + 0.5) / steps * (box.max[a] - box.min[a]);
         if (!frustum.intersects({p, p})) continue;
         seen += !clips || std::all_of(clips->begin(), clips->end(), [&](const Clip& clip) { return clip.holds(p); });
     }

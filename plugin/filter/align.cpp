@@ -128,7 +128,10 @@ Filter align()
             "their uncertainty. The pairs' source coordinates count; a matrix that the layer has is replaced. Writes a "
             "new tree, or sets the matrix of the current layer. The tool <i>Align by Picked Pairs</i> picks the pairs "
             "in the view.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Layer), add_parameters, run, "-aligned.pct"};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Layer),
+            add_parameters,
+            run,
+            "-aligned.pct"};
 }
 
 }  // namespace pcm::host

@@ -48,7 +48,10 @@ Filter classify_selected()
             "Sets the class, or another integer attribute, of the selected points of a <b>point cloud tree</b>, in a "
             "copy of it or in place. Esc cancels it." +
                 about_selections(),
-            F::FilterClass(F::Selection | F::PointSet), add_parameters, run, "-classified.pct"};
+            F::FilterClass(F::Selection | F::PointSet),
+            add_parameters,
+            run,
+            "-classified.pct"};
 }
 
 }  // namespace pcm::host

@@ -69,8 +69,7 @@ const std::vector<Group>& groups()
          {{nullptr, "Fit Primitives"},
           {"Fit at Typed Places...", "Fit Primitive"},
           {"Detect All Primitives...", "Detect Primitives"}}},
-        {"Export",
-         {{"Export the Cloud...", "Export Mesh As..."}, {"Export Primitives...", "Export Primitives"}}},
+        {"Export", {{"Export the Cloud...", "Export Mesh As..."}, {"Export Primitives...", "Export Primitives"}}},
     };
     return table;
 }

@@ -73,7 +73,10 @@ Filter delete_points()
             "Deletes the points of a <b>point cloud tree</b> that lie in a box, or whose attributes meet conditions, "
             "either in place or in a copy that shares the data of the original. Only chunks that lose points are "
             "rewritten. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run, "-without.pct"};
+            F::FilterClass(F::MeshCreation | F::PointSet),
+            add_parameters,
+            run,
+            "-without.pct"};
 }
 
 }  // namespace pcm::host

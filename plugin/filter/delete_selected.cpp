@@ -38,7 +38,10 @@ Filter delete_selected()
             "Deletes the selected points of a <b>point cloud tree</b>, from a copy of it or in place. Only chunks that "
             "lose points are rewritten. Esc cancels it." +
                 about_selections(),
-            F::FilterClass(F::Selection | F::PointSet), add_set_change_parameters, run, "-without.pct"};
+            F::FilterClass(F::Selection | F::PointSet),
+            add_set_change_parameters,
+            run,
+            "-without.pct"};
 }
 
 }  // namespace pcm::host

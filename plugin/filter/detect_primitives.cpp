@@ -159,7 +159,10 @@ Filter detect_primitives_filter()
         "bounded memory, and fits them with standard deviations. They are added to the project's list, which the "
         "tool <i>Fit Primitives</i> shows, and are written as a drawing or list on request; labels say which points "
         "belong to them. Esc cancels it.",
-        F::FilterClass(F::Measure | F::PointSet), add_parameters, run, "-labelled.pct"};
+        F::FilterClass(F::Measure | F::PointSet),
+        add_parameters,
+        run,
+        "-labelled.pct"};
 }
 
 }  // namespace pcm::host

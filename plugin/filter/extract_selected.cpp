@@ -63,7 +63,10 @@ Filter extract_selected()
         "Writes the selected points of a <b>point cloud tree</b>, with all attributes and bit for bit, as a tree of "
         "their own or as a file. The tree stays as it is. Esc cancels it." +
             about_selections(),
-        F::FilterClass(F::Selection | F::Layer | F::PointSet), add_parameters, run, "-part.pct"};
+        F::FilterClass(F::Selection | F::Layer | F::PointSet),
+        add_parameters,
+        run,
+        "-part.pct"};
 }
 
 }  // namespace pcm::host

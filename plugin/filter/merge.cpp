@@ -84,7 +84,10 @@ Filter merge()
             "Makes one <b>point cloud tree</b> of several: of the trees that visible layers show, where the layers' "
             "matrices put them, and of others on disk. Grids, attributes and coordinate systems are brought together; "
             "the log says how. The trees stay as they are. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Layer), add_parameters, run, "-merged.pct"};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Layer),
+            add_parameters,
+            run,
+            "-merged.pct"};
 }
 
 }  // namespace pcm::host

@@ -101,7 +101,10 @@ Filter remove_outliers()
             "Removes the points of a <b>point cloud tree</b> that stand apart from the others, or labels them with the "
             "attribute <i>outlier</i>, in a copy of the tree or in place. All distances and statistics are computed in "
             "double precision. Works on clouds larger than memory. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run, "-clean.pct"};
+            F::FilterClass(F::MeshCreation | F::PointSet),
+            add_parameters,
+            run,
+            "-clean.pct"};
 }
 
 }  // namespace pcm::host

@@ -17,9 +17,10 @@ Error bad_parameter(const std::string& what) { return Error(ErrorCode::invalid_a
 
 void add_result_parameters(RichParameterList& parameters, bool in_place)
 {
-    parameters.addParam(RichString("Output", "", "Output folder",
-                                   QString("The tree folder to write, NAME.pct.%1 A dialog proposes a name; scripts have no default.")
-                                       .arg(in_place ? " Ignored when 'In place' is on." : "")));
+    parameters.addParam(
+        RichString("Output", "", "Output folder",
+                   QString("The tree folder to write, NAME.pct.%1 A dialog proposes a name; scripts have no default.")
+                       .arg(in_place ? " Ignored when 'In place' is on." : "")));
     if (in_place)
         parameters.addParam(RichBool("InPlace", false, "In place",
                                      "Replace the tree by the result. Until that is complete, the old tree is on disk. "

@@ -44,7 +44,10 @@ Filter save_selected()
             "Writes which points are selected into an attribute of the <b>point cloud tree</b>, in a copy of it or in "
             "place. Esc cancels it." +
                 about_selections(),
-            F::FilterClass(F::Selection | F::PointSet), add_parameters, run, "-selected.pct"};
+            F::FilterClass(F::Selection | F::PointSet),
+            add_parameters,
+            run,
+            "-selected.pct"};
 }
 
 }  // namespace pcm::host

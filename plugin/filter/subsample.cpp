@@ -66,7 +66,10 @@ Filter subsample_filter()
             "Makes a <b>point cloud tree</b> of an evenly spread part of another one's points, which keep all their "
             "attributes: a level of detail, which is quick, exactly a spacing, or exactly a number of points. It "
             "takes clouds of any size in bounded memory. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling), add_parameters, run, "-thinned.pct"};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling),
+            add_parameters,
+            run,
+            "-thinned.pct"};
 }
 
 }  // namespace pcm::host

@@ -109,7 +109,10 @@ Filter transform()
             "Writes a <b>point cloud tree</b> that is moved, turned or scaled: by the layer's matrix, as MeshLab's "
             "own tools set it, by numbers, or both. The new layer has no matrix, and its points are where the old "
             "layer shows them. The old tree stays as it is. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Normal), add_parameters, run, "-moved.pct"};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Normal),
+            add_parameters,
+            run,
+            "-moved.pct"};
 }
 
 }  // namespace pcm::host

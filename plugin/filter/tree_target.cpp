@@ -11,10 +11,10 @@ namespace pcm::host {
 
 void add_target_parameters(RichParameterList& parameters)
 {
-    parameters.addParam(
-        RichString("Output", "", "Output folder",
-                   "The tree folder to write, NAME.pct. It shares unchanged data with the original tree, so it takes "
-                   "little time and space. Ignored when 'In place' is on. A dialog proposes a name; scripts have no default."));
+    parameters.addParam(RichString(
+        "Output", "", "Output folder",
+        "The tree folder to write, NAME.pct. It shares unchanged data with the original tree, so it takes "
+        "little time and space. Ignored when 'In place' is on. A dialog proposes a name; scripts have no default."));
     parameters.addParam(RichBool("InPlace", false, "In place",
                                  "Change the tree itself. The change is atomic: until it is complete, the old tree is "
                                  "on disk. Default off."));

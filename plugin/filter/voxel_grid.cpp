@@ -65,7 +65,10 @@ Filter voxel_grid_filter()
             "means of their colours, normals and other attributes, or the point nearest to it. The voxels' corners "
             "are multiples of their size in source coordinates. It takes clouds of any size in bounded memory. Esc "
             "cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling), add_parameters, run, "-voxels.pct"};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling),
+            add_parameters,
+            run,
+            "-voxels.pct"};
 }
 
 }  // namespace pcm::host

@@ -137,7 +137,10 @@ void pick_existing(QLineEdit& field, const QString& title, const QString& files)
 }
 
 void pick_list(QLineEdit& field) { pick_existing(field, "Choose a list", "Lists (*.json)"); }
-void pick_pairs(QLineEdit& field) { pick_existing(field, "Choose a file of pairs", "Pairs (*.txt *.csv);;All files (*)"); }
+void pick_pairs(QLineEdit& field)
+{
+    pick_existing(field, "Choose a file of pairs", "Pairs (*.txt *.csv);;All files (*)");
+}
 
 void write_box(QLineEdit& field, const std::optional<Box3d>& box, const QString& if_none)
 {
@@ -247,8 +250,7 @@ void add_field_buttons(const RichParameterList& parameters, MeshDocument* docume
     QTimer::singleShot(0, qApp, [buttons] {
         for (const QWidget* widget : QApplication::allWidgets())
             if (widget->inherits("RichParameterListFrame") && widget->isVisible())
-                if (const auto* rows = qobject_cast<QGridLayout*>(widget->layout()))
-                    add_to_frame(*rows, buttons);
+                if (const auto* rows = qobject_cast<QGridLayout*>(widget->layout())) add_to_frame(*rows, buttons);
     });
 }
 

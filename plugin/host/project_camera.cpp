@@ -20,8 +20,8 @@ QString camera_text(MeshDocument& document)
     const auto origin = Registry::instance().origin_of(document);
     const std::vector<GLArea*> views = views_of(document);
     if (!origin || views.empty()) return {};
-    const GLArea* view = views.front();
-    for (const GLArea* each : views)
+    GLArea* view = views.front();
+    for (GLArea* each : views)
         if (each->isCurrent()) view = each;
     CameraPath path;
     path.name = "view";

@@ -75,8 +75,7 @@ std::vector<std::string> show_result(MeshDocument& document, const TreeResult& r
 {
     std::vector<std::string> lines;
     const bool has_place = result.same_place && !result.replaced.empty();
-    MeshModel* const added =
-        add_layer(document, result.folder, has_place ? result.replaced.front() : nullptr, lines);
+    MeshModel* const added = add_layer(document, result.folder, has_place ? result.replaced.front() : nullptr, lines);
     if (!added) return lines;
     for (MeshModel* layer : result.replaced) {
         SoloLayers& solo = SoloLayers::of(document);
@@ -97,8 +96,8 @@ std::vector<std::string> show_result(MeshDocument& document, const std::filesyst
     std::error_code ignored;
     if (std::filesystem::equivalent(folder, made_of, ignored)) return reload_layers(document, folder);
     MeshModel* const former = layer_showing(document, made_of);
-    return show_result(document, TreeResult{folder, former ? std::vector<MeshModel*>{former} : std::vector<MeshModel*>(),
-                                            true});
+    return show_result(document,
+                       TreeResult{folder, former ? std::vector<MeshModel*>{former} : std::vector<MeshModel*>(), true});
 }
 
 }  // namespace pcm::host

@@ -82,11 +82,12 @@ void add_colour_settings(RichParameterList& parameters)
     parameters.addParam(RichEnum(ramp, static_cast<int>(style.ramp), labels_of(colour_ramps()), "Colour ramp",
                                  "The colours of values (intensity, height, an attribute, level, error): " +
                                      descriptions_of(colour_ramps()) + ". Default Automatic."));
-    parameters.addParam(RichString(range, "", "Colour range",
-                                   "The values at the ramp's ends, LOW:HIGH, as in 400:450; in the units of the cloud. "
-                                   "Default: empty, the range of 98 % of the cloud's points. Its ends can be dragged on "
-                                 "the legend, where a double click asks for numbers and a right click takes the "
-                                 "default."));
+    parameters.addParam(
+        RichString(range, "", "Colour range",
+                   "The values at the ramp's ends, LOW:HIGH, as in 400:450; in the units of the cloud. "
+                   "Default: empty, the range of 98 % of the cloud's points. Its ends can be dragged on "
+                   "the legend, where a double click asks for numbers and a right click takes the "
+                   "default."));
     parameters.addParam(RichBool(legend, true, "Legend",
                                  "Shows the meaning of the colours in the upper right corner: values of a ramp, or the "
                                  "classes that occur; a click on a class hides its points. Default on."));
@@ -101,9 +102,10 @@ void add_colour_settings(RichParameterList& parameters)
     const auto byte = [&](std::size_t i) { return qRound(255 * style.uniform_colour[i]); };
     parameters.addParam(RichColor(uniform_colour, QColor(byte(0), byte(1), byte(2)), "Uniform colour",
                                   "Colour of all points if Colour by is Uniform. Default light grey."));
-    parameters.addParam(RichFloat(brightness, style.brightness, "Brightness",
-                                  "Factor on the points' own colours (Colour by RGB), from 0.01 to 100, for scans whose "
-                                  "colours are dark. Default 1."));
+    parameters.addParam(
+        RichFloat(brightness, style.brightness, "Brightness",
+                  "Factor on the points' own colours (Colour by RGB), from 0.01 to 100, for scans whose "
+                  "colours are dark. Default 1."));
     parameters.addParam(RichFloat(gamma_value, style.gamma, "Gamma",
                                   "Makes the dark ones of the points' own colours (Colour by RGB) lighter where it is "
                                   "above 1, and bright ones little: a colour from 0 to 1 is raised to 1 / gamma, after "

@@ -132,9 +132,9 @@ LegendPicture draw_legends(const std::vector<LayerLegend>& legends, int most_hei
         const Legend& legend = legends[i].legend;
         if (!legend.low.empty()) {
             draw_bar(painter, legend, layout.line);
-            picture.bars.push_back({QRect(margin, top + margin + layout.line + layout.line / 2,
-                                          layout.width - 2 * margin, bar_height),
-                                    legend.range});
+            picture.bars.push_back(
+                {QRect(margin, top + margin + layout.line + layout.line / 2, layout.width - 2 * margin, bar_height),
+                 legend.range});
         }
         for (const auto& [place, number] : draw_rows(painter, legend, layout.line, layout.width - 2 * margin))
             picture.classes.emplace_back(place.translated(margin, top + margin), number);

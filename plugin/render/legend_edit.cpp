@@ -81,9 +81,9 @@ std::optional<LegendEdit::Change> LegendEdit::take(const QMouseEvent& event,
     if (event.type() == QEvent::MouseButtonDblClick) {
         drag_.reset();
         bool good = false;
-        const QString typed =
-            QInputDialog::getText(window, "Colour range", "Values at the ends of the ramp, LOW:HIGH (empty: automatic):",
-                                  QLineEdit::Normal, text_of(bar->range), &good);
+        const QString typed = QInputDialog::getText(
+            window, "Colour range", "Values at the ends of the ramp, LOW:HIGH (empty: automatic):", QLineEdit::Normal,
+            text_of(bar->range), &good);
         return good ? std::optional(Change{typed.simplified()}) : std::nullopt;
     }
     drag_ = Drag{*bar, event.pos()};

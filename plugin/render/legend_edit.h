@@ -13,9 +13,9 @@ class QWidget;
 
 namespace pcm::host {
 
-// The range that dragging makes of `range`: the end that was taken at `from` is at the value at `to`, heights in the bar
-// from 0 (its top) to 1; beyond these the range widens evenly. Rounded to a few digits of its width; the ends keep a
-// hundredth of `range` between them.
+// The range that dragging makes of `range`: the end that was taken at `from` is at the value at `to`, heights in the
+// bar from 0 (its top) to 1; beyond these the range widens evenly. Rounded to a few digits of its width; the ends keep
+// a hundredth of `range` between them.
 ValueRange dragged_range(const ValueRange& range, double from, double to);
 
 class LegendEdit {

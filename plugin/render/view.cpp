@@ -411,8 +411,7 @@ void View::reconcile()
 void View::hide_native_after_edit()
 {
     bool edited = false;
-    for (const GLArea* view : views_of(*area_->md()))
-        edited = edited || const_cast<GLArea*>(view)->getCurrentEditAction() != nullptr;
+    for (GLArea* view : views_of(*area_->md())) edited = edited || view->getCurrentEditAction() != nullptr;
     if (std::exchange(edited_, edited) && !edited) {
         area_->makeCurrent();
         for (const auto& [mesh_id, layer] : layers_)

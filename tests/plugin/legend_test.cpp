@@ -150,7 +150,7 @@ TEST(Legend, DraggingAnEndSetsIt)
     EXPECT_EQ(dragged_range(range, 0, 3), (ValueRange{400, 400.5, 1}));  // the ends do not meet
     EXPECT_EQ(dragged_range(range, 1, -3), (ValueRange{449.5, 450, 1}));
     EXPECT_EQ(dragged_range(range, 0, 1.0 / 3), (ValueRange{400, 433.3, 1}));  // rounded
-    EXPECT_NEAR(dragged_range({0, 1000, 0.5}, 0, 0.5).high, 250, 1);          // a bent ramp
+    EXPECT_NEAR(dragged_range({0, 1000, 0.5}, 0, 0.5).high, 250, 1);           // a bent ramp
 }
 
 TEST(ColourSettings, AreReadAndWrongOnesReported)

@@ -167,7 +167,8 @@ TEST_F(ResultFilters, AResultTakesThePlaceOfItsCloud)
     EXPECT_TRUE(first->visible && unrelated->visible) << "which were not replaced";
     EXPECT_NE(call.log().find("is shown in its place"), std::string::npos) << call.log();
 
-    ASSERT_TRUE(call.set("Where", fs::path("intensity >= 0")).set("Output", folder_ / "none.pct").apply()) << call.log();
+    ASSERT_TRUE(call.set("Where", fs::path("intensity >= 0")).set("Output", folder_ / "none.pct").apply())
+        << call.log();
     EXPECT_EQ(call.document.mm(), made);
     EXPECT_TRUE(made->visible);
     EXPECT_NE(call.log().find("has no points, so no layer shows it"), std::string::npos) << call.log();

@@ -89,7 +89,8 @@ TEST(SeenPoints, OfClipsOnlyWhatTheyLeave)
     const Grid grid{{0.001, 0.001, 0.001}, {0, 0, 0}};
     const double side = 0.001 * (1 << 20);
     const std::vector<Clip> clips{
-        {Region::oriented_box({0, 0, 0}, {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, {side / 2, 2e6, 2e6}), false}};
+        {Region::oriented_box({0, 0, 0}, {Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}}, {side / 2, 2e6, 2e6}),
+         false}};
     TreeInView in_view{&nodes, &grid, view_of_corner(2 * side)};
     DetailLimits limits;
     const SceneSelection all = select_scene({in_view}, limits);
