@@ -44,7 +44,8 @@ flat out vec3 splat_colour;
 
 #if defined(VERTEX_COLOUR)
 layout(location = 1) in vec4 colour;
-vec3 colour_of_point() { return colour.rgb; }
+uniform vec2 tone;  // a factor and an exponent; (1, 1) leaves the bits of a colour as they are
+vec3 colour_of_point() { return tone == vec2(1.0) ? colour.rgb : pow(min(colour.rgb * tone.x, vec3(1.0)), vec3(tone.y)); }
 #elif defined(HEIGHT_COLOUR) || defined(VALUE_COLOUR)
 uniform vec3 ramp[17];     // at even steps
 uniform vec3 ramp_place;   // a value is at the place (value * x + y) ^ z, from 0 to 1

@@ -26,7 +26,10 @@ class FrameBudget {
 public:
     static constexpr std::uint64_t first_guess = 300'000;
     static constexpr std::uint64_t least = 20'000;  // fewer points show nothing; most devices draw these in no time
-    static constexpr double most_growth = 1.5;      // of the points, from one frame to the next
+    // In the view, whatever the time: on a slow machine a late picture shows more than a few squares for a village.
+    // With these, splats that fill the gaps are some 10 pixels wide in a view of 1600 x 1000.
+    static constexpr double least_in_view = 20'000;
+    static constexpr double most_growth = 1.5;                        // of the points, from one frame to the next
     static constexpr double first_margin = 1.25, largest_margin = 2;  // factors
     static constexpr double most_at_rest = 50;  // milliseconds beyond the budget: the delay when the view moves again
 

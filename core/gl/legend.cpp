@@ -65,6 +65,7 @@ std::optional<Legend> legend_of(const CloudReport& report, const std::string& he
         const ValueRange& range = *report.range;
         const double width = range.high - range.low;
         legend.ramp = ramp_of(report.style);
+        legend.range = range;
         legend.low = value_text(range.low, width);
         legend.middle = value_text(range.value_at(0.5), width);
         legend.high = value_text(range.high, width);

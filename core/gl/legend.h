@@ -23,6 +23,7 @@ struct Legend {
     std::string title;              // with the unit: "Height (m)"
     std::string low, middle, high;  // values at the ramp's beginning, middle and end; empty for classes
     ColourRamp ramp = ColourRamp::viridis;
+    ValueRange range;       // of the ramp, where it has values
     std::vector<Row> rows;  // classes that occur, ascending
 
     // Title, then values or classes.

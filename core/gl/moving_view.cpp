@@ -58,11 +58,14 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
         return budget.expected(frame.work);
     };
     const double available = budget.available(frame.options.frame_budget_ms);
-    // The coarsest chunks are always drawn.
+    // The coarsest chunks are always drawn, and as many others as bring the least number of points into the view.
     std::size_t fits = 0, count = strokes.size();
-    while (fits < strokes.size() &&
-           selection.trees[strokes[fits].place.tree].wanted[strokes[fits].place.index].ancestor == no_ancestor)
-        ++fits;
+    const auto is_coarsest = [&](const Stroke& stroke) {
+        return selection.trees[stroke.place.tree].wanted[stroke.place.index].ancestor == no_ancestor;
+    };
+    for (double seen = 0; fits < strokes.size() && (is_coarsest(strokes[fits]) || seen < FrameBudget::least_in_view);
+         ++fits)
+        seen += cost.work(strokes[fits], {}).splats;
     double expected = take(count);
     if (expected > available && fits < count) {
         std::size_t fails = count;

@@ -4,6 +4,7 @@
 #include "pcm/gl/gl_state.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
+#include "pcm/view/seen_points.h"
 
 #include <GL/glew.h>
 
@@ -119,6 +120,15 @@ struct Renderer::Impl {
         return report;
     }
 
+    // As the limits say, but never so that hardly anything is in view.
+    static SceneSelection select_moving(Frame& frame, DetailLimits& limits)
+    {
+        SceneSelection selection =
+            select_scene_seen(frame.trees(), limits, FrameBudget::least_in_view, frame.options.point_budget);
+        frame.report.effective_point_budget = limits.point_budget;
+        return selection;
+    }
+
     // Into the picture's target.
     void draw_clouds(Frame& frame, const Camera& scene, PictureKey key) const
     {
@@ -146,7 +156,8 @@ struct Renderer::Impl {
         } else if (frame.converges) {
             if (!p.rest) {
                 p.rest.emplace();
-                p.rest->lod = select_scene(frame.trees(), frame.current_limits());
+                DetailLimits limits = frame.current_limits();
+                p.rest->lod = select_moving(frame, limits);
             }
             draw_moving(frame, p.rest->lod, true);
         } else {
@@ -155,7 +166,7 @@ struct Renderer::Impl {
                 frame.limits.kept = [&p](std::uint32_t tree, NodeId node) {
                     return p.kept.count({p.key->items[tree].cloud, node}) != 0;
                 };
-            draw_moving(frame, select_scene(frame.trees(), frame.limits), resting);
+            draw_moving(frame, select_moving(frame, frame.limits), resting);
         }
         p.views.clear();
         for (const FrameCloud& cloud : frame.clouds) p.views.push_back(cloud.view);

@@ -59,14 +59,14 @@ SplatProgram::SplatProgram(const SplatPermutation& permutation)
       doubles_(permutation.doubles)
 {
     const auto find = [&](const char* name) { return program_.uniform(name); };
-    at_ = {find("projection"),    find("to_eye"),       find("eye_scale"),      find("point_size"),
-           find("pixels"),        find("radius_scale"), find("viewport"),       find("guard"),
-           find("focal"),         find("principal"),    find("depth_of"),       find("sample_places"),
-           find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),        find("centre_ray"),
-           find("centre_pixel"),  find("pixel_bounds"), find("near"),           find("reference"),
-           find("translation"),   find("from_eye"),     find("least_radius"),   find("least_pixels"),
-           find("ramp"),          find("ramp_place"),   find("uniform_colour"), find("clip_planes"),
-           find("clip_ends"),     find("clip_count"),   find("clip_outside"),   find("selected_colour")};
+    at_ = {
+        find("projection"),   find("to_eye"),          find("eye_scale"),     find("point_size"),   find("pixels"),
+        find("radius_scale"), find("viewport"),        find("guard"),         find("focal"),        find("principal"),
+        find("depth_of"),     find("sample_places"),   find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),
+        find("centre_ray"),   find("centre_pixel"),    find("pixel_bounds"),  find("near"),         find("reference"),
+        find("translation"),  find("from_eye"),        find("least_radius"),  find("least_pixels"), find("ramp"),
+        find("ramp_place"),   find("uniform_colour"),  find("clip_planes"),   find("clip_ends"),    find("clip_count"),
+        find("clip_outside"), find("selected_colour"), find("tone")};
 }
 
 void SplatProgram::set(std::int32_t place, const Vec3d& v) const
@@ -116,6 +116,10 @@ void SplatProgram::set_view(const SplatView& view) const
     if (at_.depth_of >= 0) glUniform2fv(at_.depth_of, 1, floats(c.depth_of).data());
     if (at_.ramp >= 0)
         glUniform3fv(at_.ramp, static_cast<GLsizei>(ramp_stops), traits_of(ramp_of(view.style)).table.front().data());
+    if (at_.tone >= 0) {
+        const bool toned = view.style.colour == ColourMode::rgb;
+        glUniform2f(at_.tone, toned ? view.style.brightness : 1.0f, toned ? 1 / view.style.gamma : 1.0f);
+    }
     if (at_.selected_colour >= 0) glUniform3fv(at_.selected_colour, 1, view.selected_colour.data());
     if (at_.focal >= 0) set_disc(view);
 }

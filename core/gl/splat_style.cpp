@@ -41,7 +41,7 @@ bool operator==(const CloudStyle& a, const CloudStyle& b)
 {
     return a.splats == b.splats && a.colour == b.colour && a.point_size_px == b.point_size_px &&
            a.radius_scale == b.radius_scale && a.uniform_colour == b.uniform_colour && a.attribute == b.attribute &&
-           a.ramp == b.ramp && a.range == b.range &&
+           a.ramp == b.ramp && a.range == b.range && a.brightness == b.brightness && a.gamma == b.gamma &&
            std::equal(a.where.begin(), a.where.end(), b.where.begin(), b.where.end(),
                       [](const Condition& x, const Condition& y) { return x.text == y.text; });
 }

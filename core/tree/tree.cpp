@@ -32,8 +32,8 @@ std::string repair_command(const fs::path& folder)
     return "pcmlab repair " + (plain ? path : "\"" + path + "\"");
 }
 
-// The error of an index that cannot be decoded, with what to do about it.
-Error with_repair(const Error& error, const fs::path& folder)
+// The error of an index, or of a chunk, that cannot be decoded, with what to do about it.
+Error with_repair(const Error& error, const fs::path& folder, const std::string& advice)
 {
     const bool is_damage = error.code() == ErrorCode::corrupt || error.code() == ErrorCode::truncated ||
                            error.code() == ErrorCode::bad_format || error.code() == ErrorCode::not_a_tree;
@@ -41,8 +41,21 @@ Error with_repair(const Error& error, const fs::path& folder)
     std::string what = error.what();
     if (const std::string path = error.path().string() + ": "; what.compare(0, path.size(), path) == 0)
         what.erase(0, path.size());
-    return Error(error.code(), error.path(), what,
-                 "rebuild the index from the chunks, in a terminal: " + repair_command(folder));
+    return Error(error.code(), error.path(), what, advice + ", in a terminal: " + repair_command(folder));
+}
+
+const char* const rebuild_index = "rebuild the index from the chunks";
+const char* const keep_the_rest = "put the file back from a copy, or leave out what is damaged";
+
+// What `read` returns; of a damaged chunk the error says what to do.
+template <class Read>
+auto or_repair(const fs::path& folder, const Read& read)
+{
+    try {
+        return read();
+    } catch (const Error& error) {
+        throw with_repair(error, folder, keep_the_rest);
+    }
 }
 
 [[noreturn]] void refuse_folder(const fs::path& folder)
@@ -96,7 +109,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         try {
             tree = without_files(folder, read_index(index_file));
         } catch (const Error& failure) {
-            throw with_repair(failure, folder);
+            throw with_repair(failure, folder, rebuild_index);
         }
         try {
             tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
@@ -202,7 +215,8 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     if (node.points == 0) return empty_chunk(columns);
     const Extent& extent = node.extent;
     const std::shared_ptr<const File> file = files_->get(extent.file);
-    DecodedChunk decoded = pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns);
+    DecodedChunk decoded = or_repair(
+        folder_, [&] { return pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns); });
     check(id, decoded.header);
     add_missing_columns(decoded.chunk, info_.schema, columns);
     return std::move(decoded.chunk);
@@ -219,8 +233,9 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
     }
     const Extent& extent = node.extent;
     const std::shared_ptr<const File> file = files_->get(extent.file);
-    DecodedPart decoded =
-        pcm::read_chunk_part(*file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
+    DecodedPart decoded = or_repair(folder_, [&] {
+        return pcm::read_chunk_part(*file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
+    });
     check(id, decoded.header);
     for (const std::uint32_t s : decoded.kept) {
         part.first.push_back(decoded.header.segments[s].first);

@@ -7,9 +7,11 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/filter/tree_target.h"
 #include "plugin/host/layer_matrix.h"
 #include "plugin/host/moved_tree.h"
 #include "plugin/host/operation.h"
+#include "plugin/host/result_layer.h"
 #include "plugin/host/text.h"
 
 namespace pcm::host {
@@ -111,7 +113,8 @@ void run(const FilterRun& run)
     build.progress = operation.progress();
     const BuildReport report = write_moved_tree(cloud->tree(), {fit.motion}, result.target.copy, build);
     log_result(run, "Aligned " + path.string(), report);
-    show_result(run, path, result.target);
+    MeshModel* const former = layer_showing(run.document, path);
+    show_moved_result(run, result.target.copy, former ? std::vector<MeshModel*>{former} : std::vector<MeshModel*>());
 }
 
 }  // namespace
@@ -125,7 +128,10 @@ Filter align()
             "their uncertainty. The pairs' source coordinates count; a matrix that the layer has is replaced. Writes a "
             "new tree, or sets the matrix of the current layer. The tool <i>Align by Picked Pairs</i> picks the pairs "
             "in the view.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Layer), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Layer),
+            add_parameters,
+            run,
+            "-aligned.pct"};
 }
 
 }  // namespace pcm::host

@@ -54,7 +54,7 @@ void run(const FilterRun& run)
     log_skipped(run, report.points_skipped);
     log_notes(run, sources.notes());
     log_notes(run, report.notes);
-    show_result(run, target);
+    show_result(run, tree, target_of(run.parameters));
 }
 
 }  // namespace
@@ -66,7 +66,10 @@ Filter append()
             "Adds the points of one or more files to a <b>point cloud tree</b>, either in place or in a copy that "
             "shares the data of the original. Existing points are not rewritten, so the time depends on the number of "
             "new points only. Every level of detail stays as even as before. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet),
+            add_parameters,
+            run,
+            "-more.pct"};
 }
 
 }  // namespace pcm::host

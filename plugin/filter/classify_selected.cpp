@@ -5,6 +5,7 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/selected_points.h"
+#include "plugin/filter/tree_target.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/text.h"
 
@@ -39,7 +40,7 @@ void run(const FilterRun& run)
     run.log("The attribute '" + name + "' of " + grouped(selected.points->size()) + " points of " +
             report.tree.string() + " is " + std::to_string(value) + meaning + "; " +
             grouped(report.outcome.points_out) + " of them had another value.");
-    show_changed(run, report.tree, options.target);
+    show_result(run, selected.shown.cloud->tree()->folder(), options.target);
 }
 
 }  // namespace
@@ -51,7 +52,10 @@ Filter classify_selected()
             "Sets the class, or another integer attribute, of the selected points of a <b>point cloud tree</b>, in a "
             "copy of it or in place. Esc cancels it." +
                 about_selections(),
-            F::FilterClass(F::Selection | F::PointSet), add_parameters, run};
+            F::FilterClass(F::Selection | F::PointSet),
+            add_parameters,
+            run,
+            "-classified.pct"};
 }
 
 }  // namespace pcm::host

@@ -61,7 +61,7 @@ void run(const FilterRun& run)
         run.log(
             "Coarse levels have gaps where points were deleted. Compact Point Cloud Tree closes the gaps and frees "
             "the space.");
-    show_result(run, target);
+    show_result(run, tree, target_of(run.parameters));
 }
 
 }  // namespace
@@ -73,7 +73,10 @@ Filter delete_points()
             "Deletes the points of a <b>point cloud tree</b> that lie in a box, or whose attributes meet conditions, "
             "either in place or in a copy that shares the data of the original. Only chunks that lose points are "
             "rewritten. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet),
+            add_parameters,
+            run,
+            "-without.pct"};
 }
 
 }  // namespace pcm::host

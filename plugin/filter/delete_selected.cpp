@@ -4,6 +4,7 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/selected_points.h"
+#include "plugin/filter/tree_target.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/text.h"
 
@@ -25,7 +26,7 @@ void run(const FilterRun& run)
         run.log(
             "Coarse levels have gaps where points were deleted. Compact Point Cloud Tree closes the gaps and frees "
             "the space.");
-    show_changed(run, erased.tree, options.target);
+    show_result(run, selected.shown.cloud->tree()->folder(), options.target);
 }
 
 }  // namespace
@@ -37,7 +38,10 @@ Filter delete_selected()
             "Deletes the selected points of a <b>point cloud tree</b>, from a copy of it or in place. Only chunks that "
             "lose points are rewritten. Esc cancels it." +
                 about_selections(),
-            F::FilterClass(F::Selection | F::PointSet), add_set_change_parameters, run};
+            F::FilterClass(F::Selection | F::PointSet),
+            add_set_change_parameters,
+            run,
+            "-without.pct"};
 }
 
 }  // namespace pcm::host

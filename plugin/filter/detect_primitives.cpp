@@ -10,6 +10,7 @@
 #include "plugin/filter/tree_target.h"
 #include "plugin/host/drawn_primitives.h"
 #include "plugin/host/layer_matrix.h"
+#include "plugin/host/open_tool.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/primitive_book.h"
 #include "plugin/host/selection_text.h"
@@ -103,12 +104,7 @@ void label(const FilterRun& run, const PrimitiveCloud& cloud, const DetectReport
     log_warnings(run, report.outcome.warnings);
     run.log(report.tree.string() + ": the attribute '" + options.attribute +
             "' says which primitive each point is of.");
-    show_afterwards(run, [&] {
-        if (options.target.in_place)
-            refresh_layers(run, report.tree);
-        else
-            add_tree_layer(run, report.tree);
-    });
+    show_result(run, cloud.cloud->tree()->folder(), options.target);
 }
 
 void run(const FilterRun& run)
@@ -147,6 +143,7 @@ void run(const FilterRun& run)
             brief(found.outcome.seconds) + " s.");
     if (found.primitives.empty()) return run.log("Nothing was found: the list and the tree stay as they are.");
     PrimitiveBook::of(run.document).change([&](PrimitiveList& list) { list.add_all(found.primitives); });
+    open_tool(run.document, "Fit Primitives");  // its panel has the list
     write_drawing(run, found.primitives, cloud.unit);
     note_matrix(run, cloud);
     if (labelled) label(run, cloud, found, labels);
@@ -163,7 +160,10 @@ Filter detect_primitives_filter()
         "bounded memory, and fits them with standard deviations. They are added to the project's list, which the "
         "tool <i>Fit Primitives</i> shows, and are written as a drawing or list on request; labels say which points "
         "belong to them. Esc cancels it.",
-        F::FilterClass(F::Measure | F::PointSet), add_parameters, run};
+        F::FilterClass(F::Measure | F::PointSet),
+        add_parameters,
+        run,
+        "-labelled.pct"};
 }
 
 }  // namespace pcm::host

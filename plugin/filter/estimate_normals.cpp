@@ -81,7 +81,10 @@ Filter estimate_normals()
             "and, in the same pass, the radius of its splat. The results are the attributes <i>normal</i> and "
             "<i>radius</i>, in a copy of the tree or in place, and the view draws discs from then on. Works on clouds "
             "larger than memory. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet),
+            add_parameters,
+            run,
+            "-normals.pct"};
 }
 
 }  // namespace pcm::host

@@ -36,7 +36,10 @@ Filter estimate_radii()
             "nearest neighbours, measured across the point's normal where the cloud has normals. The result is the "
             "attribute <i>radius</i>, in a copy of the tree or in place. Works on clouds larger than memory. Esc "
             "cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet),
+            add_parameters,
+            run,
+            "-radii.pct"};
 }
 
 }  // namespace pcm::host

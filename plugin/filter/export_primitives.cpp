@@ -69,7 +69,10 @@ Filter export_primitives()
         "<i>Detect Primitives</i> make, as DXF, as a script for AutoCAD (SCR), as CSV with standard deviations, or "
         "as a list (JSON) that reads back; in source coordinates, moved by the matrices of their layers. Hidden ones "
         "are left out of drawings and tables.",
-        F::Measure, add_parameters, run};
+        F::Measure,
+        add_parameters,
+        run,
+        "-primitives.dxf"};
 }
 
 }  // namespace pcm::host

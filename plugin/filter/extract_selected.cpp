@@ -18,8 +18,8 @@ void add_parameters(RichParameterList& parameters)
 {
     parameters.addParam(RichString("Output", "", "Output",
                                    "The tree folder (NAME.pct) or file to write; the extension chooses the format: "
-                                   "las, laz, ply, e57, pcd, xyz, ... A name without extension is a tree. No "
-                                   "default."));
+                                   "las, laz, ply, e57, pcd, xyz, ... A name without extension is a tree. A "
+                                   "dialog proposes one; scripts have no default."));
     parameters.addParam(RichBool("Overwrite", false, "Overwrite",
                                  "Replace the output if it exists. Default off: an existing output is an error."));
     parameters.addParam(
@@ -50,7 +50,7 @@ void run(const FilterRun& run)
     run.log(grouped(report.outcome.points_out) + " points written to " + output.string() + " (" +
             bytes_text(report.bytes) + ") in " + brief(report.outcome.seconds) + " s.");
     if (is_tree(output) && run.parameters.getBool("AddLayer"))
-        show_afterwards(run, [&] { add_tree_layer(run, output); });
+        show_afterwards(run, [&] { add_tree_layer(run, output, &selected.layer); });
 }
 
 }  // namespace
@@ -63,7 +63,10 @@ Filter extract_selected()
         "Writes the selected points of a <b>point cloud tree</b>, with all attributes and bit for bit, as a tree of "
         "their own or as a file. The tree stays as it is. Esc cancels it." +
             about_selections(),
-        F::FilterClass(F::Selection | F::Layer | F::PointSet), add_parameters, run};
+        F::FilterClass(F::Selection | F::Layer | F::PointSet),
+        add_parameters,
+        run,
+        "-part.pct"};
 }
 
 }  // namespace pcm::host

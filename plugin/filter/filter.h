@@ -29,6 +29,9 @@ struct Filter {
     void (*add_parameters)(RichParameterList& parameters);
     // Anything thrown is reported to the user as the reason why the filter failed.
     void (*run)(const FilterRun& run);
+    // The end of the name that dialogs propose for the result, as in NAME-normals.pct (host/proposed_output.h); null:
+    // none is needed. Scripts name their outputs.
+    const char* output = nullptr;
 };
 
 // The table, in the order of the menu.

@@ -1,10 +1,12 @@
 #include "plugin/filter/filter_plugin.h"
 
+#include "plugin/filter/cloud_menu.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/host/cancelled.h"
 #include "plugin/host/field_buttons.h"
 #include "plugin/host/layer_matrix.h"
+#include "plugin/host/proposed_output.h"
 #include "plugin/host/text.h"
 
 #include <utility>
@@ -41,6 +43,7 @@ PointCloudFilters::PointCloudFilters()
         connect(action, &QAction::changed, action, [action] { action->setEnabled(true); });
         actionList << action;
     }
+    add_cloud_menu();
 }
 
 QString PointCloudFilters::filterName(FilterIDType filter) const { return filter_of(filter).name; }
@@ -60,7 +63,9 @@ MeshFilterInterface::FilterClass PointCloudFilters::getClass(QAction* action)
 void PointCloudFilters::initParameterSet(QAction* action, MeshDocument& document, RichParameterList& parameters)
 {
     dialog_without_layer_ = document.mm() == nullptr;
-    filter_of(ID(action)).add_parameters(parameters);
+    const Filter& filter = filter_of(ID(action));
+    filter.add_parameters(parameters);
+    if (filter.output) propose_output(parameters, document, filter.output);
     add_field_buttons(parameters, &document);
 }
 
@@ -89,6 +94,7 @@ bool PointCloudFilters::applyFilter(QAction* action, MeshDocument& document, con
         check_lock(parameters, document);
         filter.run({document, parameters, callback, say, warn});
         resets_view_ = !fits_in_view(before, document.bbox());
+        renew_proposals();
         return true;
     } catch (...) {
         // An exception that leaves this function would leave the document busy for ever. Windows show errorMessage,

@@ -10,6 +10,7 @@
 #include "plugin/filter/primitive_parameters.h"
 #include "plugin/filter/result_parameters.h"
 #include "plugin/filter/tree_target.h"
+#include "plugin/host/open_tool.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/primitive_book.h"
 #include "plugin/host/scene_state.h"
@@ -141,7 +142,7 @@ FitAtOptions options_of(const FilterRun& run, const PrimitiveCloud& cloud)
 }
 
 // Where the points go, or nowhere.
-void write_points(const FilterRun& run, const PointSet& points)
+void write_points(const FilterRun& run, const PointSet& points, const MeshModel* layer)
 {
     const QString text = run.parameters.getString("PointsOutput").trimmed();
     if (text.isEmpty()) return;
@@ -160,7 +161,7 @@ void write_points(const FilterRun& run, const PointSet& points)
     log_warnings(run, report.outcome.warnings);
     log_notes(run, report.notes);
     run.log(grouped(report.outcome.points_out) + " points written to " + output.string());
-    if (is_tree(output)) show_afterwards(run, [&] { add_tree_layer(run, output); });
+    if (is_tree(output)) show_afterwards(run, [&] { add_tree_layer(run, output, layer); });
 }
 
 void run(const FilterRun& run)
@@ -193,6 +194,7 @@ void run(const FilterRun& run)
     book.change([&](PrimitiveList& list) { index = list.add(primitive); });
     const auto points = std::make_shared<const PointSet>(std::move(found->points));
     book.keep_points(book.list()[index], points, found->reached);
+    open_tool(run.document, "Fit Primitives");  // its panel has the list
     const Primitive kept = book.list()[index];
     if (kept.fit.verdict == FitVerdict::doubtful) run.warn(kept.name + " is doubtful: " + kept.fit.message);
     log_primitive(run, kept, cloud.unit);
@@ -203,7 +205,7 @@ void run(const FilterRun& run)
                         .arg(QString::fromStdString(kept.name), QString::fromStdString(grouped(points->size()))));
     write_drawing(run, {kept}, cloud.unit);
     note_matrix(run, cloud);
-    write_points(run, *points);
+    write_points(run, *points, cloud.layer);
 }
 
 }  // namespace

@@ -5,9 +5,12 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/filter/tree_target.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/placement.h"
 #include "plugin/host/text.h"
+
+#include <utility>
 
 namespace pcm::host {
 
@@ -30,16 +33,18 @@ void add_parameters(RichParameterList& parameters)
     add_result_parameters(parameters, false);
 }
 
-std::vector<MergeInput> inputs_of(const FilterRun& run)
+// Those of visible layers, which are added to `merged`, and those that are named.
+std::vector<MergeInput> inputs_of(const FilterRun& run, std::vector<MeshModel*>& merged)
 {
     std::vector<MergeInput> inputs;
     const bool apply = run.parameters.getBool("ApplyMatrices");
     if (run.parameters.getBool("VisibleLayers"))
-        for (const MeshModel* layer : run.document.meshList) {
+        for (MeshModel* layer : run.document.meshList) {
             const auto tree = Registry::instance().find(*layer);
             if (!tree || !layer->visible) continue;
             const auto map = placement_of(*layer, *tree);
             inputs.push_back({tree->cloud->tree()->folder(), apply ? map : std::nullopt});
+            merged.push_back(layer);
             if (map)
                 run.log("The layer '" + layer->label().toStdString() + "' has a matrix: it is " +
                         (apply ? "applied." : "not applied."));
@@ -57,7 +62,8 @@ void run(const FilterRun& run)
     MergeOptions options;
     options.ignore_crs = ignore_crs_of(run.parameters);
     options.source_id = run.parameters.getBool("SourceId");
-    const std::vector<MergeInput> inputs = inputs_of(run);
+    std::vector<MeshModel*> merged;
+    const std::vector<MergeInput> inputs = inputs_of(run, merged);
     Operation operation(run.callback);
     result.progress = operation.progress();
     const MergeReport report = merge_trees(inputs, options, result);
@@ -66,7 +72,7 @@ void run(const FilterRun& run)
                               "; coordinates changed by at most " + exact(report.rounding) + " source units."
                         : "Positions are doubles, changed by at most " + exact(report.rounding) + " source units.");
     run.log("Coordinate system: " + (report.system.empty() ? "none stated" : report.system) + ".");
-    show_result(run, {}, result.target);
+    show_moved_result(run, result.target.copy, std::move(merged));
 }
 
 }  // namespace
@@ -78,7 +84,10 @@ Filter merge()
             "Makes one <b>point cloud tree</b> of several: of the trees that visible layers show, where the layers' "
             "matrices put them, and of others on disk. Grids, attributes and coordinate systems are brought together; "
             "the log says how. The trees stay as they are. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Layer), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Layer),
+            add_parameters,
+            run,
+            "-merged.pct"};
 }
 
 }  // namespace pcm::host

@@ -106,7 +106,7 @@ void run_attribute_filter(const FilterRun& run, NeighbourAttributeOptions option
         run.log("Neighbours on a line: " + grouped(report.lines) + " points; in a blob: " + grouped(report.blobs) +
                 "; too few: " + grouped(report.too_few) + ".");
     if (report.used_known_normals) run.log("Radii were measured across the normals that the cloud has.");
-    show_result(run, target);
+    show_result(run, tree, target_of(run.parameters));
     show_afterwards(run, [&] { show_as_discs(run, target.path()); });
 }
 

@@ -81,7 +81,8 @@ void add_drawing_parameters(RichParameterList& parameters, bool needed)
         ".dxf, .scr (a script for AutoCAD), .csv, or .json (a list that reads back), as its name ends";
     if (needed)
         parameters.addParam(RichString("OutputFile", "", "Output file",
-                                       "File to write, in source coordinates: " + formats + ". No default."));
+                                       "File to write, in source coordinates: " + formats +
+                                           ". A dialog proposes a name; scripts have no default."));
     else
         parameters.addParam(RichString(
             "OutputFile", "", "Output file",

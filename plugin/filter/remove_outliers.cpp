@@ -93,7 +93,7 @@ void run(const FilterRun& run)
     const OutlierReport report =
         target.update([&](const std::filesystem::path& folder) { return pcm::remove_outliers(folder, options); });
     log(run, options, report, target.path());
-    show_result(run, target);
+    show_result(run, tree, target_of(run.parameters));
 }
 
 }  // namespace
@@ -105,7 +105,10 @@ Filter remove_outliers()
             "Removes the points of a <b>point cloud tree</b> that stand apart from the others, or labels them with the "
             "attribute <i>outlier</i>, in a copy of the tree or in place. All distances and statistics are computed in "
             "double precision. Works on clouds larger than memory. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet),
+            add_parameters,
+            run,
+            "-clean.pct"};
 }
 
 }  // namespace pcm::host

@@ -3,7 +3,6 @@
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 #include "plugin/filter/parameters.h"
-#include "plugin/filter/tree_target.h"
 #include "plugin/host/text.h"
 
 #include <QRegularExpression>
@@ -18,9 +17,10 @@ Error bad_parameter(const std::string& what) { return Error(ErrorCode::invalid_a
 
 void add_result_parameters(RichParameterList& parameters, bool in_place)
 {
-    parameters.addParam(RichString("Output", "", "Output folder",
-                                   QString("The tree folder to write, NAME.pct.%1 No default.")
-                                       .arg(in_place ? " Ignored when 'In place' is on." : "")));
+    parameters.addParam(
+        RichString("Output", "", "Output folder",
+                   QString("The tree folder to write, NAME.pct.%1 A dialog proposes a name; scripts have no default.")
+                       .arg(in_place ? " Ignored when 'In place' is on." : "")));
     if (in_place)
         parameters.addParam(RichBool("InPlace", false, "In place",
                                      "Replace the tree by the result. Until that is complete, the old tree is on disk. "
@@ -91,16 +91,6 @@ void log_result(const FilterRun& run, const std::string& what, const BuildReport
             bytes_text(peak_memory_bytes()) + ".");
     log_notes(run, report.notes);
     log_warnings(run, outcome.warnings);
-}
-
-void show_result(const FilterRun& run, const std::filesystem::path& tree, const TargetChoice& target)
-{
-    show_afterwards(run, [&] {
-        if (target.in_place)
-            refresh_layers(run, tree);
-        else
-            add_tree_layer(run, target.copy);
-    });
 }
 
 }  // namespace pcm::host

@@ -27,7 +27,5 @@ std::vector<std::string> names_of(const RichParameterList& parameters, const cha
 
 // "... of ... points, in ... s, ...; peak memory": after `what`, and the notes and warnings.
 void log_result(const FilterRun& run, const std::string& what, const BuildReport& report);
-// A new tree gets a layer; layers that show a tree that was replaced are loaded again.
-void show_result(const FilterRun& run, const std::filesystem::path& tree, const TargetChoice& target);
 
 }  // namespace pcm::host

@@ -4,6 +4,7 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/selected_points.h"
+#include "plugin/filter/tree_target.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/text.h"
 
@@ -36,7 +37,7 @@ void run(const FilterRun& run)
     run.log("The attribute '" + name + "' of " + report.tree.string() + " is 1 for " +
             grouped(selected.points->size()) + " of " + grouped(report.outcome.points_in) + " points; Where: " + name +
             "=1 selects them again.");
-    show_changed(run, report.tree, options.target);
+    show_result(run, selected.shown.cloud->tree()->folder(), options.target);
 }
 
 }  // namespace
@@ -48,7 +49,10 @@ Filter save_selected()
             "Writes which points are selected into an attribute of the <b>point cloud tree</b>, in a copy of it or in "
             "place. Esc cancels it." +
                 about_selections(),
-            F::FilterClass(F::Selection | F::PointSet), add_parameters, run};
+            F::FilterClass(F::Selection | F::PointSet),
+            add_parameters,
+            run,
+            "-selected.pct"};
 }
 
 }  // namespace pcm::host

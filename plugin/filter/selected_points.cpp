@@ -51,14 +51,4 @@ QString about_selections()
            "script of meshlabserver, for the one run.";
 }
 
-void show_changed(const FilterRun& run, const std::filesystem::path& tree, const TargetChoice& target)
-{
-    show_afterwards(run, [&] {
-        if (target.in_place)
-            refresh_layers(run, tree);
-        else
-            add_tree_layer(run, tree);
-    });
-}
-
 }  // namespace pcm::host

@@ -28,7 +28,4 @@ SetChangeOptions set_change_options_of(const RichParameterList& parameters);
 // The end of all help texts of these filters.
 QString about_selections();
 
-// A copy gets a layer; layers that show a tree changed in place are loaded again, and have no selected points then.
-void show_changed(const FilterRun& run, const std::filesystem::path& tree, const TargetChoice& target);
-
 }  // namespace pcm::host

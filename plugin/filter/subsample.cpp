@@ -4,6 +4,7 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/filter/tree_target.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/text.h"
 
@@ -68,7 +69,10 @@ Filter subsample_filter()
             "Makes a <b>point cloud tree</b> of an evenly spread part of another one's points, which keep all their "
             "attributes: exactly a spacing, exactly a number of points, or a level of detail, which is quick. It "
             "takes clouds of any size in bounded memory. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling),
+            add_parameters,
+            run,
+            "-thinned.pct"};
 }
 
 }  // namespace pcm::host

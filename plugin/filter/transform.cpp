@@ -5,9 +5,11 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/filter/tree_target.h"
 #include "plugin/host/moved_tree.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/placement.h"
+#include "plugin/host/result_layer.h"
 #include "plugin/host/text.h"
 
 namespace pcm::host {
@@ -94,7 +96,8 @@ void run(const FilterRun& run)
     const BuildReport report = write_moved_tree(tree, maps, result.target.copy, build);
     log_result(run, "Transformed " + path.string() + (first ? ", by the layer's matrix" : ""), report);
     run.log("Largest position error: " + exact(report.outcome.error) + " source units.");
-    show_result(run, path, result.target);
+    MeshModel* const former = layer_showing(run.document, path);
+    show_moved_result(run, result.target.copy, former ? std::vector<MeshModel*>{former} : std::vector<MeshModel*>());
 }
 
 }  // namespace
@@ -106,7 +109,10 @@ Filter transform()
             "Writes a <b>point cloud tree</b> that is moved, turned or scaled: by the layer's matrix, as MeshLab's "
             "own tools set it, by numbers, or both. The new layer has no matrix, and its points are where the old "
             "layer shows them. The old tree stays as it is. Esc cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Normal), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Normal),
+            add_parameters,
+            run,
+            "-moved.pct"};
 }
 
 }  // namespace pcm::host

@@ -3,17 +3,19 @@
 #include "pcm/system/error.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/host/layer.h"
-#include "plugin/host/moved_tree.h"
+#include "plugin/host/result_layer.h"
 #include "plugin/host/text.h"
+
+#include <utility>
 
 namespace pcm::host {
 
 void add_target_parameters(RichParameterList& parameters)
 {
-    parameters.addParam(
-        RichString("Output", "", "Output folder",
-                   "The tree folder to write, NAME.pct. It shares unchanged data with the original tree, so it takes "
-                   "little time and space. Ignored when 'In place' is on. No default."));
+    parameters.addParam(RichString(
+        "Output", "", "Output folder",
+        "The tree folder to write, NAME.pct. It shares unchanged data with the original tree, so it takes "
+        "little time and space. Ignored when 'In place' is on. A dialog proposes a name; scripts have no default."));
     parameters.addParam(RichBool("InPlace", false, "In place",
                                  "Change the tree itself. The change is atomic: until it is complete, the old tree is "
                                  "on disk. Default off."));
@@ -29,9 +31,9 @@ TargetChoice target_of(const RichParameterList& parameters)
     return {as_tree(absolute_path(output)), false};
 }
 
-void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder)
+void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder, const MeshModel* like)
 {
-    for (const std::string& line : add_layer_of(run.document, folder)) run.log(line);
+    for (const std::string& line : add_layer_of(run.document, folder, like)) run.log(line);
 }
 
 void refresh_layers(const FilterRun& run, const std::filesystem::path& folder)
@@ -49,13 +51,19 @@ void show_afterwards(const FilterRun& run, const std::function<void()>& show)
     }
 }
 
-void show_result(const FilterRun& run, const UpdateTarget& target)
+void show_result(const FilterRun& run, const std::filesystem::path& made_of, const TargetChoice& target)
 {
     show_afterwards(run, [&] {
-        if (target.is_copy())
-            add_tree_layer(run, target.path());
-        else
-            refresh_layers(run, target.path());
+        const std::filesystem::path& folder = target.in_place ? made_of : target.copy;
+        for (const std::string& line : host::show_result(run.document, folder, made_of)) run.log(line);
+    });
+}
+
+void show_moved_result(const FilterRun& run, const std::filesystem::path& folder, std::vector<MeshModel*> replaced)
+{
+    show_afterwards(run, [&] {
+        for (const std::string& line : host::show_result(run.document, TreeResult{folder, std::move(replaced), false}))
+            run.log(line);
     });
 }
 

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <vector>
 
 namespace pcm::host {
 
@@ -14,8 +15,9 @@ void add_target_parameters(RichParameterList& parameters);
 // Throws Error(invalid_argument) when there is neither.
 TargetChoice target_of(const RichParameterList& parameters);
 
-// Adds a layer that shows the tree `folder`. A tree without points gets no layer; the log says so.
-void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder);
+// Adds a layer that shows the tree `folder`, with the matrix of `like` (null: none). A tree without points gets no
+// layer; the log says so.
+void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder, const MeshModel* like = nullptr);
 
 // The layers of the document that show the tree `folder` are loaded again.
 void refresh_layers(const FilterRun& run, const std::filesystem::path& folder);
@@ -23,7 +25,10 @@ void refresh_layers(const FilterRun& run, const std::filesystem::path& folder);
 // Runs `show` after the filter has changed the tree: what fails then is a warning, since the tree is changed already.
 void show_afterwards(const FilterRun& run, const std::function<void()>& show);
 
-// A copy gets a layer; layers that show a tree changed in place are loaded again.
-void show_result(const FilterRun& run, const UpdateTarget& target);
+// A copy gets a layer in place of the one that shows the tree `made_of` (host/result_layer.h); layers that show a tree
+// changed in place are loaded again.
+void show_result(const FilterRun& run, const std::filesystem::path& made_of, const TargetChoice& target);
+// A tree that takes the place of these layers, and has their matrices applied.
+void show_moved_result(const FilterRun& run, const std::filesystem::path& folder, std::vector<MeshModel*> replaced);
 
 }  // namespace pcm::host

@@ -4,6 +4,7 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/filter/tree_target.h"
 #include "plugin/host/operation.h"
 #include "plugin/host/text.h"
 
@@ -64,7 +65,10 @@ Filter voxel_grid_filter()
             "means of their colours, normals and other attributes, or the point nearest to it. The voxels' corners "
             "are multiples of their size in source coordinates. It takes clouds of any size in bounded memory. Esc "
             "cancels it.",
-            F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling), add_parameters, run};
+            F::FilterClass(F::MeshCreation | F::PointSet | F::Sampling),
+            add_parameters,
+            run,
+            "-voxels.pct"};
 }
 
 }  // namespace pcm::host

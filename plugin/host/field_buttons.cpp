@@ -11,6 +11,7 @@
 #include <QAction>
 #include <QApplication>
 #include <QFileDialog>
+#include <QFileInfo>
 #include <QGridLayout>
 #include <QLabel>
 #include <QLineEdit>
@@ -22,6 +23,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <utility>
 
 namespace pcm::host {
 
@@ -79,14 +81,26 @@ void pick_folder(QLineEdit& field)
     if (!folder.isEmpty()) write(field, folder);
 }
 
-// The folder of the tree or any file in it, such as its index.
-void pick_tree(QLineEdit& field)
+// The folder of the tree or any file in it, such as its index; empty: cancelled.
+QString picked_tree(QLineEdit& field)
 {
-    QFileDialog dialog(field.window(), "Choose the index.pct in the folder of a point cloud tree", field.text());
+    QFileDialog dialog(field.window(), "Choose the index.pct in the folder of a point cloud tree", beginning(field));
     dialog.setFileMode(QFileDialog::ExistingFile);
     dialog.setNameFilter("Point cloud tree (index.pct)");
-    if (dialog.exec() != QDialog::Accepted || dialog.selectedFiles().isEmpty()) return;
-    write(field, QString::fromStdString(tree_folder_of(dialog.selectedFiles().first().toStdString()).string()));
+    if (dialog.exec() != QDialog::Accepted || dialog.selectedFiles().isEmpty()) return {};
+    return QString::fromStdString(tree_folder_of(dialog.selectedFiles().first().toStdString()).string());
+}
+
+void pick_tree(QLineEdit& field)
+{
+    const QString tree = picked_tree(field);
+    if (!tree.isEmpty()) write(field, tree);
+}
+
+void add_tree(QLineEdit& field)
+{
+    const QString tree = picked_tree(field);
+    if (!tree.isEmpty()) add_paths(field, {tree});
 }
 
 void pick_new_tree(QLineEdit& field)
@@ -106,11 +120,26 @@ void pick_new_file(QLineEdit& field)
     if (!file.isEmpty()) write(field, file);
 }
 
-void pick_list(QLineEdit& field)
+// A tree where nothing else is said.
+void pick_new_tree_or_file(QLineEdit& field)
 {
-    const QString file = QFileDialog::getOpenFileName(field.window(), "Choose a list of measures", field.text(),
-                                                      "Lists of measures (*.json)");
+    // What is there already is the filter's concern.
+    const QString path = QFileDialog::getSaveFileName(field.window(), "Name a point cloud tree or a file", field.text(),
+                                                      "Point cloud tree (*.pct);;All files (*)", nullptr,
+                                                      QFileDialog::DontConfirmOverwrite);
+    if (!path.isEmpty()) write(field, QFileInfo(path).suffix().isEmpty() ? path + ".pct" : path);
+}
+
+void pick_existing(QLineEdit& field, const QString& title, const QString& files)
+{
+    const QString file = QFileDialog::getOpenFileName(field.window(), title, field.text(), files);
     if (!file.isEmpty()) write(field, file);
+}
+
+void pick_list(QLineEdit& field) { pick_existing(field, "Choose a list", "Lists (*.json)"); }
+void pick_pairs(QLineEdit& field)
+{
+    pick_existing(field, "Choose a file of pairs", "Pairs (*.txt *.csv);;All files (*)");
 }
 
 void write_box(QLineEdit& field, const std::optional<Box3d>& box, const QString& if_none)
@@ -158,13 +187,19 @@ void take_clip_box(QLineEdit& field, MeshDocument& document)
     write(field, QString::fromStdString(exact(box.min) + " " + exact(box.max)));
 }
 
-std::vector<Button> buttons_of(const QString& parameter, MeshDocument* document)
+std::vector<Button> buttons_of(const RichParameter& of, MeshDocument* document)
 {
+    const QString parameter = of.name();
+    // "Output folder" is a tree; "Output" may be a file too.
+    if (parameter == "PointsOutput" || (parameter == "Output" && of.fieldDescription() == "Output"))
+        return {{QStyle::SP_DialogSaveButton, "Name a tree or a file", pick_new_tree_or_file}};
     if (parameter == "Inputs")
         return {{QStyle::SP_DirIcon, "Add a folder", pick_folder_of_files},
                 {QStyle::SP_FileIcon, "Add files", pick_files}};
     if (parameter == "OutputFile") return {{QStyle::SP_DialogSaveButton, "Name a file", pick_new_file}};
-    if (parameter == "ListFile") return {{QStyle::SP_DirOpenIcon, "Choose a list of measures", pick_list}};
+    if (parameter == "ListFile") return {{QStyle::SP_DirOpenIcon, "Choose a list", pick_list}};
+    if (parameter == "PairsFile") return {{QStyle::SP_DirOpenIcon, "Choose a file of pairs", pick_pairs}};
+    if (parameter == "Trees") return {{QStyle::SP_DirOpenIcon, "Add a tree", add_tree}};
     if (parameter == "Tree" || parameter == "TreeBefore") return {{QStyle::SP_DirOpenIcon, "Choose a tree", pick_tree}};
     if (parameter == "Output") return {{QStyle::SP_DirOpenIcon, "Name a tree", pick_new_tree}};
     if (parameter.section("::", -1) == "TreeFolder") return {{QStyle::SP_DirOpenIcon, "Choose a folder", pick_folder}};
@@ -182,7 +217,7 @@ std::vector<Button> buttons_of(const QString& parameter, MeshDocument* document)
 }
 
 // MeshLab's frame of parameters has a row for each: a label with its description, and the field.
-void add_to_frame(const QGridLayout& rows, const std::map<QString, QString>& name_of_label, MeshDocument* document)
+void add_to_frame(const QGridLayout& rows, const std::map<QString, std::vector<Button>>& buttons)
 {
     for (int row = 0; row < rows.rowCount(); ++row) {
         const auto widget_at = [&](int column) {
@@ -191,9 +226,9 @@ void add_to_frame(const QGridLayout& rows, const std::map<QString, QString>& nam
         };
         const auto* label = qobject_cast<QLabel*>(widget_at(0));
         auto* field = qobject_cast<QLineEdit*>(widget_at(1));
-        const auto found = label ? name_of_label.find(label->text()) : name_of_label.end();
-        if (!field || found == name_of_label.end() || !field->actions().isEmpty()) continue;
-        for (const Button& button : buttons_of(found->second, document)) {
+        const auto found = label ? buttons.find(label->text()) : buttons.end();
+        if (!field || found == buttons.end() || !field->actions().isEmpty()) continue;
+        for (const Button& button : found->second) {
             auto* action = field->addAction(field->style()->standardIcon(button.icon), QLineEdit::TrailingPosition);
             action->setText(button.text);
             action->setToolTip(button.text);
@@ -207,16 +242,15 @@ void add_to_frame(const QGridLayout& rows, const std::map<QString, QString>& nam
 void add_field_buttons(const RichParameterList& parameters, MeshDocument* document)
 {
     if (QApplication::topLevelWidgets().isEmpty()) return;
-    std::map<QString, QString> name_of_label;
+    std::map<QString, std::vector<Button>> buttons;  // by the fields' labels
     for (const RichParameter& parameter : parameters)
-        if (!buttons_of(parameter.name(), document).empty())
-            name_of_label[parameter.fieldDescription()] = parameter.name();
-    if (name_of_label.empty()) return;
-    QTimer::singleShot(0, qApp, [name_of_label, alive = QPointer<MeshDocument>(document)] {
+        if (auto some = buttons_of(parameter, document); !some.empty())
+            buttons[parameter.fieldDescription()] = std::move(some);
+    if (buttons.empty()) return;
+    QTimer::singleShot(0, qApp, [buttons] {
         for (const QWidget* widget : QApplication::allWidgets())
             if (widget->inherits("RichParameterListFrame") && widget->isVisible())
-                if (const auto* rows = qobject_cast<QGridLayout*>(widget->layout()))
-                    add_to_frame(*rows, name_of_label, alive);
+                if (const auto* rows = qobject_cast<QGridLayout*>(widget->layout())) add_to_frame(*rows, buttons);
     });
 }
 

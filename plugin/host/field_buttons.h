@@ -7,8 +7,9 @@
 
 namespace pcm::host {
 
-// The parameters that get buttons, by name: Inputs (files and folders), Tree, TreeBefore and Output (tree folders),
-// OutputFile and ListFile (files), TreeFolder (a folder), Box. Called where MeshLab asks for the parameters of a
+// The parameters that get buttons, by name: Inputs (files and folders), Tree, TreeBefore and Trees (tree folders),
+// Output and PointsOutput (trees, or files too), OutputFile, ListFile and PairsFile (files), TreeFolder (a folder),
+// Box. Called where MeshLab asks for the parameters of a
 // dialog, which it shows afterwards; does nothing where there is no window. `document`: of the layer that boxes are
 // taken from, its current one.
 void add_field_buttons(const RichParameterList& parameters, MeshDocument* document);

@@ -1,15 +1,12 @@
-// A tree that is moved into a new one, and its layer.
+// A tree that is moved into a new one.
 #pragma once
 
 #include "pcm/build/builder.h"
 #include "pcm/cloud/affine.h"
 #include "pcm/tree/tree.h"
 
-#include <common/interfaces.h>
-
 #include <filesystem>
 #include <memory>
-#include <string>
 #include <vector>
 
 namespace pcm::host {
@@ -19,9 +16,5 @@ namespace pcm::host {
 // TransformedReader throw.
 BuildReport write_moved_tree(const std::shared_ptr<const Tree>& tree, const std::vector<Affine>& maps,
                              const std::filesystem::path& output, BuildOptions options);
-
-// Adds a layer that shows the tree `folder`, and returns lines for the log; a tree without points gets none. Throws
-// what opening the tree and reading chunks throws; the document then has no new layer.
-std::vector<std::string> add_layer_of(MeshDocument& document, const std::filesystem::path& folder);
 
 }  // namespace pcm::host

@@ -6,6 +6,7 @@
 #include <meshlab/glarea.h>
 
 #include <QAction>
+#include <QApplication>
 #include <QFileDialog>
 #include <QMainWindow>
 #include <QMdiArea>
@@ -125,6 +126,27 @@ void ExportDialog::export_current(const char* slot)
     }
     const QString file = ask_for_file(window_, *layer, tree->cloud->tree()->folder());
     if (!file.isEmpty()) QMetaObject::invokeMethod(window_, "saveAs", Q_ARG(QString, file), Q_ARG(bool, false));
+}
+
+void hide_unread_ticks(const MeshModel& layer)
+{
+    if (QApplication::topLevelWidgets().isEmpty()) return;
+    const bool is_tree = Registry::instance().find(layer).has_value();
+    QTimer::singleShot(0, qApp, [is_tree] {
+        QWidget* const dialog = QApplication::activeModalWidget();
+        if (!dialog || !dialog->inherits("SaveMaskExporterDialog")) return;
+        static const QStringList read{"check_iom_vertcolor", "check_iom_vertnormal", "check_iom_vertquality",
+                                      "check_iom_vertradius"};
+        for (QWidget* widget : dialog->findChildren<QWidget*>()) {
+            const QString name = widget->objectName();
+            const bool is_tick = name.startsWith("check_iom_") && (is_tree || !read.contains(name));
+            const bool is_choice = is_tree && (name == "AllButton" || name == "NoneButton");
+            // Faces, wedges, textures; of a tree the vertices' group too.
+            const bool is_group = name.startsWith("groupBox") && (is_tree || name != "groupBox");
+            if (is_tick || is_choice || is_group) widget->hide();
+        }
+        dialog->adjustSize();
+    });
 }
 
 void keep_file_of(MeshModel& layer)

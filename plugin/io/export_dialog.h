@@ -33,6 +33,11 @@ private:
     QMainWindow* window_;
 };
 
+// In MeshLab's dialog about what is to be saved, which is shown afterwards: hides what our export of this layer does
+// not read. Of a tree everything is written, whatever is ticked; of vertices, these members (export.h: export_mask()).
+// Does nothing where there is no window.
+void hide_unread_ticks(const MeshModel& layer);
+
 // MeshLab makes the written file the file of the layer, and would reload it and name it in projects. The layer of a
 // tree keeps its own. Called before MeshLab does so.
 void keep_file_of(MeshModel& layer);

@@ -187,10 +187,12 @@ MeshIOInterface* PointCloudIo::exporter_instead(const QString& format, const Mes
 
 void PointCloudIo::initSaveParameter(const QString& format, MeshModel& layer, RichParameterList& parameters)
 {
-    if (auto* stock = exporter_instead(format, layer))
+    if (auto* stock = exporter_instead(format, layer)) {
         stock->initSaveParameter(format, layer, parameters);
-    else
+    } else {
         add_export_settings(parameters, format.toLower().toStdString(), layer);
+        hide_unread_ticks(layer);
+    }
     add_field_buttons(parameters, layer.parent);
 }
 

@@ -20,6 +20,8 @@ const char* const legend = "MeshLab::PointCloud::Legend";
 const char* const conditions = "MeshLab::PointCloud::Conditions";
 const char* const hidden_classes = "MeshLab::PointCloud::HiddenClasses";
 const char* const uniform_colour = "MeshLab::PointCloud::UniformColour";
+const char* const brightness = "MeshLab::PointCloud::Brightness";
+const char* const gamma_value = "MeshLab::PointCloud::Gamma";
 
 template <class Table>
 QString descriptions_of(const Table& rows)
@@ -80,9 +82,12 @@ void add_colour_settings(RichParameterList& parameters)
     parameters.addParam(RichEnum(ramp, static_cast<int>(style.ramp), labels_of(colour_ramps()), "Colour ramp",
                                  "The colours of values (intensity, height, an attribute, level, error): " +
                                      descriptions_of(colour_ramps()) + ". Default Automatic."));
-    parameters.addParam(RichString(range, "", "Colour range",
-                                   "The values at the ramp's ends, LOW:HIGH, as in 400:450; in the units of the cloud. "
-                                   "Default: empty, the range of 98 % of the cloud's points."));
+    parameters.addParam(
+        RichString(range, "", "Colour range",
+                   "The values at the ramp's ends, LOW:HIGH, as in 400:450; in the units of the cloud. "
+                   "Default: empty, the range of 98 % of the cloud's points. Its ends can be dragged on "
+                   "the legend, where a double click asks for numbers and a right click takes the "
+                   "default."));
     parameters.addParam(RichBool(legend, true, "Legend",
                                  "Shows the meaning of the colours in the upper right corner: values of a ramp, or the "
                                  "classes that occur; a click on a class hides its points. Default on."));
@@ -97,6 +102,14 @@ void add_colour_settings(RichParameterList& parameters)
     const auto byte = [&](std::size_t i) { return qRound(255 * style.uniform_colour[i]); };
     parameters.addParam(RichColor(uniform_colour, QColor(byte(0), byte(1), byte(2)), "Uniform colour",
                                   "Colour of all points if Colour by is Uniform. Default light grey."));
+    parameters.addParam(
+        RichFloat(brightness, style.brightness, "Brightness",
+                  "Factor on the points' own colours (Colour by RGB), from 0.01 to 100, for scans whose "
+                  "colours are dark. Default 1."));
+    parameters.addParam(RichFloat(gamma_value, style.gamma, "Gamma",
+                                  "Makes the dark ones of the points' own colours (Colour by RGB) lighter where it is "
+                                  "above 1, and bright ones little: a colour from 0 to 1 is raised to 1 / gamma, after "
+                                  "the brightness. From 0.1 to 10. Default 1."));
 }
 
 ColourSettings read_colour_settings(const RichParameterList& parameters, CloudStyle& style)
@@ -108,6 +121,8 @@ ColourSettings read_colour_settings(const RichParameterList& parameters, CloudSt
     const QColor uniform = parameters.getColor(uniform_colour);
     style.uniform_colour = {static_cast<float>(uniform.redF()), static_cast<float>(uniform.greenF()),
                             static_cast<float>(uniform.blueF())};
+    style.brightness = std::clamp(parameters.getFloat(brightness), 0.01f, 100.0f);
+    style.gamma = std::clamp(parameters.getFloat(gamma_value), 0.1f, 10.0f);
     settings.legend = parameters.getBool(legend);
     const QString ends = parameters.getString(range).simplified().remove(' ');
     if (!ends.isEmpty())
@@ -130,5 +145,7 @@ void toggle_class(RichParameterList& parameters, unsigned number)
     if (!classes.erase(number)) classes.insert(number);
     parameters.setValue(hidden_classes, StringValue(text_of(classes)));
 }
+
+void set_range(RichParameterList& parameters, const QString& ends) { parameters.setValue(range, StringValue(ends)); }
 
 }  // namespace pcm::host

@@ -25,4 +25,7 @@ ColourSettings read_colour_settings(const RichParameterList& parameters, CloudSt
 // Hides a class, or shows it again: changes the parameter.
 void toggle_class(RichParameterList& parameters, unsigned number);
 
+// LOW:HIGH, or empty: automatic.
+void set_range(RichParameterList& parameters, const QString& range);
+
 }  // namespace pcm::host

@@ -130,7 +130,12 @@ LegendPicture draw_legends(const std::vector<LayerLegend>& legends, int most_hei
                          QFontMetrics(painter.font()).elidedText(titles[i], Qt::ElideLeft, layout.width - 2 * margin));
         painter.setFont(legend_font(false));
         const Legend& legend = legends[i].legend;
-        if (!legend.low.empty()) draw_bar(painter, legend, layout.line);
+        if (!legend.low.empty()) {
+            draw_bar(painter, legend, layout.line);
+            picture.bars.push_back(
+                {QRect(margin, top + margin + layout.line + layout.line / 2, layout.width - 2 * margin, bar_height),
+                 legend.range});
+        }
         for (const auto& [place, number] : draw_rows(painter, legend, layout.line, layout.width - 2 * margin))
             picture.classes.emplace_back(place.translated(margin, top + margin), number);
         painter.restore();

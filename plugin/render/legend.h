@@ -25,10 +25,15 @@ void add_legend(std::vector<LayerLegend>& legends, Legend legend, const QString&
 QStringList lines_of(const std::vector<LayerLegend>& legends);
 
 // The legends one below the other, on a half transparent ground. Those beyond `most_height` are left out. In pixels of
-// the screen, `ratio` of which are one of Qt's; the rectangles of classes are in Qt's.
+// the screen, `ratio` of which are one of Qt's; the rectangles of classes and of ramps are in Qt's.
 struct LegendPicture {
+    struct Bar {
+        QRect place;  // with the values beside it
+        ValueRange range;
+    };
     QImage image;
     std::vector<std::pair<QRect, unsigned>> classes;
+    std::vector<Bar> bars;
 };
 LegendPicture draw_legends(const std::vector<LayerLegend>& legends, int most_height, double ratio);
 

@@ -32,4 +32,11 @@ std::optional<unsigned> LegendBox::class_at(const QPoint& place) const
     return std::nullopt;
 }
 
+std::vector<LegendPicture::Bar> LegendBox::bars() const
+{
+    std::vector<LegendPicture::Bar> bars = picture_.bars;
+    for (LegendPicture::Bar& bar : bars) bar.place.translate(corner_);
+    return bars;
+}
+
 }  // namespace pcm::host

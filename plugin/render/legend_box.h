@@ -20,6 +20,8 @@ public:
 
     // The class whose row is at this place of the view.
     std::optional<unsigned> class_at(const QPoint& place) const;
+    // The bars of the ramps, in the view's pixels.
+    std::vector<LegendPicture::Bar> bars() const;
 
 private:
     LegendPicture picture_;

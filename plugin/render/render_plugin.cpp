@@ -4,6 +4,7 @@
 #include "plugin/host/drawn_copy.h"
 #include "plugin/host/layer_marks.h"
 #include "plugin/host/operation.h"
+#include "plugin/host/project_camera.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/text.h"
 #include "plugin/host/tree_cache.h"
@@ -49,6 +50,7 @@ PointCloudDecorator::PointCloudDecorator()
     TreeCache::instance().remove_leftovers();
     keep_bookmarks_in_projects();
     keep_layer_marks_in_projects();
+    keep_camera_in_projects();
 }
 
 QString PointCloudDecorator::decorationInfo(FilterIDType) const

@@ -7,6 +7,7 @@
 #include "plugin/host/selected_colour.h"
 #include "plugin/host/text.h"
 #include "plugin/host/view_camera.h"
+#include "plugin/render/aside.h"
 #include "plugin/render/layer_watch.h"
 #include "plugin/render/overlay.h"
 #include "plugin/render/sample_watch.h"
@@ -20,7 +21,7 @@
 #include <QElapsedTimer>
 #include <QEvent>
 #include <QMouseEvent>
-#include <QOpenGLFramebufferObject>
+#include <QPointer>
 #include <QThread>
 #include <QTimer>
 #include <QVariantMap>
@@ -63,28 +64,6 @@ const pcm::Camera& or_the_same(const pcm::Camera& now, const pcm::Camera& before
             return now;
     return before;
 }
-
-// A framebuffer for frames that are not shown; bound during its lifetime.
-class Aside {
-public:
-    Aside(int width, int height) : buffer_(width, height, QOpenGLFramebufferObject::CombinedDepthStencil)
-    {
-        glGetIntegerv(GL_DRAW_FRAMEBUFFER_BINDING, &drawn_into_);
-        glGetIntegerv(GL_READ_FRAMEBUFFER_BINDING, &read_from_);
-        buffer_.bind();
-    }
-    ~Aside()
-    {
-        glBindFramebuffer(GL_DRAW_FRAMEBUFFER, static_cast<GLuint>(drawn_into_));
-        glBindFramebuffer(GL_READ_FRAMEBUFFER, static_cast<GLuint>(read_from_));
-    }
-    Aside(const Aside&) = delete;
-    Aside& operator=(const Aside&) = delete;
-
-private:
-    QOpenGLFramebufferObject buffer_;
-    GLint drawn_into_ = 0, read_from_ = 0;
-};
 
 // The layer's matrix, which MeshLab applies only to its own drawing.
 Matrix4d placement_of(const MeshModel& layer)
@@ -312,6 +291,20 @@ bool View::click_legend(const QEvent& event)
     return true;
 }
 
+// A drag, double click or right click on the bar of a ramp changes the colour range. Returns whether the event is for
+// the legend.
+bool View::edit_legend(const QEvent& event)
+{
+    bool taken = false;
+    const auto bars = legends_.empty() ? std::vector<LegendPicture::Bar>() : legend_box_.bars();
+    const QPointer<GLArea> alive(area_);
+    const auto change = legend_edit_.take(static_cast<const QMouseEvent&>(event), bars, area_->window(), taken);
+    if (!alive || !change) return taken;
+    set_range(*const_cast<RichParameterList*>(area_->glas.currentGlobalParamSet), change->range);
+    area_->update();
+    return taken;
+}
+
 void View::log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked)
 {
     for (std::size_t i = 0; i < drawn.size(); ++i) {
@@ -410,6 +403,20 @@ void View::reconcile()
     }
     if (!ended.empty()) area_->makeCurrent();
     for (const int mesh_id : ended) end(mesh_id);
+    if (area_->md()) hide_native_after_edit();
+}
+
+// When an edit tool ends, MeshLab shows its own points of the layers that it did not know when the tool began, which
+// filters and tools have made since, and asks no decorator (mainwindow_RunTime.cpp: endEdit).
+void View::hide_native_after_edit()
+{
+    bool edited = false;
+    for (GLArea* view : views_of(*area_->md())) edited = edited || view->getCurrentEditAction() != nullptr;
+    if (std::exchange(edited_, edited) && !edited) {
+        area_->makeCurrent();
+        for (const auto& [mesh_id, layer] : layers_)
+            if (layer.native_hidden) show_native(mesh_id, false);
+    }
 }
 
 // For observers such as tests: whether the picture is final, and what is in it.
@@ -462,7 +469,9 @@ bool View::eventFilter(QObject* receiver, QEvent* event)
             close();
         } else if (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::MouseButtonRelease ||
                    event->type() == QEvent::MouseButtonDblClick) {
-            if (click_legend(*event)) return true;
+            if (edit_legend(*event) || click_legend(*event)) return true;
+        } else if (event->type() == QEvent::MouseMove && edit_legend(*event)) {
+            return true;
         }
     }
     return QObject::eventFilter(receiver, event);

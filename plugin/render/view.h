@@ -8,6 +8,7 @@
 #include "plugin/render/annotation_pass.h"
 #include "plugin/render/clip_count.h"
 #include "plugin/render/legend_box.h"
+#include "plugin/render/legend_edit.h"
 #include "plugin/render/map_overlay.h"
 #include "plugin/render/painter.h"
 #include "plugin/render/settings.h"
@@ -80,10 +81,12 @@ private:
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
     void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings, const SnapshotTile& tile);
     bool click_legend(const QEvent& event);
+    bool edit_legend(const QEvent& event);
     void log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
     void drop(Layer& layer);
     void drop_picture();
     void reconcile();
+    void hide_native_after_edit();
     void publish_state();
 
     GLArea* area_;
@@ -100,10 +103,12 @@ private:
     AnnotationPass annotations_;
     MapOverlay map_;
     LegendBox legend_box_;
+    LegendEdit legend_edit_;
     std::vector<LayerLegend> legends_;  // of the last paint event
     QString problem_;                   // with the settings; logged once
     bool clicked_legend_ = false;       // the mouse button is down there
     int frame_ = 0;
+    bool edited_ = false;  // an edit tool was on at the last paint event, in any view of the document
 };
 
 }  // namespace pcm::host

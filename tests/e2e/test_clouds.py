@@ -118,6 +118,8 @@ class Clouds(MeshLabTest):
             wait-layers 2
             print-layers
             screen {self.result("moved.png")}
+            check-cell PointCloudLayers 0 2 on
+            pause 200
             trigger Merge Point Cloud Trees
             set Output folder = {both}
             set Overwrite = on

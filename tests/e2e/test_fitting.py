@@ -129,6 +129,7 @@ class Fitting(MeshLabTest):
             show-layer 1 off
             show-layer 2 off
             show-layer 3 off
+            show-layer 0 on
             press Export
             pick {out / "all.dxf"}
             wait-label {MESSAGE} wrote 2 primitives

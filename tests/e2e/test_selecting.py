@@ -336,12 +336,14 @@ class Selecting(MeshLabTest):
             pick {copy}
             wait-label PointCloudSelectMessage deleted
             wait-layers 3
+            press Undo selection
             press Classify
             press OK
             press Into a copy
             pick {classified}
             wait-label PointCloudSelectMessage classified
             wait-layers 4
+            press Undo selection
             wait-status complete
             screen {self.result("layers.png")}
             press Delete points

@@ -394,3 +394,39 @@ TEST(Picture, CoarsePicturesHaveNoHoles)
     EXPECT_GT(share[0], 0.2);
     EXPECT_LT(share[1], 0.03);
 }
+
+// On a machine that has no time left for points, a view of a small part of a cloud has its points while it moves: not
+// the few of the coarsest chunk that happen to be there.
+TEST(Picture, AMovingViewOfAPartHasItsPointsHoweverSlowTheMachineIs)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto cloud =
+        make_cloud(folder, "sheet", grid_at(map_offset), sheet(500, [](std::int32_t) { return 0; }), 2000);
+    const Framebuffer framebuffer(160, 120);
+    Drawing drawing(cloud), reference(cloud);
+    RenderOptions options;
+    options.eye_dome = 0;
+    options.fill_gaps = false;
+    options.frame_budget_ms = 1e-3;
+    std::size_t seen_at_least = ~std::size_t(0);
+    for (int frame = 0; frame < 40; ++frame) {
+        // 5 of 50 units, from above: some 2000 of the 250,000 points.
+        const Camera view = view_of(translation(-20 - 0.05 * frame, -20, 0), orthographic(2.7, 2, -10, 10), 160, 120);
+        framebuffer.clear();
+        const FrameReport report = drawing.draw(view, map_offset, options);
+        ASSERT_EQ(report.error, "");
+        cloud->cache().wait_idle();
+        const std::size_t moving = count_lit(framebuffer.read());
+        if (frame < 20) continue;  // chunks are loaded
+        draw_until_done(reference, framebuffer, view, map_offset, everything());
+        const std::size_t all = count_lit(framebuffer.read());
+        EXPECT_GT(all, 4000u);
+        EXPECT_EQ(moving, all) << "frame " << frame;
+        seen_at_least = std::min(seen_at_least, moving);
+        EXPECT_LT(report.points_drawn, 100'000u) << "the others are not drawn";
+    }
+    EXPECT_GT(seen_at_least, 4000u);
+    drawing.release();
+    reference.release();
+}

@@ -3,6 +3,7 @@
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/crs/height_unit.h"
 #include "plugin/render/colour_settings.h"
+#include "plugin/render/legend_edit.h"
 
 #include <gtest/gtest.h>
 
@@ -119,6 +120,37 @@ TEST(Legend, ItsPictureHasTheRampAndPlacesOfClasses)
     // What does not fit is left out, but for the first.
     EXPECT_EQ(draw_legends(legends, 10, 1).image.height(), draw_legends({legends[0]}, 1000, 1).image.height());
     EXPECT_TRUE(draw_legends({}, 1000, 1).image.isNull());
+}
+
+TEST(Legend, ItsBarIsWhereTheRampIsAndKnowsItsValues)
+{
+    std::vector<LayerLegend> legends;
+    add_legend(legends, *legend_of(values(ColourMode::height, 400, 450), "m"), "a");
+    const LegendPicture picture = draw_legends(legends, 1000, 1);
+    ASSERT_EQ(picture.bars.size(), 1u);
+    const LegendPicture::Bar& bar = picture.bars[0];
+    EXPECT_EQ(bar.range, (ValueRange{400, 450, 1}));
+    const auto colour_at = [&](int y) { return picture.image.pixelColor(bar.place.left() + 2, y); };
+    const auto top = ramp_colour(1), bottom = ramp_colour(0);
+    EXPECT_NEAR(colour_at(bar.place.top()).redF(), double(top[0]), 0.02);
+    EXPECT_NEAR(colour_at(bar.place.bottom()).greenF(), double(bottom[1]), 0.02);
+    EXPECT_NE(colour_at(bar.place.top() - 1), colour_at(bar.place.top()));
+}
+
+// Heights in the bar: 0 at its top.
+TEST(Legend, DraggingAnEndSetsIt)
+{
+    const ValueRange range{400, 450, 1};
+    EXPECT_EQ(dragged_range(range, 0, 0.2), (ValueRange{400, 440, 1}));
+    EXPECT_EQ(dragged_range(range, 0.1, 0.3), (ValueRange{400, 440, 1}));  // wherever the upper half is taken
+    EXPECT_EQ(dragged_range(range, 1, 0.9), (ValueRange{405, 450, 1}));
+    EXPECT_EQ(dragged_range(range, 0.6, 0.5), (ValueRange{405, 450, 1}));
+    EXPECT_EQ(dragged_range(range, 0, -1), (ValueRange{400, 500, 1}));  // beyond the bar
+    EXPECT_EQ(dragged_range(range, 1, 2), (ValueRange{350, 450, 1}));
+    EXPECT_EQ(dragged_range(range, 0, 3), (ValueRange{400, 400.5, 1}));  // the ends do not meet
+    EXPECT_EQ(dragged_range(range, 1, -3), (ValueRange{449.5, 450, 1}));
+    EXPECT_EQ(dragged_range(range, 0, 1.0 / 3), (ValueRange{400, 433.3, 1}));  // rounded
+    EXPECT_NEAR(dragged_range({0, 1000, 0.5}, 0, 0.5).high, 250, 1);           // a bent ramp
 }
 
 TEST(ColourSettings, AreReadAndWrongOnesReported)

@@ -4,6 +4,7 @@
 #include "pcm/tree/tree_reader.h"
 #include "plugin/host/layer.h"
 #include "plugin/host/placement.h"
+#include "plugin/host/proposed_output.h"
 #include "tests/memory_reader.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
@@ -136,6 +137,7 @@ TEST_F(ResultFilters, TransformTakesTheLayersMatrix)
     MeshModel* const made = call.document.meshList.back();
     EXPECT_EQ(made->cm.Tr, Matrix44m::Identity());
     EXPECT_FALSE(placement_of(*made, *Registry::instance().find(*made)));
+    EXPECT_TRUE(made->visible && !layer->visible);
     // Both layers are samples of all of these points.
     const auto before = shown(*layer), after = shown(*made);
     ASSERT_EQ(before.size(), after.size());
@@ -145,6 +147,55 @@ TEST_F(ResultFilters, TransformTakesTheLayersMatrix)
     EXPECT_FALSE(nothing.set("Tree", tree).set("Output", folder_ / "b.pct").apply());
     EXPECT_NE(nothing.log().find("no transformation was given"), std::string::npos) << nothing.log();
     EXPECT_FALSE(fs::exists(folder_ / "b.pct"));
+}
+
+// A result with the cloud's own coordinates is shown where the cloud was, and alone; one without points hides nothing.
+TEST_F(ResultFilters, AResultTakesThePlaceOfItsCloud)
+{
+    const fs::path tree = scene_tree("a.las"), other = scene_tree("b.las");
+    FilterCall call("Delete Points of Point Cloud Tree");
+    MeshModel* const first = add_layer(call.document, tree);
+    MeshModel* const layer = add_layer(call.document, tree);  // the same cloud, elsewhere
+    MeshModel* const unrelated = add_layer(call.document, other);
+    layer->cm.Tr = turned(30, 7, -2, 0.5f);
+    call.document.setCurrentMesh(layer->id());
+    ASSERT_TRUE(call.set("Where", fs::path("intensity < 0")).set("Output", folder_ / "same.pct").apply()) << call.log();
+    MeshModel* const made = call.document.mm();
+    ASSERT_EQ(made, call.document.meshList.back());
+    EXPECT_EQ(made->cm.Tr, layer->cm.Tr);
+    EXPECT_TRUE(made->visible && !layer->visible);
+    EXPECT_TRUE(first->visible && unrelated->visible) << "which were not replaced";
+    EXPECT_NE(call.log().find("is shown in its place"), std::string::npos) << call.log();
+
+    ASSERT_TRUE(call.set("Where", fs::path("intensity >= 0")).set("Output", folder_ / "none.pct").apply())
+        << call.log();
+    EXPECT_EQ(call.document.mm(), made);
+    EXPECT_TRUE(made->visible);
+    EXPECT_NE(call.log().find("has no points, so no layer shows it"), std::string::npos) << call.log();
+
+    // A tree that is named, and not the current layer's.
+    call.set("Tree", other).set("Where", fs::path("intensity < 0")).set("Output", folder_ / "other.pct");
+    ASSERT_TRUE(call.apply()) << call.log();
+    EXPECT_FALSE(unrelated->visible);
+    EXPECT_TRUE(made->visible);
+}
+
+TEST_F(ResultFilters, NamesOfResultsAreFree)
+{
+    const fs::path tree = scene_tree("a.las");
+    EXPECT_EQ(free_path(tree, "-clean.pct"), folder_ / "a-clean.pct");
+    fs::create_directory(folder_ / "a-clean.pct");
+    fs::create_symlink("nowhere", folder_ / "a-clean-2.pct");  // such a name is taken too
+    EXPECT_EQ(free_path(tree, "-clean.pct"), folder_ / "a-clean-3.pct");
+    EXPECT_EQ(free_path(folder_ / "a-clean.pct", "-clean.pct"), folder_ / "a-clean-3.pct");
+    EXPECT_EQ(free_path(folder_ / "a-clean-2.pct", "-clean.pct"), folder_ / "a-clean-3.pct");
+    EXPECT_EQ(free_path(folder_ / "a-clean.pct", "-normals.pct"), folder_ / "a-clean-normals.pct");
+    EXPECT_EQ(free_path(folder_ / "v1.2.pct", "-list.dxf"), folder_ / "v1.2-list.dxf");
+    // Without a window nothing is proposed: an empty output of a script is an error.
+    FilterCall call("Delete Points of Point Cloud Tree");
+    add_layer(call.document, tree);
+    EXPECT_FALSE(call.set("Where", fs::path("intensity < 0")).apply());
+    EXPECT_NE(call.log().find("no output is given"), std::string::npos) << call.log();
 }
 
 TEST_F(ResultFilters, TransformByNumbersAndByAFrozenMatrix)
@@ -198,6 +249,10 @@ TEST_F(ResultFilters, MergeOfVisibleLayersWhereTheirMatricesPutThem)
     EXPECT_NEAR(merged->info().bounds().max[0], end, 1e-3);
     ASSERT_EQ(call.document.meshList.size(), 4);
     EXPECT_EQ(call.document.meshList.back()->cm.Tr, Matrix44m::Identity());
+    // It is shown in place of those that were merged.
+    for (const MeshModel* layer : call.document.meshList)
+        EXPECT_EQ(layer->visible, layer == call.document.meshList.back());
+    EXPECT_EQ(call.document.mm(), call.document.meshList.back());
     for (const std::string& word : {"Merge of 2 trees", "has a matrix: it is applied", "source_id 2: b.pct",
                                     "Coordinate system:", "Grid: steps 0.001 0.001 0.001"})
         EXPECT_NE(call.log().find(word), std::string::npos) << word << " is not in\n" << call.log();

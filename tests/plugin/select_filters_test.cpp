@@ -138,12 +138,26 @@ TEST_F(SelectFilters, WhatIsSelectedIsSavedExtractedClassifiedAndDeleted)
 
     ASSERT_TRUE(apply("Selected Points: Save as Attribute", {{"Attribute", "yard"}, {"Output", copy}})) << log();
     EXPECT_EQ(count(copy, "", "yard=1"), wanted_);
-    EXPECT_EQ(document_.meshList.size(), 2);
+    // The copy is shown in place of the cloud, whose selection is used up until undo brings it back.
+    ASSERT_EQ(document_.meshList.size(), 2);
+    EXPECT_EQ(document_.mm(), document_.meshList.back());
+    EXPECT_TRUE(document_.mm()->visible);
+    EXPECT_FALSE(layer_->visible);
+    EXPECT_EQ(selected(), 0u);
+    layer_->visible = true;
     document_.setCurrentMesh(layer_->id());
+    SceneState::of(document_).undo(*layer_);
+    EXPECT_EQ(selected(), wanted_);
 
+    layer_->cm.Tr[0][3] = 25;
     ASSERT_TRUE(apply("Selected Points: Extract", {{"Output", part}})) << log();
     EXPECT_EQ(count(part, "", ""), wanted_);
-    EXPECT_EQ(document_.meshList.size(), 3);
+    // A part does not replace the cloud; it lies where the cloud lies.
+    ASSERT_EQ(document_.meshList.size(), 3);
+    EXPECT_TRUE(layer_->visible);
+    EXPECT_EQ(document_.mm()->cm.Tr, layer_->cm.Tr);
+    EXPECT_EQ(selected(), wanted_);
+    layer_->cm.Tr.SetIdentity();
     document_.setCurrentMesh(layer_->id());
     ASSERT_TRUE(apply("Selected Points: Extract", {{"Output", (folder_ / "part.laz").string()}})) << log();
     EXPECT_EQ(open_reader(folder_ / "part.laz")->info().points, wanted_);

@@ -121,6 +121,22 @@ void add_clips(Options& options, RenderArguments& a, const char* group)
         .group(group);
 }
 
+void add_tone(Options& options, RenderArguments& a, const char* group)
+{
+    options
+        .option("--brightness", a.style.brightness,
+                "Factor on the clouds' own colours (--colour rgb), for dark scans, such as 1.5")
+        .show_default()
+        .between(0.01, 100)
+        .group(group);
+    options
+        .option("--gamma", a.style.gamma,
+                "After that, colours from 0 to 1 are raised to 1 / gamma: above 1 makes dark ones lighter, such as 1.8")
+        .show_default()
+        .between(0.1, 10)
+        .group(group);
+}
+
 void add_look(Options& options, RenderArguments& a)
 {
     const char* const group = "Appearance";
@@ -157,6 +173,7 @@ void add_look(Options& options, RenderArguments& a)
     add_clips(options, a, group);
     options.option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: one colour for all points")
         .group(group);
+    add_tone(options, a, group);
     options.option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")
         .show_default()
         .between(0.1, 1000.0)
@@ -253,6 +270,9 @@ CloudStyle style_of(const RenderArguments& arguments)
         style.colour = ColourMode::uniform;
         style.uniform_colour = colour_of(arguments.uniform_colour, "--uniform-colour");
     }
+    if (style.colour != ColourMode::rgb && (style.brightness != 1 || style.gamma != 1))
+        refuse("--brightness and --gamma are for the clouds' own colours, which this picture does not show",
+               "leave them out, or give --colour rgb");
     return style;
 }
 

@@ -3,11 +3,10 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "plugin/edit/align/align_session.h"
-#include "plugin/host/layer_visibility.h"
 #include "plugin/host/moved_tree.h"
 #include "plugin/host/operation.h"
-
-#include <QFileInfo>
+#include "plugin/host/proposed_output.h"
+#include "plugin/host/result_layer.h"
 
 #include <cmath>
 
@@ -49,11 +48,7 @@ TreeLayer tree_of(const AlignSession& session)
 
 QString proposed_tree(const AlignSession& session)
 {
-    const std::filesystem::path folder = tree_of(session).cloud->tree()->folder();
-    const QString base = QString::fromStdString((folder.parent_path() / folder.stem()).string()) + "-aligned";
-    QString name = base + ".pct";
-    for (int n = 2; QFileInfo::exists(name); ++n) name = base + "-" + QString::number(n) + ".pct";
-    return name;
+    return QString::fromStdString(free_path(tree_of(session).cloud->tree()->folder(), "-aligned.pct").string());
 }
 
 void write_moved_layer(AlignSession& session, const QString& file, const std::function<void(const QString&)>& say)
@@ -83,8 +78,9 @@ void write_moved_layer(AlignSession& session, const QString& file, const std::fu
                      ("Wrote the moved tree " + output.string() + ": " + grouped(written.outcome.points_out) +
                       " points; largest position error " + exact(written.outcome.error) + " source units.")
                          .c_str());
-    for (const std::string& line : add_layer_of(document, output)) document.Log.Log(GLLogStream::FILTER, line.c_str());
-    if (MeshModel* former = document.getMesh(mesh_id)) show_layer(*former, false);
+    MeshModel* const former = document.getMesh(mesh_id);
+    const TreeResult result{output, former ? std::vector<MeshModel*>{former} : std::vector<MeshModel*>(), false};
+    for (const std::string& line : show_result(document, result)) document.Log.Log(GLLogStream::FILTER, line.c_str());
     say("The moved tree " + QString::fromStdString(output.filename().string()) +
         " is shown; the layer that it was made " + "from is hidden.");
 }

@@ -4,23 +4,32 @@
 #include "pcm/select/set_changes.h"
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
-#include "plugin/host/layer.h"
 #include "plugin/host/layer_matrix.h"
-#include "plugin/host/misfit.h"
 #include "plugin/host/operation.h"
+#include "plugin/host/proposed_output.h"
+#include "plugin/host/result_layer.h"
 #include "plugin/host/scene_state.h"
 #include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
 
+#include <QComboBox>
+#include <QDialog>
+#include <QDialogButtonBox>
 #include <QFileDialog>
 #include <QInputDialog>
+#include <QLabel>
+#include <QLineEdit>
 #include <QMainWindow>
 #include <QMessageBox>
 #include <QPushButton>
 #include <QStatusBar>
+#include <QVBoxLayout>
 
+#include <functional>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace pcm::host {
 
@@ -58,7 +67,7 @@ private:
 
 fs::path ask_tree(QWidget* window, const QString& title, const fs::path& beside, const QString& suffix)
 {
-    const fs::path proposal = beside.parent_path() / (beside.stem().string() + suffix.toStdString() + ".pct");
+    const fs::path proposal = free_path(beside, suffix.toStdString() + ".pct");
     QString name = QFileDialog::getSaveFileName(window, title, QString::fromStdString(proposal.string()), trees);
     if (!name.isEmpty() && !name.endsWith(".pct")) name += ".pct";
     return name.toStdString();
@@ -90,38 +99,20 @@ void log_outcome(MeshDocument& document, const std::vector<std::string>& warning
     for (const std::string& line : warnings) document.Log.Log(GLLogStream::WARNING, line.c_str());
 }
 
-// As what a filter has made.
-void add_layer(GLArea& view, const fs::path& tree)
-{
-    MeshDocument& document = *view.md();
-    const auto cloud = Registry::instance().open(tree);
-    if (cloud->info().points == 0) return log(document, tree.string() + " has no points, so no layer shows it.");
-    MeshModel* layer = document.addNewMesh(QString::fromStdString(tree.string()),
-                                           QString::fromStdString(tree.filename().string()), false);
-    try {
-        for (const Misfit& misfit : misfits(*layer, cloud->info().metadata, cloud->info().bounds()))
-            log_outcome(document, {tree.filename().string() + ": " + misfit.text});
-        for (const std::string& line : show_tree(*layer, cloud)) log(document, line);
-    } catch (...) {
-        document.delMesh(layer);
-        throw;
-    }
-}
-
 // The tree is written: what fails from here on is only shown.
-void show_result(GLArea& view, const fs::path& tree, bool in_place)
+void show_afterwards(MeshDocument& document, const fs::path& tree,
+                     const std::function<std::vector<std::string>()>& show)
 {
     try {
-        if (!in_place) return add_layer(view, tree);
-        for (const std::string& line : reload_layers(*view.md(), tree)) log(*view.md(), line);
+        for (const std::string& line : show()) log(document, line);
     } catch (...) {
-        log_outcome(*view.md(), {"Select Points: the tree " + tree.string() +
-                                 " was written, but its layer cannot be shown: " + current_error() +
-                                 " (do not repeat it; open the tree)"});
+        log_outcome(document, {"Select Points: the tree " + tree.string() +
+                               " was written, but its layer cannot be shown: " + current_error() +
+                               " (do not repeat it; open the tree)"});
     }
 }
 
-QString extract(GLArea& view, const PointSet& set, const fs::path& output, bool is_tree)
+QString extract(GLArea& view, const MeshModel& layer, const PointSet& set, const fs::path& output, bool is_tree)
 {
     ConvertReport report;
     {
@@ -133,7 +124,7 @@ QString extract(GLArea& view, const PointSet& set, const fs::path& output, bool 
     }
     for (const std::string& note : report.notes) log(*view.md(), note);
     log_outcome(*view.md(), report.outcome.warnings);
-    if (is_tree) show_result(view, output, false);
+    if (is_tree) show_afterwards(*view.md(), output, [&] { return add_layer_of(*view.md(), output, &layer); });
     return QString::fromStdString("extracted " + grouped(report.outcome.points_out) + " points to " + output.string() +
                                   (report.points_skipped > 0 ? ", " + grouped(report.points_skipped) +
                                                                    " points were dropped: the format needs finite "
@@ -141,14 +132,47 @@ QString extract(GLArea& view, const PointSet& set, const fs::path& output, bool 
                                                              : ""));
 }
 
-QString ask_class(QWidget* window, bool& good)
+// The class as text; empty: cancelled. QInputDialog completes what the field has, and so changes it on Enter.
+QString ask_class(QWidget* window)
 {
-    QStringList classes;
+    QDialog dialog(window);
+    dialog.setWindowTitle("Classify selected points");
+    auto* choice = new QComboBox(&dialog);
+    choice->setObjectName("PointCloudClass");
+    choice->setEditable(true);
+    choice->setInsertPolicy(QComboBox::NoInsert);
+    choice->setCompleter(nullptr);
     for (unsigned number = 0; number < 256; ++number)
         if (const std::string words = las_class_name(number); !words.empty())
-            classes << QString("%1 %2").arg(number).arg(QString::fromStdString(words));
-    return QInputDialog::getItem(window, "Classify selected points",
-                                 "Class of the selected points (0 to 255, names of LAS):", classes, 2, true, &good);
+            choice->addItem(QString("%1 %2").arg(number).arg(QString::fromStdString(words)));
+    choice->setCurrentIndex(choice->findText("2 ", Qt::MatchStartsWith));
+    choice->lineEdit()->selectAll();
+    auto* buttons = new QDialogButtonBox(QDialogButtonBox::Ok | QDialogButtonBox::Cancel, &dialog);
+    QObject::connect(buttons, &QDialogButtonBox::accepted, &dialog, &QDialog::accept);
+    QObject::connect(buttons, &QDialogButtonBox::rejected, &dialog, &QDialog::reject);
+    auto* rows = new QVBoxLayout(&dialog);
+    rows->addWidget(new QLabel("Class of the selected points (0 to 255, names of LAS):", &dialog));
+    rows->addWidget(choice);
+    rows->addWidget(buttons);
+    choice->setFocus();
+    return dialog.exec() == QDialog::Accepted ? choice->currentText().trimmed() : QString();
+}
+
+// The number that a text begins with: "2", "2 ground". Throws Error(invalid_argument) for another text.
+unsigned class_of(const QString& text)
+{
+    bool good = false;
+    const unsigned number = text.section(' ', 0, 0).toUInt(&good);
+    if (good && number < 256) return number;
+    throw Error(ErrorCode::invalid_argument, {}, "'" + text.toStdString() + "' is not a class",
+                "write a number from 0 to 255, or choose one of the list");
+}
+
+// "2 (ground)", "77"
+QString class_words(unsigned number)
+{
+    const std::string name = las_class_name(number);
+    return QString::number(number) + (name.empty() ? QString() : " (" + QString::fromStdString(name) + ")");
 }
 
 QString change(GLArea& view, const PointSet& set, SelectionUse use)
@@ -158,9 +182,12 @@ QString change(GLArea& view, const PointSet& set, SelectionUse use)
     const QString count = QString::fromStdString(grouped(set.size()) + " points of " + tree.filename().string());
     QString chosen, question = "Delete " + count + "?", suffix = "-without";
     bool good = true;
+    unsigned number = 0;
     if (use == SelectionUse::classify) {
-        chosen = ask_class(window, good);
-        question = "Set the class of " + count + " to " + chosen + "?";
+        chosen = ask_class(window);
+        if (chosen.isEmpty()) return {};
+        number = class_of(chosen);
+        question = "Set the class of " + count + " to " + class_words(number) + "?";
         suffix = "-classified";
     } else if (use == SelectionUse::save) {
         chosen =
@@ -171,10 +198,6 @@ QString change(GLArea& view, const PointSet& set, SelectionUse use)
         suffix = "-selected";
     }
     if (!good) return {};
-    const unsigned number = chosen.section(' ', 0, 0).toUInt(&good);
-    if (use == SelectionUse::classify && (!good || number > 255))
-        throw Error(ErrorCode::invalid_argument, {}, "'" + chosen.toStdString() + "' is no class",
-                    "write a number from 0 to 255, or choose one of the list");
     const auto target = ask_target(window, question, tree, suffix);
     if (!target) return {};
     if (target->in_place) refuse_locked(*view.md(), tree);
@@ -197,10 +220,10 @@ QString change(GLArea& view, const PointSet& set, SelectionUse use)
             log_outcome(*view.md(), done.outcome.warnings);
             changed = done.tree;
             words = use == SelectionUse::save ? "saved " + count + " as the attribute " + chosen + "; "
-                                              : "classified " + count + " as " + chosen + "; ";
+                                              : "classified " + count + " as " + class_words(number) + "; ";
         }
     }
-    show_result(view, changed, target->in_place);
+    show_afterwards(*view.md(), changed, [&] { return show_result(*view.md(), changed, tree); });
     return words + (target->in_place ? "in place" : "into " + QString::fromStdString(changed.string()));
 }
 
@@ -223,12 +246,12 @@ QString use_selected(GLArea& view, MeshModel& layer, SelectionUse use)
     QWidget* const window = window_of(view);
     if (use == SelectionUse::to_layer) {
         const fs::path output = ask_tree(window, "Extract to a layer", set->tree().folder(), "-part");
-        return output.empty() ? QString() : extract(view, *set, output, true);
+        return output.empty() ? QString() : extract(view, layer, *set, output, true);
     }
     const QString name = QFileDialog::getSaveFileName(
         window, "Extract to a file", QString::fromStdString((set->tree().folder().parent_path()).string()),
         "Point clouds (*.las *.laz *.ply *.pcd *.e57 *.xyz *.txt *.csv *.pts *.ptx);;All files (*)");
-    return name.isEmpty() ? QString() : extract(view, *set, name.toStdString(), false);
+    return name.isEmpty() ? QString() : extract(view, layer, *set, name.toStdString(), false);
 }
 
 }  // namespace pcm::host

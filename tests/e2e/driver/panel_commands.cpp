@@ -102,6 +102,29 @@ Done key(TestDriver& driver, const QString& name)
     return Done::yes;
 }
 
+// type TEXT: into the open dialog, character by character, as the window system sends them
+Done type(TestDriver& driver, const QString& text)
+{
+    const QWidget* dialog = qApp->activeModalWidget();
+    if (!dialog) return driver.until(false, "a dialog");
+    for (const QChar c : text)
+        for (const auto event : {QEvent::KeyPress, QEvent::KeyRelease})
+            qt_handleKeyEvent(dialog->windowHandle(), event, c.toUpper().unicode(), Qt::NoModifier, c, false, 1);
+    return Done::yes;
+}
+
+// dialog-key NAME: pressed and released in the open dialog, as the window system sends it
+Done dialog_key(TestDriver& driver, const QString& name)
+{
+    const QWidget* dialog = qApp->activeModalWidget();
+    if (!dialog) return driver.until(false, "a dialog");
+    const int code = QKeySequence::fromString(name)[0];
+    for (const auto event : {QEvent::KeyPress, QEvent::KeyRelease})
+        if (QWindow* window = dialog == qApp->activeModalWidget() ? dialog->windowHandle() : nullptr)
+            qt_handleKeyEvent(window, event, code, Qt::NoModifier, code == Qt::Key_Return ? "\r" : "", false, 1);
+    return Done::yes;
+}
+
 // window-picture NAME FILE: of a window that has a widget of this name
 Done window_picture(TestDriver& driver, const QString& argument)
 {
@@ -130,6 +153,8 @@ std::vector<Command> panel_commands()
         {"tick-row", tick_row},
         {"rename-row", rename_row},
         {"key", key},
+        {"type", type},
+        {"dialog-key", dialog_key},
         {"window-picture", window_picture},
         {"expect-no-widget", expect_no_widget},
     };

@@ -86,7 +86,7 @@ Done trigger(TestDriver& driver, const QString& argument)
     QList<QAction*> actions = driver.window()->findChildren<QAction*>();
     for (QMenu* menu : driver.window()->findChildren<QMenu*>()) actions += menu->actions();
     for (QAction* action : actions) {
-        if (action->text().remove('&') != argument) continue;
+        if (action->text().remove('&') != argument || action->menu()) continue;
         if (!action->isEnabled()) {  // MeshLab updates its menus when one is opened
             QMetaObject::invokeMethod(driver.window(), "updateMenus");
             return driver.until(false, "action '" + argument + "' to be enabled");
@@ -240,6 +240,36 @@ Done print_docks(TestDriver& driver, const QString&)
     return Done::yes;
 }
 
+// print-menu TEXT: the entries of a menu of the window and of its submenus, one line each: "Open and Build > Open..."
+void print_entries(const QMenu& menu, const QString& path)
+{
+    for (const QAction* action : menu.actions()) {
+        if (action->isSeparator()) continue;
+        const QString text = path + action->text().remove('&');
+        action->menu() ? print_entries(*action->menu(), text + " > ") : say("menu " + text);
+    }
+}
+
+Done print_menu(TestDriver& driver, const QString& text)
+{
+    for (QMenu* menu : driver.window()->findChildren<QMenu*>())
+        if (menu->title().remove('&') == text) return print_entries(*menu, {}), Done::yes;
+    return driver.until(false, "a menu '" + text + "'");
+}
+
+// print-ticks: the visible boxes to tick of the open dialog that are enabled
+Done print_ticks(TestDriver& driver, const QString&)
+{
+    const QWidget* dialog = qApp->activeModalWidget();
+    if (!dialog) return driver.until(false, "a dialog");
+    QStringList names;
+    for (const QCheckBox* tick : dialog->findChildren<QCheckBox*>())
+        if (tick->isVisible() && tick->isEnabled()) names << (tick->objectName() + ":" + tick->text());
+    names.sort();
+    say("ticks " + names.join(", "));
+    return Done::yes;
+}
+
 // Opens all folded items of the layer panel, such as the parameters of decorators.
 Done unfold(TestDriver& driver, const QString&)
 {
@@ -280,6 +310,8 @@ std::vector<Command> window_commands()
         {"choose-colour", choose_colour},
         {"panel", panel},
         {"print-docks", print_docks},
+        {"print-menu", print_menu},
+        {"print-ticks", print_ticks},
         {"unfold", unfold},
         {"escape", escape},
         {"quit", quit},
