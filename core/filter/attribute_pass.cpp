@@ -78,6 +78,7 @@ public:
 
     void end(const NeighbourhoodUnit& unit) override
     {
+        std::sort(border_.begin(), border_.end());  // they came in the order of the search
         if (propagation_) propagation_->add_unit(unit, normal_, border_);
         for (const NeighbourhoodUnit::Part& part : unit.parts) {
             L2Cache::Edit edit = cache_.edit(part.node, written_);

@@ -7,6 +7,7 @@
 #include "pcm/filter/value_statistics.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
+#include "pcm/system/text.h"
 #include "pcm/threads/for_each_index.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
@@ -32,6 +33,12 @@ void check(const OutlierOptions& options, const std::filesystem::path& path)
         if (!(options.radius > 0)) refuse("the radius within which neighbours are counted must be positive");
     } else if (!std::isfinite(options.factor)) {
         refuse("the factor of the deviation must be finite");
+    } else if (!(options.factor > 0)) {
+        throw Error(ErrorCode::invalid_argument, path,
+                    "with the factor " + brief(options.factor) +
+                        " of the deviation about half of the points or more would be outliers: all whose mean distance "
+                        "is above the average, or even below it",
+                    "give a positive factor; 1 takes many points, 3 the ones that stand apart");
     }
     if (options.label && options.count_only) refuse("outliers are to be labelled, and nothing is to be changed");
 }

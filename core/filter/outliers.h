@@ -27,7 +27,7 @@ enum class OutlierMethod : std::uint8_t {
 struct OutlierOptions {
     OutlierMethod method = OutlierMethod::statistical;
     std::size_t neighbours = 16;  // 1 to most_neighbours
-    double factor = 3;            // finite; of the statistical and the robust method
+    double factor = 3;            // finite, positive; of the statistical and the robust method
     double radius = 0;            // source units, inclusive, positive; of the method `radius`
     bool label = false;       // removes nothing: writes the attribute "outlier" (u8), 1 for outliers and 0 for others
     bool overwrite = false;   // label: an attribute "outlier" that this filter did not make may be lost

@@ -13,17 +13,13 @@
 namespace pcm {
 namespace {
 
-// Enough that few points of a unit lie near its border, and few enough that a unit fits into a processor's caches.
-constexpr std::uint64_t points_of_unit = 200'000, least_points_of_unit = 10'000;
-// What a thread takes for a point of its unit: positions twice, the search, the results of visitors.
-constexpr std::uint64_t bytes_per_point = 160;
-
 void check(const NeighbourhoodOptions& options)
 {
     if (options.neighbours < 1 || options.neighbours > most_neighbours)
         throw Error(ErrorCode::invalid_argument, {},
                     "the number of neighbours is " + std::to_string(options.neighbours) + "; it must be 1 to " +
                         std::to_string(most_neighbours));
+    if (options.unit_points < 1) throw Error(ErrorCode::invalid_argument, {}, "a unit must have 1 point or more");
     if (!(options.max_distance >= 0))
         throw Error(ErrorCode::invalid_argument, {}, "the largest distance of neighbours must be 0 or more");
 }
@@ -41,12 +37,11 @@ NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOp
                                            const std::function<std::unique_ptr<NeighbourhoodVisitor>()>& make_visitor)
 {
     check(options);
-    const std::uint64_t unit_points =
-        std::clamp(options.memory_bytes / bytes_per_point, least_points_of_unit, points_of_unit);
     Watch watch(options.progress);
     watch.report(options.stage, options.begin);
-    const std::vector<Box3i> units = plan_units(cache.tree(), unit_points);
-    const std::uint64_t room = std::max<std::uint64_t>(1, options.memory_bytes / (bytes_per_point * unit_points));
+    const std::vector<Box3i> units = plan_units(cache.tree(), options.unit_points);
+    const std::uint64_t room =
+        std::max<std::uint64_t>(1, options.memory_bytes / (bytes_per_unit_point * options.unit_points));
     const auto threads =
         static_cast<unsigned>(std::min<std::uint64_t>({thread_count(options.threads), room, units.size()}));
     BlockCache blocks(std::size_t(32) << 20);

@@ -1,10 +1,11 @@
 // The k nearest neighbours of every point of a cloud, block by block, in bounded memory, for whatever is computed from
 // them: radii, normals, mean distances. query/nearest.h answers for single points instead.
 //
-// The cloud is divided into units: boxes that share no point and hold about as many points as the memory allows. Points
-// of all levels and parts that lie in a unit's box are computed together; points around the box are loaded as far as
-// they can be neighbours. Neighbours are exact: those of the whole cloud, by the double distance between grid
-// positions, (dx * dx + dy * dy) + dz * dz with dx in source units. Of points at equal distance any may be chosen.
+// The cloud is divided into units: boxes that share no point and hold about as many points each. Points of all levels
+// and parts that lie in a unit's box are computed together; points around the box are loaded as far as they can be
+// neighbours. Neighbours are exact: those of the whole cloud, by the double distance between grid positions,
+// (dx * dx + dy * dy) + dz * dz with dx in source units. Points at equal distance are ordered by position, x first. So
+// the offsets that a visitor gets, and their order, depend on the cloud alone: not on threads, memory or units.
 #pragma once
 
 #include "pcm/cache/l2_cache.h"
@@ -31,6 +32,12 @@ enum class NeighbourBackend : std::uint8_t {
 
 inline constexpr std::size_t most_neighbours = 1024;
 
+// Enough that few points of a unit lie near its border, and few enough that a unit fits into a processor's caches and
+// into the least memory that filters take.
+inline constexpr std::uint64_t usual_unit_points = 100'000;
+// What a thread takes for a point of its unit: positions twice, the search, the results of visitors.
+inline constexpr std::uint64_t bytes_per_unit_point = 160;
+
 struct NeighbourhoodOptions {
     std::size_t neighbours = 16;  // k, 1 to most_neighbours; the point itself is not counted
     double max_distance = std::numeric_limits<double>::infinity();  // source units, inclusive
@@ -38,9 +45,12 @@ struct NeighbourhoodOptions {
     // has none of them, those of the coarsest level that it has). Each other point of a unit is paired with the nearest
     // computed point of the unit (NeighbourhoodUnit::source). All points are computed when absent.
     std::optional<std::uint16_t> level;
-    ColumnSet columns = ColumnSet::only_positions();        // that the units' chunks are to have
-    std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // for the units of all threads, beside the cache
-    unsigned threads = 0;                                   // 0: one per processor
+    ColumnSet columns = ColumnSet::only_positions();  // that the units' chunks are to have
+    // For the units of all threads, beside the cache: where it is short, fewer threads run; at least one does.
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;
+    // About as many points have a unit. Not by the memory, so that what depends on units does not depend on it.
+    std::uint64_t unit_points = usual_unit_points;
+    unsigned threads = 0;  // 0: one per processor
     NeighbourBackend backend = NeighbourBackend::own;
     ProgressFunction progress;
     std::string stage = "Searching neighbours";  // of the progress

@@ -55,6 +55,32 @@ void PointSearch::run(const Vec3d& q, std::size_t k, std::vector<Neighbour>& res
     result = best_;
 }
 
+void PointSearch::within(const Vec3d& q, double distance, const SeeBlock& see)
+{
+    const Tree& tree = chunks_.tree();
+    const double limit = distance * distance;
+    std::vector<NodeId> nodes;
+    if (!tree.nodes().empty()) nodes.push_back(0);
+    std::vector<double> squares;
+    while (!nodes.empty()) {
+        const NodeId id = nodes.back();
+        nodes.pop_back();
+        const Node& node = tree.node(id);
+        if (node.box.empty() || !chunks_.passes(node)) continue;
+        if (!(squared_distance(chunks_.grid().to_source(node.box), q) <= limit)) continue;
+        for (const NodeId child : node.children)
+            if (child != no_node) nodes.push_back(child);
+        if (node.points == 0) continue;
+        const HeldChunk& chunk = chunks_.get(id);
+        squares.resize(chunk.end_block);
+        squares_of(chunk.blocks->blocks, 0, chunk.end_block, q, squares.data());
+        for (std::size_t b = 0; b < chunk.end_block; ++b)
+            if (squares[b] <= limit)
+                see(chunk.positions(), id, static_cast<std::uint32_t>(chunk.blocks->first[b]),
+                    static_cast<std::uint32_t>(chunk.blocks->first[b + 1]));
+    }
+}
+
 // Whether a point of node `id` or its subtree (whose nodes have higher numbers) can be among the best, where
 // `square` is a lower bound of the squares.
 bool PointSearch::may_hold(double square, NodeId id, std::size_t k) const

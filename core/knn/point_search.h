@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <utility>
@@ -31,6 +32,11 @@ public:
                 double max_distance = std::numeric_limits<double>::infinity());
     // Nearest first. Throws what reading throws.
     void run(const Vec3d& q, std::size_t k, std::vector<Neighbour>& result);
+    // Hands out all points within a distance (inclusive, at least; some that are farther, too), those of a block of a
+    // node's chunk at a time: the points begin .. end - 1 of `node`. Throws what reading throws.
+    using SeeBlock =
+        std::function<void(const ChunkPositions& positions, NodeId node, std::uint32_t begin, std::uint32_t end)>;
+    void within(const Vec3d& q, double distance, const SeeBlock& see);
     std::uint64_t compared() const { return compared_; }  // points, in all searches
 
 private:

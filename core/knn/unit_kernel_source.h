@@ -9,6 +9,10 @@
 // `root` the distance in question: others are certainly farther. The sum of the squares of differences of such offsets
 // is off by 5 * 2^-24 of itself, and by nothing where it is an integer below 2^24. So two squares whose roots differ by
 // 8 * 2^-22 * (reach + root), and whose quotient is at least 1 + 2^-20, are in the right order: see bound_of().
+//
+// Equal distances are ordered by position, so that the order of the points in the tree makes no difference. A list
+// orders them by index; where the nearest candidate dropped is as far as the k-th, the query is repeated in double as
+// well.
 #pragma once
 
 #include "pcm/knn/unit_kernel.h"
@@ -136,10 +140,12 @@ private:
         }
     }
 
-    // Squares from here on are certainly not below those that were found to be `square`.
+    // Squares from here on are certainly above those that were found to be `square`; 0 of 0 where squares are exact: of
+    // points at the query's own place it makes no difference which are taken.
     float bound_of(float square) const
     {
-        if ((exact_ && square < 0x1p24f) || square == infinite) return square;
+        if (square == infinite) return square;
+        if (exact_ && square < 0x1p24f) return square * (1 + 0x1p-23f);  // the next float, or the one after it
         const float root = __builtin_sqrtf(square);
         const float blur = exact_ && reach_ + root < 0x1p24f ? 0 : (reach_ + root) * 0x1p-22f;
         return square * (1 + 0x1p-20f) + (16 * blur * root + 64 * blur * blur + (exact_ ? 0 : 1e-30f));
@@ -301,16 +307,25 @@ private:
         return (dx * dx + dy * dy) + dz * dz;
     }
 
-    // Into the sorted row of the result, if it is nearer than the last of k.
+    // Whether a candidate comes after another: farther, or as far and after it by position, x first.
+    bool is_after(double square, std::uint32_t index, double other_square, std::uint32_t other) const
+    {
+        if (square != other_square) return square > other_square;
+        const C* a = tree_.blocks + std::size_t(3) * leaf_points * (index / leaf_points) + index % leaf_points;
+        const C* b = tree_.blocks + std::size_t(3) * leaf_points * (other / leaf_points) + other % leaf_points;
+        for (std::uint32_t axis = 0; axis < 3; ++axis, a += leaf_points, b += leaf_points)
+            if (*a != *b) return *a > *b;
+        return index > other;
+    }
+
+    // Into the sorted row of the result, if it comes before the last of k.
     void insert_exact(std::size_t row, std::uint32_t q, std::uint32_t index)
     {
         const double square = exact_square(q, index);
         if (square > request_.limit) return;
         double* squares = request_.squares + row * request_.stride;
         std::uint32_t* ids = request_.ids + row * request_.stride;
-        const auto after = [&](std::size_t i) {
-            return squares[i] > square || (squares[i] == square && ids[i] > index);
-        };
+        const auto after = [&](std::size_t i) { return is_after(squares[i], ids[i], square, index); };
         std::size_t count = request_.counts[row];
         if (count == request_.neighbours) {
             if (!after(count - 1)) return;
@@ -341,7 +356,7 @@ private:
             const double square = squares[i];
             const std::uint32_t id = ids[i];
             std::size_t at = i;
-            for (; at > 0 && (squares[at - 1] > square || (squares[at - 1] == square && ids[at - 1] > id)); --at) {
+            for (; at > 0 && is_after(squares[at - 1], ids[at - 1], square, id); --at) {
                 squares[at] = squares[at - 1];
                 ids[at] = ids[at - 1];
             }

@@ -27,6 +27,14 @@ double rounding_of(const TreeInfo& info)
     return 1e-14 * std::max(largest_magnitude(bounds.min), largest_magnitude(bounds.max));
 }
 
+// The squared distance and the offset of a position from another.
+std::pair<double, Vec3d> seen_from(const Vec3i& at, const Vec3i& there, const Grid& grid)
+{
+    Vec3d offset;
+    for (std::size_t axis = 0; axis < 3; ++axis) offset[axis] = double(there[axis] - at[axis]) * grid.scale[axis];
+    return {(offset[0] * offset[0] + offset[1] * offset[1]) + offset[2] * offset[2], offset};
+}
+
 std::size_t level_of(const Node& node, std::uint32_t index)
 {
     std::size_t level = node.first_level;
@@ -37,7 +45,7 @@ std::size_t level_of(const Node& node, std::uint32_t index)
 // A search of its own takes a point about as long as it takes this many points to be sorted for searching together.
 constexpr std::uint32_t points_per_single_search = 200;
 
-// Neighbours at almost the same distance are ordered by the exact one: some more are searched for.
+// Neighbours at almost the same distance are ordered by the exact one, then by position: some more are searched for.
 constexpr std::size_t spare = 4;
 
 }  // namespace
@@ -48,7 +56,8 @@ UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOp
       options_(options),
       signal_(signal),
       visitor_(visitor),
-      search_alone_(cache, blocks, {}, options.max_distance + rounding_of(cache.tree().info())),
+      rounding_(rounding_of(cache.tree().info())),
+      search_alone_(cache, blocks, {}, options.max_distance + rounding_),
       cloud_(cache.tree().info().box)
 {
 }
@@ -179,21 +188,44 @@ void UnitWorker::search_alone(std::uint32_t number)
     ++alone_;
     const Grid& grid = cache_.tree().info().grid;
     const Vec3i at = points_.grid(number);
-    search_alone_.run(grid.to_source(at), options_.neighbours + 1 + spare, found_);
+    const Vec3d place = grid.to_source(at);
+    const std::size_t wanted = options_.neighbours + 1 + spare;
     const auto& part = unit_.part_of(number);
     const std::uint32_t index = unit_.index_of(number);
+    const double limit = options_.max_distance * options_.max_distance;
+    search_alone_.run(place, wanted, found_);
     std::vector<std::pair<double, Vec3d>> sorted;
+    double farthest = 0;
     for (const Neighbour& neighbour : found_) {
         if (neighbour.node == part.node && neighbour.index == index) continue;
         const auto chunk = cache_.get(neighbour.node, ColumnSet::only_positions());
-        const Vec3i there = chunk->positions->grid(neighbour.index);
-        Vec3d offset;
-        for (std::size_t axis = 0; axis < 3; ++axis) offset[axis] = double(there[axis] - at[axis]) * grid.scale[axis];
-        const double square = (offset[0] * offset[0] + offset[1] * offset[1]) + offset[2] * offset[2];
-        if (square <= options_.max_distance * options_.max_distance) sorted.emplace_back(square, offset);
+        const auto seen = seen_from(at, chunk->positions->grid(neighbour.index), grid);
+        farthest = std::max(farthest, std::sqrt(seen.first));
+        if (seen.first <= limit) sorted.push_back(seen);
     }
     std::sort(sorted.begin(), sorted.end());
     sorted.resize(std::min(sorted.size(), options_.neighbours));
+    // Points that were not found may come before the last one.
+    const double last = sorted.size() == options_.neighbours ? std::sqrt(sorted.back().first) : options_.max_distance;
+    if (found_.size() == wanted && last > 0 && farthest <= last + 2 * rounding_) {
+        sorted.clear();
+        search_alone_.within(place, last + 2 * rounding_,
+                             [&](const ChunkPositions& positions, NodeId node, std::uint32_t begin, std::uint32_t end) {
+                                 for (std::uint32_t i = begin; i < end; ++i) {
+                                     if (node == part.node && i == index) continue;
+                                     const auto seen = seen_from(at, positions.grid(i), grid);
+                                     if (!(seen.first <= limit)) continue;
+                                     if (sorted.size() == options_.neighbours) {
+                                         if (!(seen < sorted.front())) continue;
+                                         std::pop_heap(sorted.begin(), sorted.end());
+                                         sorted.pop_back();
+                                     }
+                                     sorted.push_back(seen);
+                                     std::push_heap(sorted.begin(), sorted.end());
+                                 }
+                             });
+        std::sort_heap(sorted.begin(), sorted.end());
+    }
     begin_block(options_.neighbours, 1);
     for (std::size_t j = 0; j < sorted.size(); ++j) {
         block_.squares[j] = sorted[j].first;

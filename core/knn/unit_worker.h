@@ -46,6 +46,7 @@ private:
     const NeighbourhoodOptions& options_;
     const Signal& signal_;
     NeighbourhoodVisitor& visitor_;
+    const double rounding_;  // of source coordinates, source units
     PointSearch search_alone_;
     const Box3i cloud_;
 

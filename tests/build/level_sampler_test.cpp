@@ -229,6 +229,27 @@ TYPED_TEST(Levels, OfSeveralSpacings)
     }
 }
 
+// Bins that are a little less than a spacing apart, of one point and of a few: what one chooses matters to the next.
+TYPED_TEST(Levels, OfBinsThatAreAlmostASpacingApart)
+{
+    const Lattice lattice(Grid{{0.001, 0.001, 0.001}, {0, 0, 0}});
+    for (const double share : {0.9996, 0.9999, 1.0})
+        for (const std::size_t most : {1u, 3u}) {
+            SCOPED_TRACE(std::to_string(share) + ", bins of " + std::to_string(most));
+            const int size = 20;  // a million steps
+            const auto gap = static_cast<TypeParam>(share * lattice.spacing(size) / 0.001);
+            Cloud<TypeParam> cloud;
+            for (TypeParam i = 0; i < 1500; ++i) cloud.push_back({static_cast<TypeParam>(i * gap), this->middle, 5});
+            const auto sampled = sample<TypeParam>(cloud, lattice, most, 2);
+            expect_maximal_poisson(sampled, lattice);
+            if (this->HasFatalFailure()) return;
+            bool met = false;
+            for (const double spacing : sampled.spacings)
+                met = met || (0.001 * double(gap) <= spacing && 0.001 * double(gap) >= 0.9995 * spacing);
+            EXPECT_TRUE(met);
+        }
+}
+
 TYPED_TEST(Levels, OfAnisotropicGrids)
 {
     for (const Vec3d scale : {Vec3d{1e-8, 1e-8, 1.7664e-9}, Vec3d{0.01, 0.01, 0.3048}, Vec3d{1, 0.25, 1.0 / 64}}) {

@@ -215,13 +215,79 @@ TEST_F(Outliers, OnALatticeTheRobustMethodFindsAStrayAndKeepsTheBorder)
     EXPECT_EQ(Tree::open(tree_)->info().bounds().max[2], 0);
 }
 
+// Most points have a twin at their place, so that most distances to the nearest are 0.
+TEST_F(Outliers, WhereMostPointsAreDoubledTheRobustMethodRemovesNoneAndSaysSo)
+{
+    const auto doubled = [&](std::size_t twins) {
+        std::size_t number = 0;
+        build(
+            [&](double, double, double) {
+                const std::size_t n = number++;
+                const std::size_t place = n < 2 * twins ? n / 2 : n - twins;
+                return Vec3d{double(place % 30), double(place / 30), n == 999 ? 500.0 : 0.0};
+            },
+            1000);
+    };
+    OutlierOptions options;
+    options.method = OutlierMethod::robust;
+    options.neighbours = 1;
+    doubled(300);  // 600 of 1000
+    const OutlierReport report = remove_outliers(tree_, options);
+    EXPECT_EQ(report.outliers, 0u);
+    EXPECT_EQ(report.centre, 0);
+    ASSERT_EQ(report.notes.size(), 1u);
+    EXPECT_NE(report.notes[0].find("more than half of the points"), std::string::npos);
+    // With fewer twins, or further neighbours, distances say what a stray is.
+    doubled(200);
+    const OutlierReport fewer = remove_outliers(tree_, options);
+    EXPECT_EQ(fewer.outliers, 1u);
+    EXPECT_EQ(fewer.centre, 1);
+    EXPECT_TRUE(fewer.notes.empty());
+    doubled(300);
+    options.neighbours = 2;
+    options.factor = 12;
+    const OutlierReport further = remove_outliers(tree_, options);
+    EXPECT_EQ(further.outliers, 1u);
+    EXPECT_GT(further.centre, 0);
+    EXPECT_TRUE(further.notes.empty());
+}
+
+// More than half of the mean distances are equal: a tenth of them is the deviation.
+TEST_F(Outliers, WithoutADeviationATenthOfTheMedianIs)
+{
+    std::size_t number = 0;
+    build(
+        [&](double, double, double) {
+            const std::size_t n = number++;
+            return Vec3d{n == 99 ? 110.0 : double(n), 0, 0};
+        },
+        100);  // 0 1 ... 98, 110
+    OutlierOptions options;
+    options.method = OutlierMethod::robust;
+    options.neighbours = 2;
+    options.count_only = true;
+    const auto outliers = [&](double factor) {
+        options.factor = factor;
+        const OutlierReport report = remove_outliers(tree_, options);
+        EXPECT_EQ(report.centre, 1);
+        EXPECT_DOUBLE_EQ(report.deviation, 0.1);
+        EXPECT_DOUBLE_EQ(report.threshold, 1 + 0.1 * factor);
+        return report.outliers;
+    };
+    EXPECT_EQ(outliers(4), 3u);  // the ends of the row, 1.5 each, and the stray
+    EXPECT_EQ(outliers(6), 1u);
+    EXPECT_EQ(outliers(200), 0u);
+}
+
 TEST_F(Outliers, LabelsAreSetAgain)
 {
     build(noisy);
     OutlierOptions options;
     options.label = true;
-    options.factor = -100;  // all points
+    options.method = OutlierMethod::radius;
+    options.radius = 1e-9;  // all points
     EXPECT_EQ(remove_outliers(tree_, options).outliers, 3000u);
+    options.method = OutlierMethod::statistical;
     options.factor = 1e9;
     EXPECT_EQ(remove_outliers(tree_, options).outliers, 0u);
     const Oracle oracle(tree_);
@@ -267,6 +333,14 @@ TEST_F(Outliers, OptionsOutOfRangeAreRefused)
     };
     EXPECT_TRUE(refused([](auto& options) { options.neighbours = 0; }));
     EXPECT_TRUE(refused([](auto& options) { options.factor = std::nan(""); }));
+    EXPECT_TRUE(refused([](auto& options) { options.factor = HUGE_VAL; }));
+    // Most points are nearer to their neighbours than that, and would go.
+    EXPECT_TRUE(refused([](auto& options) { options.factor = -1; }));
+    EXPECT_TRUE(refused([](auto& options) { options.factor = 0; }));
+    EXPECT_TRUE(refused([](auto& options) { options.factor = -1, options.method = OutlierMethod::robust; }));
+    EXPECT_FALSE(refused([](auto& options) {
+        options.factor = -1, options.method = OutlierMethod::radius, options.radius = 1e9, options.neighbours = 1;
+    }));
     EXPECT_TRUE(refused([](auto& options) { options.method = OutlierMethod::radius; }));
     EXPECT_TRUE(refused([](auto& options) { options.label = options.count_only = true; }));
     EXPECT_FALSE(refused([](auto&) {}));

@@ -84,11 +84,12 @@ std::vector<Point> points_of(const Tree& tree)
     return points;
 }
 
-double square_between(const Grid& grid, const Vec3i& a, const Vec3i& b)
+// The square of the distance, and the offset: what neighbours are ordered by.
+std::pair<double, Vec3d> seen_from(const Grid& grid, const Vec3i& a, const Vec3i& b)
 {
     Vec3d d;
     for (std::size_t axis = 0; axis < 3; ++axis) d[axis] = double(b[axis] - a[axis]) * grid.scale[axis];
-    return (d[0] * d[0] + d[1] * d[1]) + d[2] * d[2];
+    return {(d[0] * d[0] + d[1] * d[1]) + d[2] * d[2], d};
 }
 
 // Holds all points against the search for single points, whose distances are between rounded source coordinates.
@@ -117,32 +118,30 @@ void expect_near(const std::shared_ptr<const Tree>& tree, const All& all, const 
     }
 }
 
-// Compares some of the points with all others.
-void expect_right(const Tree& tree, const All& all, const NeighbourhoodOptions& options)
+// Compares about `some` of the points with all others.
+void expect_right(const Tree& tree, const All& all, const NeighbourhoodOptions& options, std::size_t some = 400)
 {
     const std::vector<Point> points = points_of(tree);
     const double limit = options.max_distance * options.max_distance;
     std::size_t computed = 0, tried = 0;
-    const std::size_t step = points.size() / 400 + 1;
+    const std::size_t step = points.size() / (some + 1) + 1;
     for (std::size_t p = 0; p < points.size(); ++p) {
         const auto found = all.find(points[p].place);
         if (found == all.end()) continue;
         ++computed;
         if (p % step) continue;
         ++tried;
-        std::vector<double> squares;
+        std::vector<std::pair<double, Vec3d>> nearest;
         for (std::size_t q = 0; q < points.size(); ++q) {
-            const double square = square_between(tree.info().grid, points[p].grid, points[q].grid);
-            if (q != p && square <= limit) squares.push_back(square);
+            const auto seen = seen_from(tree.info().grid, points[p].grid, points[q].grid);
+            if (q != p && seen.first <= limit) nearest.push_back(seen);
         }
-        const std::size_t k = std::min(options.neighbours, squares.size());
-        std::partial_sort(squares.begin(), squares.begin() + std::ptrdiff_t(k), squares.end());
-        squares.resize(k);
+        const std::size_t k = std::min(options.neighbours, nearest.size());
+        std::partial_sort(nearest.begin(), nearest.begin() + std::ptrdiff_t(k), nearest.end());
         ASSERT_EQ(found->second.squares.size(), k) << "point " << p;
-        for (std::size_t j = 0; j < k; ++j) {  // but for the last bits
-            const Vec3d& d = found->second.offsets[j];
-            ASSERT_DOUBLE_EQ(found->second.squares[j], squares[j]) << "point " << p;
-            ASSERT_DOUBLE_EQ((d[0] * d[0] + d[1] * d[1]) + d[2] * d[2], squares[j]);
+        for (std::size_t j = 0; j < k; ++j) {
+            ASSERT_EQ(found->second.squares[j], nearest[j].first) << "point " << p;
+            ASSERT_EQ(found->second.offsets[j], nearest[j].second) << "point " << p;
         }
     }
     EXPECT_EQ(computed, all.size());
@@ -188,15 +187,17 @@ protected:
         NeighbourhoodOptions options;
         options.neighbours = k;
         options.max_distance = max_distance;
-        options.memory_bytes = 1;  // the smallest units
+        options.unit_points = unit_points_;
         const All all = all_of(cache, options, &report_);
         EXPECT_EQ(all.size(), opened->info().points);
-        expect_right(*opened, all, options);
+        expect_right(*opened, all, options, some_);
         expect_near(opened, all, options);
     }
 
     TemporaryFolder folder_;
     NeighbourhoodReport report_;
+    std::uint64_t unit_points_ = 10000;  // many units
+    std::size_t some_ = 400;             // points to compare with all others
 };
 
 const Grid millimetres{{0.001, 0.001, 0.001}, {500000, 4800000, 100}};
@@ -290,7 +291,7 @@ TEST_F(NeighbourhoodsOf, ATreeOfSeveralParts)
     ASSERT_EQ(opened->part_roots().size(), 2u);
     L2Cache cache(opened);
     NeighbourhoodOptions options;
-    options.memory_bytes = 1;
+    options.unit_points = unit_points_;
     const All all = all_of(cache, options);
     EXPECT_EQ(all.size(), 18000u);
     expect_right(*opened, all, options);
@@ -324,7 +325,7 @@ private:
     {
         const auto& from = *unit.part_of(a).chunk->positions;
         const auto& to = *unit.part_of(b).chunk->positions;
-        return square_between(tree_.info().grid, from.grid(unit.index_of(a)), to.grid(unit.index_of(b)));
+        return seen_from(tree_.info().grid, from.grid(unit.index_of(a)), to.grid(unit.index_of(b))).first;
     }
     const Tree& tree_;
     std::atomic<std::uint64_t>& points_;
@@ -339,7 +340,7 @@ TEST_F(NeighbourhoodsOf, ALevelComputesItsPointsAndTheOthersTakeTheNearest)
     L2Cache cache(opened);
     for (std::uint16_t level = 0; level < opened->info().levels; ++level) {
         NeighbourhoodOptions options;
-        options.memory_bytes = 1;
+        options.unit_points = unit_points_;
         options.level = level;
         const All all = all_of(cache, options, &report_);
         // Where a unit has none of the level, others are computed.
@@ -352,6 +353,107 @@ TEST_F(NeighbourhoodsOf, ALevelComputesItsPointsAndTheOthersTakeTheNearest)
     }
 }
 
+// All points against all others: in small units most lie near a border, where everything hangs on how far the points
+// around were loaded.
+TEST_F(NeighbourhoodsOf, AtTheBordersOfSmallUnits)
+{
+    const Grid coarse{{0.25, 0.25, 0.25}, {500000, 4800000, 100}};
+    const auto ball = [](std::mt19937_64& random, std::size_t) {
+        return Vec3d{500000 + 9 * uniform(random), 4800000 + 9 * uniform(random), 100 + 9 * uniform(random)};
+    };
+    const auto sheet = [](std::mt19937_64& random, std::size_t) {
+        const double x = 30 * uniform(random) * uniform(random);  // denser to one side
+        return Vec3d{500000 + x, 4800000 + 30 * uniform(random), 100 + 0.1 * x * x};
+    };
+    some_ = 1 << 20;
+    for (const std::uint64_t points : {60, 400}) {
+        unit_points_ = points;
+        for (const std::size_t k : {1, 6, 16}) {
+            SCOPED_TRACE(std::to_string(points) + " " + std::to_string(k));
+            expect_right_for(cloud_of(3000, millimetres, ball), k);
+            EXPECT_GT(report_.units, 3000 / points / 2);
+            expect_right_for(cloud_of(3000, millimetres, sheet), k);
+            expect_right_for(cloud_of(3000, coarse, ball), k);  // a step is not nothing here
+            expect_right_for(cloud_of(3000, std::nullopt, ball), k, 0.7);
+        }
+    }
+}
+
+// Distances along an axis of 2^30 steps and more, in a unit: from a cluster that has too few points for its own.
+TEST_F(NeighbourhoodsOf, MoreStepsThan32BitsHold)
+{
+    some_ = 1 << 20;
+    for (const double far : {0x1p29, 0x1p30, 1.5 * 0x1p30, 0x1p31, 1.5 * 0x1p31, 0x1p32 - 20}) {
+        SCOPED_TRACE(far);
+        const Grid steps{{1, 1, 1}, {0, 0, 0}};
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            expect_right_for(cloud_of(60, steps,
+                                      [&](std::mt19937_64& random, std::size_t i) {
+                                          Vec3d p{9 * uniform(random), 9 * uniform(random), 9 * uniform(random)};
+                                          p[axis] += (i % 6 == 0 ? far : 0) - 0x1p31;
+                                          return p;
+                                      }),
+                             16);
+    }
+    for (const double far : {0x1p33, 0x1p34, 0x1p40, 0x1p50}) {
+        SCOPED_TRACE(far);
+        expect_right_for(cloud_of(60, std::nullopt,
+                                  [&](std::mt19937_64& random, std::size_t i) {
+                                      return Vec3d{std::floor(9 * uniform(random)) + (i % 6 == 0 ? far : 0),
+                                                   std::floor(9 * uniform(random)), std::floor(9 * uniform(random))};
+                                  }),
+                         16);
+    }
+}
+
+// Which of the points at equal distance are taken, and in which order they come, depends on their places alone.
+TEST_F(NeighbourhoodsOf, TiesAreOrderedByPlaceWhateverTheUnitsAndThreads)
+{
+    const auto lattice = [](double step, std::size_t copies) {
+        return [=](std::mt19937_64&, std::size_t i) {
+            i /= copies;
+            return Vec3d{500000 + step * double(i % 15), 4800000 + step * double(i / 15 % 15),
+                         100 + step * double(i / 225)};
+        };
+    };
+    // Steps whose squares single precision holds, and others.
+    const std::vector<MemoryCloud> clouds{
+        cloud_of(3375, millimetres, lattice(0.1, 1)), cloud_of(3375, millimetres, lattice(30.001, 1)),
+        cloud_of(3375, Grid{{0.001, 0.002, 0.0005}, {500000, 4800000, 100}}, lattice(0.1, 1)),
+        cloud_of(3375, millimetres, lattice(0.1, 5)), cloud_of(3375, std::nullopt, lattice(0.1, 1)),
+        // A place with more points than any search asks for at first.
+        cloud_of(3000, millimetres, [](std::mt19937_64& random, std::size_t i) {
+            return i % 2 ? Vec3d{500005, 4800005, 100}
+                         : Vec3d{500000 + std::floor(10 * uniform(random)), 4800000 + std::floor(10 * uniform(random)),
+                                 100 + std::floor(3 * uniform(random))};
+        })};
+    for (const MemoryCloud& cloud : clouds) {
+        const auto opened = tree(cloud);
+        for (const double max_distance : {infinity, 0.2}) {
+            L2Cache cache(opened);
+            NeighbourhoodOptions options;
+            options.max_distance = max_distance;
+            All first;
+            for (const unsigned threads : {1u, 2u, 5u})
+                for (const std::uint64_t points : {100, 1000, 100000}) {
+                    options.threads = threads;
+                    options.unit_points = points;
+                    const All all = all_of(cache, options, &report_);
+                    if (first.empty()) {
+                        some_ = 1 << 20;
+                        expect_right(*opened, all, options);
+                        first = all;
+                    }
+                    ASSERT_EQ(all.size(), first.size());
+                    for (const auto& [place, found] : all) {
+                        ASSERT_EQ(found.squares, first.at(place).squares);
+                        ASSERT_EQ(found.offsets, first.at(place).offsets);
+                    }
+                }
+        }
+    }
+}
+
 TEST_F(NeighbourhoodsOf, CancelsAndRefuses)
 {
     const auto opened = tree(cloud_of(25000, millimetres, [](std::mt19937_64& random, std::size_t) {
@@ -359,7 +461,7 @@ TEST_F(NeighbourhoodsOf, CancelsAndRefuses)
     }));
     L2Cache cache(opened);
     NeighbourhoodOptions options;
-    options.memory_bytes = 1;
+    options.unit_points = unit_points_;
     options.neighbours = most_neighbours;  // takes longer than a tenth of a second
     int calls = 0;
     options.progress = [&](const ProgressUpdate&) { return ++calls < 2; };

@@ -7,14 +7,34 @@
 namespace pcm::search_clouds {
 namespace {
 
-// Equal up to what adding three rounded squares can lose: points at equal distance may have squares that differ by it.
-bool same(double a, double b) { return std::fabs(a - b) <= 1e-15 * std::max(a, b); }
+Vec3i position_of(const SearchPositions& p, std::uint32_t i)
+{
+    Vec3i at;
+    for (std::size_t axis = 0; axis < 3; ++axis) at[axis] = p.is_wide() ? p.wide[axis][i] : p.narrow[axis][i];
+    return at;
+}
+
+// The square and the position of the nearest k, those at equal distance by position.
+std::vector<std::pair<double, Vec3i>> nearest_in_order(const SearchPositions& p, std::uint32_t query,
+                                                       const UnitSearchOptions& options)
+{
+    std::vector<std::pair<double, Vec3i>> nearest;
+    for (std::uint32_t i = 0; i < p.size(); ++i) {
+        const double square = squared_of(p, query, i);
+        if (i != query && square <= options.max_distance * options.max_distance)
+            nearest.emplace_back(square, position_of(p, i));
+    }
+    const std::size_t k = std::min(options.neighbours, nearest.size());
+    std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(k), nearest.end());
+    nearest.resize(k);
+    return nearest;
+}
 
 std::string mistake_of(const SearchPositions& p, const UnitSearchOptions& options, const FoundNeighbours& found,
                        std::size_t i)
 {
     const std::uint32_t query = found.points[i];
-    const std::vector<double> expected = all_pairs(p, query, options);
+    const auto expected = nearest_in_order(p, query, options);
     std::ostringstream text;
     text.precision(17);
     text << "point " << query << ": ";
@@ -30,10 +50,11 @@ std::string mistake_of(const SearchPositions& p, const UnitSearchOptions& option
             text << "neighbour " << j << " is " << neighbour << ", itself or a second time";
             return text.str();
         }
-        if (square != squared_of(p, query, neighbour) || !same(square, expected[j]) ||
-            (j > 0 && square < found.squared[i * found.stride + j - 1])) {
+        if (square != squared_of(p, query, neighbour) || square != expected[j].first ||
+            position_of(p, neighbour) != expected[j].second) {
             text << "neighbour " << j << ", " << neighbour << ": " << square << ", really "
-                 << squared_of(p, query, neighbour) << ", instead of " << expected[j];
+                 << squared_of(p, query, neighbour) << ", instead of " << expected[j].first
+                 << (square == expected[j].first ? " at another place" : "");
             return text.str();
         }
     }
@@ -45,13 +66,7 @@ std::string mistake_of(const SearchPositions& p, const UnitSearchOptions& option
 std::vector<double> all_pairs(const SearchPositions& p, std::uint32_t query, const UnitSearchOptions& options)
 {
     std::vector<double> squares;
-    for (std::uint32_t i = 0; i < p.size(); ++i) {
-        const double square = squared_of(p, query, i);
-        if (i != query && square <= options.max_distance * options.max_distance) squares.push_back(square);
-    }
-    const std::size_t k = std::min(options.neighbours, squares.size());
-    std::partial_sort(squares.begin(), squares.begin() + static_cast<std::ptrdiff_t>(k), squares.end());
-    squares.resize(k);
+    for (const auto& [square, position] : nearest_in_order(p, query, options)) squares.push_back(square);
     return squares;
 }
 

@@ -154,6 +154,37 @@ TEST_F(SetChanges, DeletedInPlaceAndFromACopy)
     EXPECT_FALSE(fs::exists(folder_ / "copy.pct"));
 }
 
+// The same points with other values in their place: as many, in as many nodes, of the same generation.
+TEST_F(SetChanges, ATreeBuiltAnewWithOtherValuesIsRefused)
+{
+    BuildOptions options;
+    options.chunk_points = 1000;
+    options.overwrite = true;
+    build_tree({folder_ / "a.las"}, path(), options);
+    const auto before = Tree::open(path());
+    const PointSet set = PointSet::all_of(before);
+    auto other = records(Shape::surface, 6000, 3);
+    for (LasRecord& record : other) record.intensity ^= 1;
+    write_las(folder_ / "a.las", other, Grid{{0.001, 0.001, 0.001}, {512345, 4812345, 100}});
+    build_tree({folder_ / "a.las"}, path(), options);
+    const auto after = Tree::open(path());
+    ASSERT_EQ(after->info().generation, before->info().generation);
+    ASSERT_EQ(after->info().points, before->info().points);
+    ASSERT_EQ(after->nodes().size(), before->nodes().size());
+    ASSERT_NE(after->info().content_hash, before->info().content_hash);
+    EXPECT_FALSE(set.belongs_to(*after));
+    for (const SetChangeOptions& options_of_change : {in_place(), to_copy()}) {
+        EXPECT_EQ(code_of([&] { save_as_attribute(set, "yard", options_of_change); }), ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of([&] { classify_points(set, 9, "classification", options_of_change); }),
+                  ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of([&] { delete_points(set, options_of_change); }), ErrorCode::invalid_argument);
+        EXPECT_FALSE(fs::exists(folder_ / "copy.pct"));
+    }
+    EXPECT_EQ(Tree::open(path())->info().content_hash, after->info().content_hash);
+    PointSet mixed = PointSet::all_of(after);
+    EXPECT_EQ(code_of([&] { mixed.combine(SetOperation::add, set); }), ErrorCode::invalid_argument);
+}
+
 TEST_F(SetChanges, ACancelLeavesTheTreeAsItWas)
 {
     const std::uint64_t hash = tree_->info().content_hash;
