@@ -1,9 +1,11 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/cli/set_actions.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/point_cloud.h"
 #include "pcm/select/front_points.h"
 #include "pcm/select/grow.h"
+#include "pcm/select/grow_from.h"
 #include "pcm/select/select_points.h"
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
@@ -24,7 +26,7 @@ struct Arguments {
     RegionOptions region;
     std::optional<std::uint16_t> level;
     std::vector<double> brush, grow_from;
-    std::optional<double> radius, distance, within;
+    std::optional<double> radius, distance, within, normal_angle, colour_difference;
     std::vector<double> front;
     bool grow = false, invert = false;
     SetActions actions;
@@ -44,7 +46,9 @@ void check(const Arguments& a)
     if (a.grow && !a.grow_from.empty()) refuse("--grow and --grow-from cannot be combined");
     if (!a.brush.empty() && !a.grow_from.empty())
         refuse("--brush and --grow-from cannot be combined; --grow grows the brush");
-    if (a.within && a.grow_from.empty()) refuse("--within, of the seed, goes with --grow-from");
+    const bool has_limits = a.within || a.normal_angle || a.colour_difference;
+    if (has_limits && a.grow_from.empty())
+        refuse("--within, --normal-angle and --colour-difference, which compare with the seed, go with --grow-from");
     if (!a.front.empty() && (grows || !a.brush.empty())) refuse("--front goes with a lasso alone");
     if (a.level && grows) refuse("--level and growing cannot be combined: steps pass through all points");
 }
@@ -76,13 +80,15 @@ PointSet grown_from_point(const Arguments& arguments, const std::shared_ptr<cons
     if (nearest.points.empty())
         throw Error(ErrorCode::invalid_argument, tree->folder(), "there is no point to grow from: the tree is empty");
     const Neighbour& seed = nearest.points[0];
-    if (arguments.within) limit.clips.push_back({Region::sphere(seed.position, *arguments.within), false});
-    PointSet seeds(tree);
-    seeds.set(seed.node, {seed.index});
+    SeedLimits like_seed;
+    like_seed.within = arguments.within;
+    like_seed.colour_difference = arguments.colour_difference;
+    if (arguments.normal_angle) like_seed.normal_angle = *arguments.normal_angle * pi / 180;
     if (!arguments.common.json)
         std::printf("grown from the point at %s, %s source units from the one given\n", exact(seed.position).c_str(),
                     brief(seed.distance()).c_str());
-    PointSet set = grow(seeds, *arguments.distance, growth_of(arguments, std::move(limit)));
+    PointSet set =
+        grow_from(tree, seed.node, seed.index, *arguments.distance, like_seed, growth_of(arguments, std::move(limit)));
     if (set.empty())
         throw Error(ErrorCode::invalid_argument, tree->folder(),
                     "the point nearest to " + exact(given) + ", at " + exact(seed.position) +
@@ -137,6 +143,10 @@ Json json_of(const Box3d& box) { return box.empty() ? Json() : Json({{"min", box
 void print(const Arguments& arguments, const PointSet& set, const SetStatistics& statistics, const SetDone& done,
            double seconds)
 {
+    std::vector<std::string> notes = done.notes;
+    const bool grown = arguments.grow || !arguments.grow_from.empty();
+    if (grown && !arguments.invert)
+        if (const std::string note = note_on_growth(set); !note.empty()) notes.insert(notes.begin(), note);
     const Box3d cloud = set.tree().info().bounds();
     if (arguments.common.json) {
         Json json;
@@ -151,7 +161,7 @@ void print(const Arguments& arguments, const PointSet& set, const SetStatistics&
         put_done(json, done);
         json["seconds"] = seconds;
         json["peak_rss_bytes"] = peak_memory_bytes();
-        json["notes"] = done.notes;
+        json["notes"] = notes;
         json["warnings"] = done.outcome.warnings;
         print_json(json);
         return;
@@ -166,7 +176,7 @@ void print(const Arguments& arguments, const PointSet& set, const SetStatistics&
             std::printf("  class %lld: %s points\n", static_cast<long long>(value), grouped(points).c_str());
     }
     print_done(done);
-    for (const std::string& note : done.notes) std::printf("note: %s\n", note.c_str());
+    for (const std::string& note : notes) std::printf("note: %s\n", note.c_str());
     std::printf("%.1f s, peak memory %s\n", seconds, bytes_text(peak_memory_bytes()).c_str());
 }
 
@@ -213,6 +223,20 @@ void add_choices(Options& options, Arguments& arguments)
         .group(group);
     options.option("--within", arguments.within, "With --grow-from: no farther from the seed, source units")
         .not_negative()
+        .group(group);
+    options
+        .option(
+            "--normal-angle", arguments.normal_angle,
+            "With --grow-from: only points whose normal is within this angle of the seed's, of either sign; degrees, "
+            "as in 20")
+        .between(0.0, 90.0)
+        .group(group);
+    options
+        .option(
+            "--colour-difference", arguments.colour_difference,
+            "With --grow-from: only points whose colour is this near to the seed's: the distance between red, green "
+            "and blue of 0 to 255 each, as in 40")
+        .between(0.0, 441.7)
         .group(group);
     options
         .option(

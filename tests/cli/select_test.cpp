@@ -86,6 +86,42 @@ TEST_F(SelectCommand, BrushesAndGrows)
     refused("--grow-from 500 300 98 --distance 60 --clip-outside 'sphere 500 300 98 50'", 1, "not among");
 }
 
+// Exactness is tested in tests/select; here that the options arrive, with degrees and not radians.
+TEST_F(SelectCommand, GrowsThroughWhatIsLikeTheSeed)
+{
+    const Json all = select("--grow-from 500 300 98 --distance 60");
+    EXPECT_EQ(all["points"], 10000);
+    ASSERT_EQ(all["notes"].size(), 1u);
+    EXPECT_NE(all["notes"][0].get<std::string>().find("all 10,000 points of the cloud"), std::string::npos);
+    EXPECT_TRUE(select("--grow-from 500 300 98 --distance 60 --within 50")["notes"].empty());
+    refused("--grow-from 500 300 98 --distance 60 --normal-angle 20", 1, "has no normals");
+    refused("--grow-from 500 300 98 --distance 60 --normal-angle 91", 2, "--normal-angle");
+    refused("--grow-from 500 300 98 --distance 60 --colour-difference 442", 2, "--colour-difference");
+    refused(sphere_ + "--grow --distance 60 --normal-angle 20", 2, "--grow-from");
+    refused(sphere_ + "--grow --distance 60 --colour-difference 20", 2, "--grow-from");
+
+    // Colours at random.
+    EXPECT_EQ(select("--grow-from 500 300 98 --distance 60 --colour-difference 441.7")["points"], 10000);
+    const double alike = select("--grow-from 500 300 98 --distance 60 --colour-difference 100")["points"];
+    EXPECT_GT(alike, 0);
+    EXPECT_LT(alike, 5000);
+
+    // A roof whose sides are 53 degrees apart, seen from one of them.
+    std::vector<LasRecord> roof = points_;
+    for (LasRecord& p : roof) p.z = (p.x < 50000 ? p.x : 100000 - p.x) / 2;
+    write_las(folder_ / "roof.las", roof, {{0.01, 0.01, 0.01}, {0, 0, 0}});
+    ASSERT_EQ(pcmlab("build " + path("roof.las")).code, 0);
+    const Result normals = pcmlab("normals " + path("roof.pct") + " -o " + path("normals.pct"));
+    ASSERT_EQ(normals.code, 0) << normals.err;
+    const auto within = [&](const std::string& degrees) {
+        return select("--grow-from 200 300 100 --distance 60 --normal-angle " + degrees, "normals.pct")["points"]
+            .get<double>();
+    };
+    EXPECT_EQ(within("90"), 10000);
+    const double side = static_cast<double>(count([](const LasRecord& p) { return p.x < 50000; }));
+    EXPECT_NEAR(within("20"), side, 0.03 * side);
+}
+
 // From straight above, orthographic: the surface hides nothing of itself; a lower copy of it would be hidden.
 TEST_F(SelectCommand, OfALassoTheFront)
 {
