@@ -25,6 +25,8 @@ void add_common(Options& options, Common& common);
 // cancels the operation, which then removes its unfinished files.
 ProgressFunction console_progress(const Common& common);
 void end_progress(const Common& common);
+// Where a progress line stands on the terminal, begins a new line: what is printed next stands on a line of its own.
+void leave_progress_line();
 
 double points_per_second(const Outcome& outcome);
 // points, seconds, points_per_second, peak_rss_bytes, warnings: printed by every command that processes points.

@@ -19,7 +19,7 @@ void SetActions::add_to(Options& options, const char* group)
     options.option("--extract", extract_, "Write the points to this file, or tree (.pct)").group(group);
     options.flag("--overwrite", overwrite_, "Replace the output of --extract if it exists").group(group);
     options.flag("--delete", erase_, "Delete them").group(group);
-    options.option("--classify", classify_, "Set their class to this integer").group(group);
+    options.option("--classify", classify_, "Set their class: --classify 6").group(group);
     options
         .option("--class-attribute", classes_,
                 "The integer attribute that --classify sets (default classification); made when absent")

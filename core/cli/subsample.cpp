@@ -75,9 +75,9 @@ Run add_subsample(Options& options)
     options
         .positional("input", arguments->inputs, "A tree, or files, folders and trees, which are merged into one cloud")
         .required();
-    const Option spacing =
-        options.option("-s,--spacing", arguments->options.spacing,
-                       "Spacing of the points, source units: the level whose spacing is nearest, unless --exact");
+    const Option spacing = options.option(
+        "-s,--spacing", arguments->options.spacing,
+        "Spacing of the points, source units, such as 0.5: the level whose spacing is nearest, unless --exact");
     options
         .option("-n,--points", arguments->options.points,
                 "Number of points: the finest level with at most so many, unless --exact")
