@@ -1,10 +1,11 @@
 #include "pcm/align/pair_text.h"
 
+#include "pcm/io/file_text.h"
 #include "pcm/io/text/parse_number.h"
 #include "pcm/system/error.h"
-#include "pcm/system/file.h"
 #include "pcm/system/output_file.h"
 #include "pcm/system/text.h"
+#include "pcm/system/text_file.h"
 
 #include <array>
 #include <cmath>
@@ -33,7 +34,7 @@ std::vector<double> numbers_of(std::string_view line, const std::filesystem::pat
         while (end < line.size() && !separates(line[end])) ++end;
         const std::string_view word = line.substr(at, end - at);
         double value = 0;
-        if (!text::parse_number(word, value)) refuse(name, number, "'" + std::string(word) + "' is not a number");
+        if (!text::parse_number(word, value)) refuse(name, number, quote_bytes(word) + " is not a number");
         if (!std::isfinite(value)) refuse(name, number, "'" + std::string(word) + "' is not finite");
         values.push_back(value);
         at = end;
@@ -65,14 +66,7 @@ std::vector<PointPair> parse_pairs(std::string_view text, const std::filesystem:
 
 std::vector<PointPair> read_pairs(const std::filesystem::path& file)
 {
-    const File in(file, File::Mode::read);
-    const std::uint64_t size = in.size();
-    if (size > most_bytes)
-        throw Error(ErrorCode::bad_format, file, "this file of " + bytes_text(size) + " is no list of picked pairs",
-                    "name a text file with a pair a line");
-    std::string text(static_cast<std::size_t>(size), '\0');
-    in.read_at(text.data(), text.size(), 0);
-    return parse_pairs(text, file);
+    return parse_pairs(read_text_file(file, "a list of picked pairs", most_bytes), file);
 }
 
 std::string text_of(const std::vector<PointPair>& pairs)

@@ -1,5 +1,6 @@
 #include "pcm/align/rigid_fit.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/symmetric_eigen.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -45,8 +46,8 @@ void take_weights(Problem& problem, const std::vector<PointPair>& pairs)
     double sum = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
         const double w = pairs[i].weight;
-        if (!is_finite(pairs[i].moving) || !is_finite(pairs[i].fixed))
-            refuse(number(i) + " has a coordinate that is not finite", "pick the pair again");
+        require_place(number(i) + ": the place", pairs[i].moving);
+        require_place(number(i) + ": the place", pairs[i].fixed);
         if (!(w >= 0) || !std::isfinite(w)) refuse(number(i) + " has a weight that is not 0 or above", "use 1");
         sum += w;
         problem.used += w > 0;

@@ -11,6 +11,7 @@
 #include "pcm/tree/tree_reader.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <memory>
 
@@ -77,7 +78,7 @@ struct Result {
     RigidFit fit;
     Picks picks;
     std::string moving_system, fixed_system;
-    double largest_error = 0;
+    double largest_error = 0, pick_error = 0;
     std::optional<BuildReport> build;
 };
 
@@ -111,6 +112,7 @@ Json json_of(const Arguments& arguments, const std::vector<PointPair>& pairs, co
     json["pivot"] = fit.motion.pivot;
     json["target"] = fit.motion.target;
     json["matrix"] = rows;
+    json["pick_error"] = result.pick_error;
     json["coordinate_error"] = fit.coordinate_error;
     json["angle_error_degrees"] = fit.angle_error * 180 / pi;
     json["weakest_axis"] = fit.weakest_axis;
@@ -125,6 +127,20 @@ Json json_of(const Arguments& arguments, const std::vector<PointPair>& pairs, co
         json["bytes"] = result.build->bytes;
     }
     return json;
+}
+
+// Small residuals of few pairs say that these agree, not that the picked points are the places that were meant.
+std::string source_of_uncertainty(const Arguments& arguments, const Result& result)
+{
+    const std::string of_picks = brief(result.pick_error);
+    // The larger of the two counts (RigidFit::coordinate_error).
+    const bool from_residuals = result.fit.coordinate_error > std::sqrt(2.0) * result.pick_error * (1 + 1e-12);
+    if (from_residuals || result.pick_error == 0) return "the uncertainty follows from the residuals of the pairs";
+    if (arguments.pick_error)
+        return "the uncertainty follows from --pick-error " + of_picks + ", not from the residuals";
+    return "the uncertainty follows from the spacing of the clouds' points, not from the residuals: a place is picked "
+           "to a quarter of it, here " +
+           of_picks + "; --pick-error says how well these were";
 }
 
 void print(const Arguments& arguments, const Result& result)
@@ -151,6 +167,7 @@ void print(const Arguments& arguments, const Result& result)
         "uncertainty of the moved cloud: %s at the pairs' centroid, up to %s at its corners (one standard "
         "deviation, source units)\n",
         brief(fit.error_at(fit.motion.pivot)).c_str(), brief(result.largest_error).c_str());
+    std::printf("%s\n", source_of_uncertainty(arguments, result).c_str());
     if (result.moving_system != result.fixed_system)
         std::printf("note: the moved cloud is in the coordinates of %s (%s); its metadata stay those of %s (%s)\n",
                     arguments.fixed.c_str(), result.fixed_system.c_str(), arguments.moving.c_str(),
@@ -199,7 +216,8 @@ int align(Arguments& arguments)
     look_at(*fixed, "fixed", pairs, &PointPair::fixed, result.picks);
     FitOptions options;
     options.scale = arguments.scale;
-    options.pick_error = arguments.pick_error ? *arguments.pick_error : pick_error_of(result.picks.spacings);
+    options.pick_error = result.pick_error =
+        arguments.pick_error ? *arguments.pick_error : pick_error_of(result.picks.spacings);
     result.fit = fit_motion(pairs, options);
     result.largest_error = result.fit.largest_error(moving->info().bounds());
     result.moving_system = system_of(*moving->tree());
@@ -222,7 +240,7 @@ Run add_align(Options& options)
     options
         .option("--pair", arguments->pairs,
                 "A point of the moving cloud and the same place in the fixed one: x y z x y z, source coordinates; "
-                "give three or more")
+                "give three or more: --pair 1 2 3 11 2 3")
         .values(6, 6000);
     options.option("--pairs", arguments->pairs_file,
                    "A text file of pairs, one a line: x y z x y z and optionally a weight; # begins a comment");

@@ -1,5 +1,7 @@
 #include "pcm/cli/attribute_options.h"
 
+#include "pcm/filter/backends.h"
+
 #include <cstdio>
 
 namespace pcm::cli {
@@ -50,7 +52,7 @@ void NeighbourOptions::add_to(Options& options)
         .group(group);
     options.option("-m,--memory", memory, "Memory limit, e.g. 512M or 2G (default 512M)").bytes();
     options.option("-t,--threads", threads, "Threads (default: one per processor)");
-    options.flag("--flann", flann, "Search with the FLANN library, for comparison");
+    options.flag("--flann", flann, "Search with the FLANN library, for comparison").shown_if(offers_flann());
 }
 
 void NeighbourOptions::put_into(NeighbourAttributeOptions& options) const

@@ -24,11 +24,13 @@ PictureSize parse_size(const std::string& text)
 
 std::vector<Option> CameraOptions::add_to(Options& options, const char* group)
 {
-    const Option of_eye =
-        options.option("--eye", eye, "Camera position x y z, source coordinates").values(3).group(group);
-    const Option of_target = options.option("--target", target, "Point that the camera looks at (default: the middle)")
-                                 .values(3)
-                                 .group(group);
+    const Option of_eye = options.option("--eye", eye, "Camera position x y z, source coordinates: --eye 10 -40 30")
+                              .values(3)
+                              .group(group);
+    const Option of_target =
+        options.option("--target", target, "Point x y z that the camera looks at (default: the middle of the cloud)")
+            .values(3)
+            .group(group);
     const Option of_up =
         options.option("--up", up, "Direction that is up in the picture (default: 0 0 1)").values(3).group(group);
     const Option of_angle =
@@ -36,9 +38,12 @@ std::vector<Option> CameraOptions::add_to(Options& options, const char* group)
     const Option parallel = options.flag("--orthographic", orthographic, "Parallel projection instead of perspective")
                                 .group(group)
                                 .excludes(of_angle);
-    const Option of_height = options.option("--height", height, "Orthographic: height of the view, source units")
-                                 .group(group)
-                                 .excludes(of_angle);
+    const Option of_height =
+        options
+            .option("--height", height,
+                    "Parallel projection that shows so many source units from bottom to top: --height 25")
+            .group(group)
+            .excludes(of_angle);
     return {of_eye, of_target, of_up, of_angle, parallel, of_height};
 }
 

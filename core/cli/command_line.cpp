@@ -1,5 +1,7 @@
 #include "pcm/cli/command_line.h"
 
+#include "pcm/cli/common.h"
+#include "pcm/cli/option_values.h"
 #include "pcm/system/error.h"
 
 #include <CLI/CLI.hpp>
@@ -8,8 +10,10 @@
 #include <csignal>
 #include <cstdint>
 #include <cstdio>
+#include <limits>
 #include <new>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 namespace pcm::cli {
@@ -65,39 +69,71 @@ Option Option::needs(Option other) const
     return *this;
 }
 
+Option Option::shown_as(const char* type) const
+{
+    option_->type_name(type);
+    return *this;
+}
+
+Option Option::shown_if(bool shown) const
+{
+    if (!shown) option_->group("");
+    return *this;
+}
+
+namespace {
+
+// A check that comes before those that an option already has, so that the message says all that is allowed.
+template <class Fault>
+CLI::Validator check_first(const Fault& fault)
+{
+    return CLI::Validator([fault](std::string& word) { return fault(word); }, "");
+}
+
+Option restrict_numbers(CLI::Option* option, const AllowedNumbers& allowed)
+{
+    option->transform(check_first([allowed](std::string& word) { return number_fault(word, allowed); }));
+    option->type_name("NUMBER (" + brief_text_of(allowed) + ")");
+    return Option(option);
+}
+
+// What one value of an option is.
+template <class T>
+struct ValueOf {
+    using type = T;
+};
+template <class T>
+struct ValueOf<std::optional<T>> {
+    using type = T;
+};
+template <class T>
+struct ValueOf<std::vector<T>> {
+    using type = T;
+};
+
+}  // namespace
+
 Option Option::one_of(const std::vector<std::string>& names) const
 {
-    option_->check(CLI::IsMember(names));
+    option_->transform(check_first([names](std::string& word) { return choice_fault(word, names); }));
+    std::string all;
+    for (const std::string& name : names) all += (all.empty() ? "" : "|") + name;
+    option_->type_name(all);
     return *this;
 }
 
 Option Option::between(int least, int most) const
 {
-    option_->check(CLI::Range(least, most));
-    return *this;
+    return restrict_numbers(option_, {static_cast<double>(least), static_cast<double>(most), false, true});
 }
 
-Option Option::between(double least, double most) const
-{
-    option_->check(CLI::Range(least, most));
-    return *this;
-}
-
-Option Option::positive() const
-{
-    option_->check(CLI::PositiveNumber);
-    return *this;
-}
-
-Option Option::not_negative() const
-{
-    option_->check(CLI::NonNegativeNumber);
-    return *this;
-}
+Option Option::between(double least, double most) const { return restrict_numbers(option_, {least, most}); }
+Option Option::positive() const { return restrict_numbers(option_, {0.0, std::nullopt, true}); }
+Option Option::not_negative() const { return restrict_numbers(option_, {0.0, std::nullopt}); }
 
 Option Option::bytes() const
 {
-    option_->transform(CLI::AsSizeValue(false).description(""));
+    option_->transform(check_first(bytes_fault));
     option_->type_name("SIZE");
     return *this;
 }
@@ -105,7 +141,15 @@ Option Option::bytes() const
 template <class T>
 Option Options::option(const std::string& names, T& variable, const std::string& help)
 {
-    return Option(command_.add_option(names, variable, help));
+    using Value = typename ValueOf<T>::type;
+    CLI::Option* const option = command_.add_option(names, variable, help);
+    if constexpr (std::is_integral_v<Value>)
+        option->transform(
+            check_first([](std::string& word) { return whole_fault(word, std::numeric_limits<Value>::max()); }));
+    else if constexpr (std::is_floating_point_v<Value>)
+        option->transform(check_first([](std::string& word) { return number_fault(word, {}); }));
+    if constexpr (std::is_arithmetic_v<Value>) option->type_name("NUMBER");
+    return Option(option);
 }
 
 template <class T>
@@ -135,7 +179,8 @@ Option Options::flag(const std::string& names, bool& variable, const std::string
 
 Option Options::off_flag(const std::string& names, bool& variable, const std::string& help)
 {
-    return flag("!" + names, variable, help);
+    return Option(command_.add_flag_callback(
+        names, [&variable] { variable = false; }, help));
 }
 
 namespace {
@@ -144,33 +189,6 @@ struct Runnable {
     const CLI::App* app;
     Run run;
 };
-
-// Whether a word is nearly a name: a typing error or two, or its beginning.
-bool resembles(const std::string& word, const std::string& name)
-{
-    if (word.size() >= 2 && name.compare(0, word.size(), word) == 0) return true;
-    std::vector<std::size_t> row(name.size() + 1);  // distances of Levenshtein, row by row
-    for (std::size_t c = 0; c < row.size(); ++c) row[c] = c;
-    for (std::size_t w = 0; w < word.size(); ++w) {
-        std::size_t diagonal = row[0];
-        row[0] = w + 1;
-        for (std::size_t c = 1; c < row.size(); ++c) {
-            const std::size_t above = row[c];
-            row[c] = std::min({above + 1, row[c - 1] + 1, diagonal + (word[w] != name[c - 1])});
-            diagonal = above;
-        }
-    }
-    return row.back() <= 1 + name.size() / 5;
-}
-
-// What was meant, as the end of a message.
-std::string perhaps(const std::string& word, const std::vector<std::string>& names)
-{
-    std::string nearest;
-    for (const std::string& name : names)
-        if (resembles(word, name)) nearest += (nearest.empty() ? "" : " or ") + name;
-    return nearest.empty() ? "" : "; perhaps " + nearest;
-}
 
 // Of a command line with words that belong to no option.
 std::string unexpected(const CLI::App& command)
@@ -184,6 +202,29 @@ std::string unexpected(const CLI::App& command)
     for (const CLI::Option* known : command.get_options())
         for (const std::string& long_name : known->get_lnames()) names.push_back("--" + long_name);
     return "there is no option " + name + perhaps(name, names);
+}
+
+// Of a command line on which an option has too few or too many values: the first such option among the words.
+std::string wrong_number_of_values(const CLI::App& command, const std::vector<std::string>& words,
+                                   const std::string& otherwise)
+{
+    const auto fault_of = [](const CLI::Option& option) -> std::string {
+        const auto given = static_cast<int>(option.results().size());
+        const int least = option.get_items_expected_min(), most = option.get_items_expected_max();
+        if (given >= least && given <= most) return "";
+        if (most == 1) return option.get_name() + (given == 0 ? " needs a value" : " takes one value");
+        if (least == 1 && given == 0) return option.get_name() + " needs a value";
+        std::string takes = std::to_string(least);
+        if (most > least) takes += most < 10000 ? " to " + std::to_string(most) : " or more";
+        return option.get_name() + " takes " + takes + " values, and got " + std::to_string(given);
+    };
+    for (const std::string& word : words) {
+        const CLI::Option* const option =
+            word.size() > 1 && word[0] == '-' ? command.get_option_no_throw(word.substr(0, word.find('='))) : nullptr;
+        const std::string fault = option ? fault_of(*option) : "";
+        if (!fault.empty()) return fault;
+    }
+    return otherwise;
 }
 
 int refuse_usage(const CLI::App& command, const std::string& what)
@@ -202,6 +243,7 @@ int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vec
         return at == commands.end() ? nullptr : &*at;
     };
     const auto command = [&]() -> const CLI::App& { return parsed() ? *parsed()->app : app; };
+    const std::vector<std::string> given = words;
     try {
         std::reverse(words.begin(), words.end());  // as CLI11 takes them
         app.parse(std::move(words));
@@ -210,6 +252,8 @@ int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vec
         return app.exit(help);
     } catch (const CLI::ExtrasError&) {
         return refuse_usage(command(), unexpected(command()));
+    } catch (const CLI::ArgumentMismatch& error) {
+        return refuse_usage(command(), wrong_number_of_values(command(), given, error.what()));
     } catch (const CLI::ParseError& error) {
         return refuse_usage(command(), error.what());
     } catch (const UsageError& error) {
@@ -223,12 +267,15 @@ int report_errors(const Run& run)
     try {
         return run();
     } catch (const Error& error) {
+        leave_progress_line();
         std::fprintf(stderr, error.is_done() ? "pcmlab: warning: %s\n" : "pcmlab: %s\n", error.what());
         if (error.is_done()) return done_with_warnings;
         return error.code() == ErrorCode::cancelled ? 130 : 1;
     } catch (const std::bad_alloc&) {
+        leave_progress_line();
         std::fputs("pcmlab: out of memory\n", stderr);
     } catch (const std::exception& error) {
+        leave_progress_line();
         std::fprintf(stderr, "pcmlab: %s\n", error.what());
     }
     return 1;

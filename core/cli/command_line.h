@@ -27,7 +27,9 @@ public:
     Option values(int least, int most) const;  // that follow the option's name
     Option one_value_each() const;             // of a list: "--new a --new b", never "--new a b"
     Option separated_by(char separator) const;
-    Option show_default() const;  // the help shows the variable's present value
+    Option shown_as(const char* type) const;  // what its values are called in the help
+    Option shown_if(bool shown) const;        // else the help does not mention it; after group()
+    Option show_default() const;              // the help shows the variable's present value
 
     Option excludes(Option other) const;
     Option needs(Option other) const;

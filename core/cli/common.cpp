@@ -11,6 +11,7 @@ namespace pcm::cli {
 namespace {
 
 std::atomic<bool> interrupted{false};
+std::atomic<bool> line_is_open{false};  // the cursor is behind the progress
 
 void on_interrupt(int) { interrupted = true; }
 
@@ -36,6 +37,7 @@ ProgressFunction console_progress(const Common& common)
                          update.fraction * 100);
             if (update.seconds_left >= 0) std::fprintf(stderr, ", %.0f s left   ", update.seconds_left);
             std::fflush(stderr);
+            line_is_open = true;
         }
         return !interrupted;
     };
@@ -44,6 +46,12 @@ ProgressFunction console_progress(const Common& common)
 void end_progress(const Common& common)
 {
     if (!common.quiet && !common.json && isatty(STDERR_FILENO)) std::fprintf(stderr, "\r%60s\r", "");
+    line_is_open = false;
+}
+
+void leave_progress_line()
+{
+    if (line_is_open.exchange(false)) std::fputs("\n", stderr);
 }
 
 void print_json(const Json& json)

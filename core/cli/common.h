@@ -25,6 +25,8 @@ void add_common(Options& options, Common& common);
 // cancels the operation, which then removes its unfinished files.
 ProgressFunction console_progress(const Common& common);
 void end_progress(const Common& common);
+// Where a progress line stands on the terminal, begins a new line: what is printed next stands on a line of its own.
+void leave_progress_line();
 
 // Prints a command's report, with --json. Paths, names and coordinate systems may hold bytes that are not UTF-8, which
 // JSON cannot: U+FFFD replaces them. Never throws for text, so finished work does not end as a failure. The only place

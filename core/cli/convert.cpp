@@ -108,11 +108,13 @@ void add_choice(Options& options, Arguments& arguments)
     options.option("--max-points", cloud.max_points, "A tree: only its deepest level with at most this many points")
         .group(group);
     arguments.region.add_to(options, group);
-    options.option("--attributes,--keep", cloud.selection.keep, "Only these attributes, separated by commas")
+    options
+        .option("--attributes,--keep", cloud.selection.keep,
+                "Only these attributes, separated by commas: --attributes intensity,rgb")
         .separated_by(',')
         .one_value_each()
         .group(group);
-    options.option("--drop", cloud.selection.drop, "All attributes except these, separated by commas")
+    options.option("--drop", cloud.selection.drop, "All attributes except these, separated by commas: --drop user_data")
         .separated_by(',')
         .one_value_each()
         .group(group);
@@ -125,9 +127,16 @@ void add_output(Options& options, Arguments& arguments)
     const Option step = options
                             .option("--grid", arguments.step,
                                     "LAS, LAZ: coordinate step (default: the source's, or the coarsest that is exact)")
+                            .positive()
                             .group(group);
-    options.option("--scale", arguments.scale, "LAS, LAZ: steps x y z").values(3).excludes(step).group(group);
-    options.option("--offset", arguments.offset, "LAS, LAZ: offset x y z of the grid").values(3).group(group);
+    options.option("--scale", arguments.scale, "LAS, LAZ: steps x y z: --scale 0.01 0.01 0.001")
+        .values(3)
+        .positive()
+        .excludes(step)
+        .group(group);
+    options.option("--offset", arguments.offset, "LAS, LAZ: offset x y z of the grid: --offset 500000 4800000 0")
+        .values(3)
+        .group(group);
     options
         .option("--decimals", to.write.decimals,
                 "Text: digits after the decimal point (default: as many as exact positions need)")

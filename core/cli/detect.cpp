@@ -1,5 +1,6 @@
 #include "pcm/primitives/detect.h"
 
+#include "pcm/cad/dxf_file.h"
 #include "pcm/cad/primitive_files.h"
 #include "pcm/cli/attribute_options.h"
 #include "pcm/cli/common.h"
@@ -202,7 +203,8 @@ Run add_detect(Options& options)
     const char* const group = "What to write";
     options
         .option("--out", arguments->out,
-                "List of the primitives (.json), table (.csv) or drawing (.dxf, .scr), by the extension")
+                std::string("List of the primitives (.json), table (.csv) or drawing (") +
+                    (writes_dxf() ? ".dxf, .scr" : ".scr") + "), by the extension")
         .group(group);
     options
         .flag("--overwrite", arguments->overwrite,

@@ -2,6 +2,7 @@
 #include "pcm/cli/primitive_output.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/cli/set_actions.h"
+#include "pcm/fit/pcl_fit.h"
 #include "pcm/point_cloud.h"
 #include "pcm/primitives/fit_at.h"
 #include "pcm/system/error.h"
@@ -189,7 +190,7 @@ void add_shape(Options& options, Arguments& a)
         .group(group);
     options
         .option("--not-at", a.not_at,
-                "A place \"X Y Z\" that is not part of it: points around it take no part and are not reached")
+                "A place \"X Y Z\" that is not part of it: points around it are ignored and not reached")
         .values(1, 3000)
         .group(group);
     options
@@ -204,6 +205,7 @@ void add_shape(Options& options, Arguments& a)
     options
         .option("--count", a.count,
                 "Neighbourhood of a place: its nearest points (default 500, and more while the fit is not good)")
+        .positive()
         .group(group);
     options.option("--least-radius", a.least_radius, "Smaller radii are not considered, source units")
         .not_negative()
@@ -225,28 +227,32 @@ void add_shape(Options& options, Arguments& a)
                 "Largest angle between a point's normal and the surface's, degrees (default: not compared)")
         .positive()
         .group(group);
-    options.option("--iterations", a.iterations, "The most samples (default 10000)").group(group);
-    options.option("--probability", a.probability, "That a sample without outliers was drawn (default 0.99)")
+    options.option("--iterations", a.iterations, "Maximum number of samples (default 10000)").group(group);
+    options
+        .option("--probability", a.probability,
+                "Probability, below 1, that a sample without outliers was drawn, which ends the search (default 0.99)")
         .group(group);
     options.option("--seconds", a.seconds, "Time limit of the search for samples (default: none)")
         .positive()
         .group(group);
-    options.option("--seed", a.seed, "Of the samples (default 1)").group(group);
+    options.option("--seed", a.seed, "Start of the random numbers that draw the samples (default 1)").group(group);
     options.option("--backend", a.backend, "own, or pcl: the Point Cloud Library, for comparison (default own)")
         .one_of({"own", "pcl"})
-        .group(group);
+        .group(group)
+        .shown_if(has_pcl());
 }
 
 void add_growth(Options& options, Arguments& a)
 {
     const char* group = "Growth over the cloud";
     options.off_flag("--no-grow", a.grow, "Only points of the neighbourhood belong to the shape").group(group);
-    options.option("--step", a.step, "Longest way from point to point, source units (default: from the gaps)")
+    options.option("--step", a.step, "Maximum distance from point to point, source units (default: from the gaps)")
         .positive()
         .group(group);
     options
         .option("--rounds", a.rounds,
-                "The most rounds of growing and fitting to all points reached (default 8; 0: the shape stays)")
+                "Maximum number of rounds of growing and fitting to all points reached (default 8; 0: the shape of the "
+                "first fit)")
         .between(0, 100)
         .group(group);
     options

@@ -131,7 +131,7 @@ Run add_measure(Options& options)
                     "plane (the first point's distance to the plane through three or more others), or surface (a "
                     "point's distance to --surface)")
         .one_of(kinds());
-    options.option("-p,--points", arguments->points, "Points x0 y0 z0 x1 y1 z1 ..., source coordinates")
+    options.option("-p,--points", arguments->points, "Points x0 y0 z0 x1 y1 z1 ..., source coordinates: -p 0 0 0 3 4 0")
         .values(3, 1 << 20);
     options.option("--from", arguments->from,
                    "A tree: the points are moved to its nearest ones, whose spacing and grid give the uncertainty");

@@ -1,5 +1,6 @@
 #include "pcm/cli/measure_output.h"
 
+#include "pcm/cad/dxf_file.h"
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/output_group.h"
@@ -70,8 +71,8 @@ void MeasureFiles::add_to(Options& options)
 {
     options
         .option("-o,--output", outputs,
-                "File to write the measures to: .json (a list to be read again), .csv, .geojson or .dxf; may be given "
-                "several times")
+                std::string("File to write the measures to: .json (a list to be read again), .csv") +
+                    (writes_dxf() ? ", .geojson or .dxf" : " or .geojson") + "; may be given several times")
         .one_value_each();
     options.flag("--overwrite", overwrite, "Replace existing output files");
 }
@@ -82,7 +83,7 @@ void MeasureFiles::check() const
         const auto is_known = [&](const char* known) { return lower_extension(output) == known; };
         if (std::none_of(std::begin(measure_extensions), std::end(measure_extensions), is_known))
             throw Error(ErrorCode::invalid_argument, output, "the extension says no format of measures",
-                        "use .json, .csv, .geojson or .dxf");
+                        writes_dxf() ? "use .json, .csv, .geojson or .dxf" : "use .json, .csv or .geojson");
         check_output(output, overwrite);
     }
 }

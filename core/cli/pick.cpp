@@ -136,13 +136,19 @@ Run add_pick(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     const char* group = "Pixel of a view (default camera: an oblique view of everything)";
-    options.option("--at", arguments->at, "Place x y in the picture: pixels from its upper left corner, right and down")
+    options
+        .option("--at", arguments->at,
+                "Place x y in the picture: pixels from its upper left corner, right and down: --at 640 360")
         .values(2)
         .group(group);
-    options.option("--size", arguments->size, "WIDTHxHEIGHT of the picture in pixels").show_default().group(group);
+    options.option("--size", arguments->size, "Width and height of the picture, pixels: --size 1920x1080")
+        .show_default()
+        .group(group);
     arguments->camera.add_to(options, group);
     group = "Or a ray";
-    options.option("--ray", arguments->ray, "From ox oy oz in the direction dx dy dz, source coordinates")
+    options
+        .option("--ray", arguments->ray,
+                "From ox oy oz in the direction dx dy dz, source coordinates: --ray 1 2 100 0 0 -1")
         .values(6)
         .group(group);
     options.option("--pixel-angle", arguments->pixel_angle, "Angle that a pixel sees, degrees (default 0.05)")

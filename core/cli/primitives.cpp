@@ -1,4 +1,6 @@
 #include "pcm/cad/primitive_files.h"
+
+#include "pcm/cad/dxf_file.h"
 #include "pcm/cli/common.h"
 #include "pcm/fit/primitive_text.h"
 #include "pcm/measure/measure.h"
@@ -135,8 +137,10 @@ Run add_primitives(Options& options)
     options.option("--append", arguments->more, "Further lists, put behind the first").one_value_each();
     options
         .option("-o,--output,--to", arguments->outputs,
-                "Write the primitives to a file: .dxf (a layer each, meshes and lines), .scr (a script for "
-                "AutoCAD, with true solids), .csv (parameters and their uncertainties), .json (a list)")
+                std::string("Write the primitives to a file: ") +
+                    (writes_dxf() ? ".dxf (a layer each, meshes and lines), " : "") +
+                    ".scr (a script for AutoCAD, with true solids), .csv (parameters and their uncertainties), .json "
+                    "(a list)")
         .one_value_each();
     options.option("--unit", arguments->unit, "What one unit of the coordinates is; written, not converted")
         .one_of({"none", "m", "mm", "cm", "ft", "in"})

@@ -1,5 +1,6 @@
 #include "pcm/measure/profile.h"
 
+#include "pcm/cad/dxf_file.h"
 #include "pcm/cli/measure_output.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/system/error.h"
@@ -89,14 +90,18 @@ Run add_profile(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "The tree").required();
-    options.option("--line", arguments->line, "Points of the line in plan, x0 y0 x1 y1 ..., source coordinates")
+    options
+        .option("--line", arguments->line,
+                "Points of the line in plan, x0 y0 x1 y1 ..., source coordinates: --line 0 0 25 10")
         .values(4, 1 << 20)
         .required();
     options
         .option("-w,--width", arguments->options.width,
                 "Width of the profile, source units: points up to half of it on either side of the line")
         .required();
-    options.option("--heights", arguments->heights, "Only points with z from LOW to HIGH, both included").values(2);
+    options
+        .option("--heights", arguments->heights, "Only points with z from LOW to HIGH, both included: --heights 98 105")
+        .values(2);
     options.option("-l,--level", arguments->options.level, "Only the cloud at this level (default: all points)");
     arguments->limits.add_limits_to(options, "Which points");
     options
@@ -104,7 +109,8 @@ Run add_profile(Options& options)
                 "Attribute to write to CSV beside station, offset, x, y and z; may be given several times")
         .one_value_each();
     options.option("-o,--output", arguments->output,
-                   "File to write the points to: .csv, or .dxf, a drawing of heights over stations");
+                   writes_dxf() ? "File to write the points to: .csv, or .dxf, a drawing of heights over stations"
+                                : "File to write the points to: .csv");
     options.flag("--in-place", arguments->file.in_place, "Drawings: points at their source coordinates");
     options
         .option("--exaggeration", arguments->file.exaggeration, "Factor of heights in drawings that are not in place")

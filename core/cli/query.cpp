@@ -248,8 +248,10 @@ Run add_query(Options& options)
         .flag("--headers", arguments->headers, "With --estimate: also read the headers of chunks, for tighter bounds")
         .group(group);
     const Option nearest =
-        options.option("--nearest", arguments->nearest, "The points nearest to x y z").values(3).group(group);
-    options.option("-k", arguments->k, "Number of neighbours (default 1)").needs(nearest).group(group);
+        options.option("--nearest", arguments->nearest, "The points nearest to x y z: --nearest 1 2 3 -k 8")
+            .values(3)
+            .group(group);
+    options.option("-k", arguments->k, "Number of neighbours (default 1)").positive().needs(nearest).group(group);
     options.option("--max-distance", arguments->max_distance, "Ignore neighbours farther than this").group(group);
     options.flag("--first-hit", arguments->first_hit, "The first point hit by --ray or --cone").group(group);
 

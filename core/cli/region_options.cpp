@@ -6,27 +6,35 @@ namespace pcm::cli {
 
 void RegionOptions::add_to(Options& options, const char* group)
 {
-    options.option("--box", box_, "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, faces included")
+    options
+        .option("--box", box_,
+                "Points in the box x0 y0 z0 x1 y1 z1, source coordinates, faces included: --box 0 0 0 9 9 9")
         .values(6)
         .group(group);
     const auto add = [&](const char* name, int least, int most, const char* help) {
-        options.option(std::string("--") + name, given_[name], help).values(least, most).group(group);
+        options.option(std::string("--") + name, given_[name], help)
+            .values(least, most)
+            .shown_as("NUMBER")
+            .group(group);
     };
-    add("sphere", 4, 4, "Points in the sphere cx cy cz radius");
+    add("sphere", 4, 4, "Points in the sphere cx cy cz radius: --sphere 1 2 3 0.5");
     add("oriented-box", 7, 12,
         "Points in the box with centre cx cy cz and half sizes hx hy hz, rotated about z by an angle in degrees, or "
         "along "
         "the axes ux uy uz vx vy vz");
-    add("ray", 7, 8, "Points in the cylinder from ox oy oz along dx dy dz with a radius and, optionally, a length");
+    add("ray", 7, 8,
+        "Points in the cylinder from ox oy oz along dx dy dz with a radius and, optionally, a length: --ray 0 0 9 0 0 "
+        "-1 0.2");
     add("cone", 7, 8,
-        "Points in the cone from ax ay az along dx dy dz with a half angle in degrees and, optionally, a length");
+        "Points in the cone from ax ay az along dx dy dz with a half angle in degrees and, optionally, a length: "
+        "--cone 0 0 9 0 0 -1 15");
     add("frustum", 10, 13,
         "Points seen from ex ey ez towards tx ty tz, with the vertical angle of view in degrees, width over height, "
         "near "
         "and far distance, and optionally the direction that is up (default 0 0 1)");
     add("planes", 7, 259,
         "Points on the inner side of planes: a centre cx cy cz, then nx ny nz offset for each plane, where "
-        "n.(p-c)+offset>=0 is inside");
+        "n.(p-c)+offset>=0 is inside: --planes 5 5 0 0 0 1 2 (above z = -2)");
     add("polygon", 6, 2000000,
         "Points in the polygon with the corners x0 y0 x1 y1 x2 y2 ... in plan, at any height; concave ones are fine, "
         "and "

@@ -42,7 +42,9 @@ void check(const Arguments& a)
     if (a.brush.empty() != !a.radius) refuse("--brush X Y Z ... and --radius need each other");
     if (a.brush.size() % 3 != 0) refuse("--brush takes three numbers for each point of the stroke");
     const bool grows = a.grow || !a.grow_from.empty();
-    if (grows != a.distance.has_value()) refuse("--distance, of a step, goes with --grow or --grow-from");
+    if (grows != a.distance.has_value())
+        refuse(grows ? "--grow and --grow-from need --distance, the longest step from point to point"
+                     : "--distance is for --grow and --grow-from");
     if (a.grow && !a.grow_from.empty()) refuse("--grow and --grow-from cannot be combined");
     if (!a.brush.empty() && !a.grow_from.empty())
         refuse("--brush and --grow-from cannot be combined; --grow grows the brush");
@@ -206,7 +208,7 @@ void add_choices(Options& options, Arguments& arguments)
                 "that a region or a condition chooses")
         .values(3, 300000)
         .group(group);
-    options.option("--radius", arguments.radius, "Of the brush, source units").not_negative().group(group);
+    options.option("--radius", arguments.radius, "Radius of the brush, source units").not_negative().group(group);
     options
         .option(
             "--grow-from", arguments.grow_from,
@@ -242,7 +244,7 @@ void add_choices(Options& options, Arguments& arguments)
         .option(
             "--front", arguments.front,
             "Of a lasso (--region \"lasso ...\") only points that no others hide, in a view of so many pixels in width "
-            "and height")
+            "and height: --front 1280 720")
         .values(2)
         .group(group);
     options.flag("--invert", arguments.invert, "Select all other points instead").group(group);

@@ -4,6 +4,7 @@
 #include "pcm/cli/common.h"
 #include "pcm/cli/region_options.h"
 #include "pcm/cloud/attribute_length.h"
+#include "pcm/cloud/attribute_names.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 
@@ -74,13 +75,19 @@ struct Assignment {
 Assignment parse_assignment(const std::string& text)
 {
     const char* const expected =
-        "write NAME=VALUE, NAME=VALUE,VALUE,... with one value per component, or NAME[COMPONENT]=VALUE";
+        "write NAME=VALUE, NAME=VALUE,VALUE,... with one value per component, or NAME[COMPONENT]=VALUE: "
+        "classification=6";
     Assignment assignment;
     assignment.text = text;
-    const auto equals = text.find('=');
-    if (equals == std::string::npos || equals == 0) refuse(text, "an attribute and = are expected", expected);
-    assignment.name = text.substr(0, equals);
-    if (const auto open = assignment.name.find('['); open != std::string::npos) {
+    const auto written = written_name(text, "=");
+    if (!written) refuse(text, "the quotes around the attribute's name do not match", expected);
+    const std::size_t equals = written->end;
+    if (equals == text.size() || written->name.empty()) refuse(text, "an attribute and = are expected", expected);
+    assignment.name = written->name;
+    if (!written->quoted && is_number(assignment.name))
+        refuse(text, "an attribute stands before the =, and '" + assignment.name + "' is a number",
+               "an attribute of this name is written in quotes, as in \"'" + assignment.name + "'=2\"");
+    if (const auto open = assignment.name.rfind('['); open != std::string::npos && !written->quoted) {
         const std::string number = assignment.name.substr(open + 1, assignment.name.size() - open - 2);
         if (assignment.name.back() != ']' || number.empty() || number.size() > 3 ||
             number.find_first_not_of("0123456789") != std::string::npos)
@@ -179,6 +186,8 @@ Counts change(PointCloud& cloud, const std::vector<Attribute>& added, std::vecto
 int set(Arguments& arguments)
 {
     const auto start = std::chrono::steady_clock::now();
+    if (arguments.values.empty() && arguments.attributes.empty())
+        throw UsageError("nothing is to be set: give NAME=VALUE, or --new NAME:TYPE");
     std::vector<Assignment> assignments;
     for (const std::string& text : arguments.values) assignments.push_back(parse_assignment(text));
     const Selection selection = arguments.region.get();

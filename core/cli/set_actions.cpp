@@ -59,7 +59,7 @@ void SetActions::add_to(Options& options, const char* group)
     options.flag("--delete", erase_, "Delete them").group(group);
     options
         .option("--classify", classify_,
-                "Set their class: a number, such as 7, or a name of LAS, such as ground or building")
+                "Set their class, a number or a name of LAS: --classify 6, --classify building")
         .group(group);
     options
         .option("--class-attribute", classes_,

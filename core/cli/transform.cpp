@@ -107,18 +107,23 @@ Run add_transform(Options& options)
                     "The new tree's folder, by convention NAME.pct; or a file, by the extension: NAME.laz, .ply, ...")
         .required();
     const char* group = "Transformation (scaled and rotated about the pivot, then translated)";
-    options.option("--translate", arguments->translate, "Translation dx dy dz, source units").values(3).group(group);
+    options.option("--translate", arguments->translate, "Translation dx dy dz, source units: --translate 0 0 -1.5")
+        .values(3)
+        .group(group);
     options
         .option("--rotate", arguments->rotate,
                 "Rotation about the axis ax ay az by an angle in degrees, counter-clockwise where the axis points to "
-                "the viewer")
+                "the viewer: --rotate 0 0 1 30")
         .values(4)
         .group(group);
-    options.option("--scale", arguments->scale, "Scale factor (default 1)").group(group);
+    options.option("--scale", arguments->scale, "Scale factor, such as 0.3048 from feet to metres (default 1)")
+        .group(group);
     options.option("--matrix", arguments->matrix, "Instead of these: twelve numbers, the rows of a 3 x 4 matrix")
         .values(12)
         .group(group);
-    options.option("--pivot", arguments->pivot, "Pivot x y z (default: the centre of the cloud's box)")
+    options
+        .option("--pivot", arguments->pivot,
+                "Point x y z that stays where it is (default: the centre of the cloud's box)")
         .values(3)
         .group(group);
     options.option("-m,--memory", arguments->memory, "Memory limit of the build, e.g. 512M or 2G (default 1G)").bytes();

@@ -1,11 +1,14 @@
 #include "pcm/tree/verify.h"
 
 #include "pcm/cli/common.h"
+#include "pcm/tree/damage.h"
 #include "pcm/tree/verify_levels.h"
 
 #include <cmath>
 #include <cstdio>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace pcm::cli {
 namespace {
@@ -47,27 +50,49 @@ Json to_json(const LevelsReport& report)
     return levels;
 }
 
+std::string count_of(std::size_t faults) { return grouped(faults) + (faults == 1 ? " fault" : " faults"); }
+
+// The last line: what the tree is worth, and what to do where it is damaged.
+std::string verdict(const std::string& tree, const VerifyReport& report, const LevelsReport& levels)
+{
+    const std::string points = grouped(report.outcome.points_out) + " points";
+    const std::string command = repair_command(tree_folder_of(tree));
+    if (!report.faults.empty())
+        return "damaged, " + count_of(report.faults.size() + report.around.size()) +
+               "; restore it from a copy, or keep what is undamaged, in a terminal: " + command;
+    if (!report.around.empty())
+        return "damaged, though none of its " + points + " is lost; repair it, in a terminal: " + command;
+    if (!levels.faults.empty())
+        return "its " + points + " are intact, its levels are not, " + count_of(levels.faults.size()) +
+               "; 'pcmlab compact' makes the levels anew";
+    char speed[64];
+    std::snprintf(speed, sizeof speed, "in %.1f s (%.2f M points/s)", report.outcome.seconds,
+                  points_per_second(report.outcome) / 1e6);
+    return "intact; " + points + ", each stored once, " + speed;
+}
+
 int verify(const Arguments& arguments)
 {
-    VerifyReport report = verify_tree(arguments.tree, arguments.threads, console_progress(arguments.common));
+    const VerifyReport report = verify_tree(arguments.tree, arguments.threads, console_progress(arguments.common));
     LevelsReport levels;
-    if (arguments.levels && report.faults.empty()) {
+    if (arguments.levels && report.faults.empty())
         levels = verify_levels(*Tree::open(arguments.tree), arguments.threads, console_progress(arguments.common));
-        report.faults = levels.faults;
-    }
-    const bool intact = report.faults.empty() && report.around.empty();
+    const bool intact = report.faults.empty() && report.around.empty() && levels.faults.empty();
     end_progress(arguments.common);
     if (arguments.common.json) {
         Json json;
         json["tree"] = arguments.tree;
         put_outcome(json, report.outcome);
+        json["intact"] = intact;
         json["bytes"] = report.bytes;
         json["position_error"] = report.position_error;
         if (arguments.levels) {
             json["levels"] = to_json(levels);
             json["coverage_limit"] = levels.coverage_limit;  // null: no guarantee
         }
-        json["faults"] = report.faults;
+        std::vector<std::string> faults = report.faults;
+        faults.insert(faults.end(), levels.faults.begin(), levels.faults.end());
+        json["faults"] = faults;
         json["around"] = report.around;
         json["notes"] = report.notes;
         print_json(json);
@@ -75,16 +100,9 @@ int verify(const Arguments& arguments)
     }
     if (!levels.levels.empty()) print(levels);
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-    for (const std::string& fault : report.around)
-        std::printf("fault: %s\nno point is lost; 'pcmlab repair' repairs it\n", fault.c_str());
-    if (report.faults.empty()) {
-        std::printf("%s: intact; %s points, each stored once, in %.1f s (%.2f M points/s)\n", arguments.tree.c_str(),
-                    grouped(report.outcome.points_out).c_str(), report.outcome.seconds,
-                    points_per_second(report.outcome) / 1e6);
-    } else {
-        for (const std::string& fault : report.faults) std::printf("fault: %s\n", fault.c_str());
-        std::printf("%s: %zu faults\n", arguments.tree.c_str(), report.faults.size());
-    }
+    for (const auto& faults : {report.faults, report.around, levels.faults})
+        for (const std::string& fault : faults) std::printf("fault: %s\n", fault.c_str());
+    std::printf("%s: %s\n", arguments.tree.c_str(), verdict(arguments.tree, report, levels).c_str());
     return intact ? 0 : 1;
 }
 

@@ -131,10 +131,15 @@ Run add_volume(Options& options)
     options.positional("tree", arguments->tree, "The tree, whose points are the surface").required();
     options
         .option("--polygon", arguments->polygon,
-                "Corners in plan, x0 y0 x1 y1 x2 y2 ..., source coordinates (default: the tree's box)")
+                "Corners in plan, x0 y0 x1 y1 x2 y2 ..., source coordinates: --polygon 0 0 9 0 9 9 (default: the "
+                "tree's box)")
         .values(6, 1 << 20);
-    options.option("--reference", arguments->reference, "Height that the surface is compared with, source units");
-    options.option("--plane", arguments->plane, "Plane to compare with: a point x y z and a normal nx ny nz").values(6);
+    options.option("--reference", arguments->reference,
+                   "Height that the surface is compared with, source units: --reference 98.5");
+    options
+        .option("--plane", arguments->plane,
+                "Plane to compare with: a point x y z and a normal nx ny nz: --plane 0 0 98 0 0.1 1")
+        .values(6);
     options.option("--before", arguments->before, "Tree whose surface is compared with: what was there before");
     options
         .option("-s,--side", arguments->options.side,

@@ -68,7 +68,7 @@ Run add_voxel(Options& options)
     options
         .positional("input", arguments->inputs, "A tree, or files, folders and trees, which are merged into one cloud")
         .required();
-    options.option("-s,--size", arguments->size, "Edge of a voxel, source units").required();
+    options.option("-s,--size", arguments->size, "Edge of a voxel, source units: --size 0.25").required();
     options.option("--anchor", arguments->anchor, "Voxels begin at x y z plus multiples of their size (default 0 0 0)")
         .values(3);
     options.flag("--nearest", arguments->nearest,

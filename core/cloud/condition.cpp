@@ -1,5 +1,6 @@
 #include "pcm/cloud/condition.h"
 
+#include "pcm/cloud/attribute_names.h"
 #include "pcm/cloud/with_type.h"
 #include "pcm/system/error.h"
 
@@ -174,11 +175,19 @@ Condition parse_condition(const std::string& text)
     Condition condition;
     condition.text = text;
     const std::string_view all = text;
-    const auto at = all.find_first_of("=!<>");
-    if (at == std::string_view::npos) refuse(text, "it has no =, !=, <, <=, > or >=");
-    condition.name = trim(all.substr(0, at));
+    const auto written = written_name(all, "=!<>");
+    if (!written) refuse(text, "the quotes around the attribute's name do not match");
+    if (written->end == all.size()) refuse(text, "it has no =, !=, <, <=, > or >=");
+    condition.name = written->name;
+    condition.quoted = written->quoted;
     if (condition.name.empty()) refuse(text, "no attribute stands before the sign");
-    std::string_view rest = all.substr(at);
+    if (!condition.quoted && is_number(condition.name))
+        throw Error(
+            ErrorCode::invalid_argument, {},
+            "condition '" + text + "': an attribute stands before the sign, and '" + condition.name + "' is a number",
+            "write for example intensity=100..200; an attribute of this name is written in quotes, '" + condition.name +
+                "'>3");
+    std::string_view rest = all.substr(written->end);
     bool found = false;
     for (const auto& [sign, relation] : relations)
         if (!found && rest.substr(0, sign.size()) == sign) {

@@ -20,9 +20,10 @@ namespace pcm {
 //     NAME = VALUE or RANGE, ...         one of them; with != none of them
 //
 // RANGE is LOW..HIGH, both ends included; either end may be left out. NAME is an attribute, a component such as rgb[0],
-// or x, y, z. Values are those that users see, raw * scale + offset. For a float attribute, a value stands for the
-// nearest float (0.1 matches an f32 of 0.1); for a scaled integer, it stands for the nearest step if it is less than a
-// millionth of a step away. NaN meets only !=.
+// or x, y, z. A name that is a number, has one of = ! < >, or that a coordinate or a component has as well, is written
+// in quotes: '1'>3 or "a=b"=2 (attribute_names.h). Values are those that users see, raw * scale + offset. For a float
+// attribute, a value stands for the nearest float (0.1 matches an f32 of 0.1); for a scaled integer, it stands for the
+// nearest step if it is less than a millionth of a step away. NaN meets only !=.
 struct Condition {
     enum class Relation { equal, not_equal, less, less_equal, greater, greater_equal };
     struct Number {
@@ -34,6 +35,7 @@ struct Condition {
         std::optional<Number> low, high;
     };
     std::string name;
+    bool quoted = false;  // the name is an attribute's: no coordinate's, and no component's
     Relation relation = Relation::equal;
     std::vector<Range> ranges;  // one single value, unless the relation is equal or not_equal
     std::string text;           // as written, for messages

@@ -12,16 +12,40 @@
 namespace pcm {
 namespace {
 
-constexpr const char* forms =
-    "box X0 Y0 Z0 X1 Y1 Z1; oriented-box CX CY CZ HX HY HZ TURN or HX HY HZ UX UY UZ VX VY VZ; sphere CX CY CZ RADIUS; "
-    "ray OX OY OZ DX DY DZ RADIUS [LENGTH]; cone AX AY AZ DX DY DZ HALF_ANGLE [LENGTH]; "
-    "frustum EX EY EZ TX TY TZ ANGLE ASPECT NEAR FAR [UX UY UZ]; planes CX CY CZ and NX NY NZ OFFSET for each plane; "
-    "polygon and X Y of three or more corners in plan; prism CX CY CZ UX UY UZ VX VY VZ and X Y of each corner along u "
-    "and v; lasso, 16 numbers of the modelview, 16 of the projection, OX OY OZ and X Y of each corner on the screen";
+struct Form {
+    const char *kind, *numbers;
+};
+constexpr Form forms[] = {
+    {"box", "X0 Y0 Z0 X1 Y1 Z1"},
+    {"oriented-box", "CX CY CZ HX HY HZ TURN or HX HY HZ UX UY UZ VX VY VZ"},
+    {"sphere", "CX CY CZ RADIUS"},
+    {"ray", "OX OY OZ DX DY DZ RADIUS [LENGTH]"},
+    {"cone", "AX AY AZ DX DY DZ HALF_ANGLE [LENGTH]"},
+    {"frustum", "EX EY EZ TX TY TZ ANGLE ASPECT NEAR FAR [UX UY UZ]"},
+    {"planes", "CX CY CZ and NX NY NZ OFFSET for each plane"},
+    {"polygon", "and X Y of three or more corners in plan"},
+    {"prism", "CX CY CZ UX UY UZ VX VY VZ and X Y of each corner along u and v"},
+    {"lasso", "16 numbers of the modelview, 16 of the projection, OX OY OZ and X Y of each corner on the screen"}};
+
+// The form of the text's kind of region, or where there is no such kind all forms.
+std::string forms_for(const std::string& text)
+{
+    std::string all;
+    for (const Form& form : forms) {
+        const std::string one = std::string(form.kind) + " " + form.numbers;
+        const std::size_t size = std::char_traits<char>::length(form.kind);
+        if (text.compare(0, size, form.kind) == 0 && (text.size() == size || text[size] == ' ')) return "write " + one;
+        all += (all.empty() ? "" : "; ") + one;
+    }
+    return all;
+}
 
 [[noreturn]] void refuse(const std::string& text, const std::string& what)
 {
-    throw Error(ErrorCode::invalid_argument, {}, "region '" + text + "': " + what, forms);
+    // Of a polygon with very many corners the beginning.
+    constexpr std::size_t most_shown = 200;
+    const std::string shown = text.size() > most_shown ? text.substr(0, most_shown) + "..." : text;
+    throw Error(ErrorCode::invalid_argument, {}, "region '" + shown + "': " + what, forms_for(text));
 }
 
 bool separates(char c) { return c == ' ' || c == ',' || c == '\t'; }
@@ -43,6 +67,8 @@ double number_of(const std::string_view word, const std::string& text)
     const std::string_view digits = word.substr(word[0] == '+');
     double value = 0;
     const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (result.ec == std::errc::result_out_of_range)
+        refuse(text, "'" + std::string(word) + "' is too large or too small a number");
     if (result.ec != std::errc() || result.ptr != digits.data() + digits.size())
         refuse(text, "'" + std::string(word) + "' is not a number");
     return value;

@@ -32,10 +32,18 @@ std::pair<std::size_t, std::uint32_t> find_component(const Condition& condition,
     std::uint32_t component = 0;
     bool named_component = false;
     auto slot = schema.find(name);
-    if (const auto bracket = name.rfind('['); !slot && bracket != std::string::npos && name.back() == ']') {
+    if (const auto bracket = name.rfind('['); !condition.quoted && bracket != std::string::npos && name.back() == ']') {
         const char *begin = name.data() + bracket + 1, *end = name.data() + name.size() - 1;
         const auto result = std::from_chars(begin, end, component);
-        if (result.ec == std::errc() && result.ptr == end) {
+        const bool is_index = result.ec == std::errc() && result.ptr == end;
+        const auto whole = schema.find(name.substr(0, bracket));
+        if (slot && is_index && whole && component < schema[*whole].components)
+            throw Error(ErrorCode::invalid_argument, {},
+                        "condition '" + condition.text + "': '" + name +
+                            "' is an attribute of this cloud, and a component of '" + name.substr(0, bracket) + "'",
+                        "write '" + name + "' in quotes for the attribute, '" + name.substr(0, bracket) + "'" +
+                            name.substr(bracket) + " for the component");
+        if (!slot && is_index) {
             named_component = true;
             name.resize(bracket);
             slot = schema.find(name);
@@ -116,7 +124,12 @@ void Selector::bound(std::size_t axis, double low, double high)
 void Selector::add(const Condition& condition, const Schema& schema)
 {
     const std::string& name = condition.name;
-    if (!schema.find(name) && name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') {
+    if (!condition.quoted && name.size() == 1 && name[0] >= 'x' && name[0] <= 'z') {
+        if (schema.find(name))
+            throw Error(
+                ErrorCode::invalid_argument, {},
+                "condition '" + condition.text + "': '" + name + "' is a coordinate, and an attribute of this cloud",
+                "write '" + name + "' in quotes for the attribute; a box or a clip bounds the coordinate");
         const CoordinateTest test(condition, static_cast<std::size_t>(name[0] - 'x'));
         if (const auto ends = test.bounds()) bound(test.axis(), (*ends)[0], (*ends)[1]);
         coordinate_tests_.push_back(test);

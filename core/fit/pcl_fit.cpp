@@ -15,9 +15,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* module_file = "libpcm_pcl.so";
+
 const SharedModule& module()
 {
-    static const SharedModule loaded = load_shared_module("libpcm_pcl.so", pcl_module_symbol, pcl_module_version);
+    static const SharedModule loaded = load_shared_module(module_file, pcl_module_symbol, pcl_module_version);
     return loaded;
 }
 
@@ -109,6 +111,8 @@ Extent extent_of(const FitPoints& points)
 }
 
 }  // namespace
+
+bool has_pcl() { return has_shared_module(module_file); }
 
 std::string why_no_pcl() { return module().functions ? std::string() : module().missing; }
 

@@ -30,6 +30,7 @@ struct PclShape {
 // are none. Throws as fit_shape(), and Error(unsupported) for a torus. One thread.
 PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, const PclOptions& pcl = {});
 
+bool has_pcl();                // whether the backend is installed, without loading it: for what is only shown
 bool pcl_has(ShapeKind kind);  // all but the torus
 
 // pcl_shape(), with inliers, errors and verdict.

@@ -1,5 +1,6 @@
 #include "pcm/fit/shape.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/exact_products.h"
 #include "pcm/fit/axis_frame.h"
 #include "pcm/system/error.h"
@@ -112,12 +113,12 @@ void check(const Shape& shape)
 {
     const ShapeTraits& row = traits_of(shape.kind);
     const std::string name = row.name;
-    if (!is_finite(shape.point)) refuse("the place of the " + name + " is not finite");
+    require_place("the place of the " + name, shape.point);
     if (row.axis && !(is_finite(shape.axis) && length(shape.axis) > 0))
         refuse("the " + name + "'s " + (shape.kind == ShapeKind::plane ? "normal" : "axis") +
                " is not finite, or has the length 0");
-    if (row.radius && !(std::isfinite(shape.radius) && shape.radius > 0))
-        refuse("the " + name + "'s radius is not above 0");
+    if (row.radius) require_coordinate("the " + name + "'s radius", shape.radius);
+    if (row.radius && !(shape.radius > 0)) refuse("the " + name + "'s radius is not above 0");
     if (shape.kind == ShapeKind::cone && !(shape.second > 0 && shape.second < pi / 2))
         refuse("half the cone's opening angle is not between 0 and 90 degrees");
     if (shape.kind == ShapeKind::torus && !(shape.second > 0 && shape.second < shape.radius))

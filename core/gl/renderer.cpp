@@ -9,13 +9,18 @@
 #include <GL/glew.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <cmath>
 #include <utility>
 
 namespace pcm {
 
 struct Renderer::Impl {
-    static constexpr double least_extent = 1e-33, largest_extent = 1e37;  // of a cloud, source units
+    // Of a cloud, source units. Squares do not occur, but products with pixels, angles and factors on radii do.
+    static constexpr double least_extent = 1e-30, largest_extent = 1e30;
+    // Of a cloud's corners in eye space and in clip space, and of the projection: a narrow angle is looked at from far.
+    static constexpr double largest_in_view = 1e35;
     std::shared_ptr<L1Cache> l1;
     SplatPass splats;
     Compositor compositor;
@@ -54,6 +59,32 @@ struct Renderer::Impl {
                         ": pictures are computed in single precision, which extents from " + brief(least_extent) +
                         " to " + brief(largest_extent) + " allow",
                     "scale it with 'pcmlab transform --scale'");
+    }
+
+    // So are the view's matrices, and what comes of them. Where they are not finite no point is in view.
+    static void require_floats(const Camera& view, const Box3d& box)
+    {
+        if (!is_finite(view.modelview) || !is_finite(view.projection)) return;
+        double largest = 0;
+        for (const double v : view.projection) largest = std::max(largest, std::fabs(v));
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            std::array<double, 4> place{0, 0, 0, 1};
+            for (std::size_t a = 0; a < 3; ++a) place[a] = (corner >> a & 1u ? box.max : box.min)[a] - view.origin[a];
+            for (const Matrix4d* const matrix : {&view.modelview, &view.projection}) {
+                std::array<double, 4> next{};
+                for (std::size_t r = 0; r < 4; ++r)
+                    for (std::size_t c = 0; c < 4; ++c) next[r] += (*matrix)[c * 4 + r] * place[c];
+                place = next;
+                for (const double v : place) largest = std::max(largest, std::fabs(v));
+            }
+        }
+        if (largest > largest_in_view)
+            throw Error(
+                ErrorCode::unsupported, {},
+                "the view reaches " + brief(largest) +
+                    " units from the eye: pictures are computed in single precision, which allows " +
+                    brief(largest_in_view),
+                "move the camera nearer or widen its angle, or scale the cloud with 'pcmlab transform --scale'");
     }
 
     // Sets style, values and format of a cloud; what is reported of these.
@@ -110,6 +141,7 @@ struct Renderer::Impl {
         cloud.view = scene;
         cloud.view.origin = item.origin;
         if (item.placement != identity_matrix) cloud.view.modelview = product(scene.modelview, item.placement);
+        if (drawn.cloud->info().points > 0) require_floats(cloud.view, drawn.cloud->info().bounds());
         key.items.push_back({drawn.serial, item.origin, item.placement, cloud.style, cloud.values, cloud.clips.text(),
                              selected, item.selected_colour});
         if (cloud.leader == frame.clouds.size())

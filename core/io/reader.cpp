@@ -41,7 +41,12 @@ std::unique_ptr<PointReader> open_all_points(const std::filesystem::path& path, 
     if (std::filesystem::is_directory(status))
         throw Error(ErrorCode::unsupported, path, "this is a folder; a point cloud file was expected");
     if (!std::filesystem::is_regular_file(status))
-        throw Error(ErrorCode::unsupported, path, "this is not a regular file");
+        throw Error(ErrorCode::unsupported, path,
+                    std::string("this is ") +
+                        (std::filesystem::is_fifo(status)     ? "a FIFO"
+                         : std::filesystem::is_socket(status) ? "a socket"
+                                                              : "a device") +
+                        "; a regular file was expected");
 
     const std::string start = first_bytes_of(path);
     if (const Format* format = format_of_magic(start)) return format->open(path, options);

@@ -12,10 +12,11 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t queries_at_once = 1024;
+constexpr const char* module_file = "libpcm_flann.so";
 
 const SharedModule& module()
 {
-    static const SharedModule loaded = load_shared_module("libpcm_flann.so", flann_module_symbol, flann_module_version);
+    static const SharedModule loaded = load_shared_module(module_file, flann_module_symbol, flann_module_version);
     return loaded;
 }
 
@@ -124,6 +125,8 @@ std::unique_ptr<UnitSearch> make_flann_search(SearchPositions positions)
 {
     return std::make_unique<FlannSearch>(std::move(positions));
 }
+
+bool has_flann() { return has_shared_module(module_file); }
 
 std::string why_no_flann() { return module().functions ? std::string() : module().missing; }
 

@@ -13,4 +13,7 @@ std::unique_ptr<UnitSearch> make_flann_search(SearchPositions positions);
 // Why make_flann_search() would throw; empty: it would not.
 std::string why_no_flann();
 
+// Whether the backend is installed, without loading it: for what is only shown.
+bool has_flann();
+
 }  // namespace pcm

@@ -1,5 +1,6 @@
 #include "pcm/measure/measure.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/measure/measure_values.h"
 #include "pcm/system/error.h"
 
@@ -43,10 +44,12 @@ void check_points(const Measure& measure)
                     std::string("the measure '") + kind.name + "' takes " + expected +
                         (kind.points.most == 1 ? " point, " : " points, ") + "not " + std::to_string(given));
     }
-    for (std::size_t i = 0; i < given; ++i)
-        if (!is_finite(measure.points[i].position) || !std::isfinite(measure.points[i].variance()))
-            throw Error(ErrorCode::invalid_argument, {},
-                        "point " + std::to_string(i + 1) + " of the measure '" + kind.name + "' is not finite");
+    for (std::size_t i = 0; i < given; ++i) {
+        const std::string point = "point " + std::to_string(i + 1) + " of the measure '" + kind.name + "'";
+        require_place(point + ",", measure.points[i].position);
+        if (!std::isfinite(measure.points[i].variance()))
+            throw Error(ErrorCode::invalid_argument, {}, point + " has an uncertainty that is not finite");
+    }
 }
 
 // The place of the last digit that the uncertainty leaves: -3 for 0.002 and 0.0015.

@@ -1,5 +1,6 @@
 #include "pcm/measure/profile.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/exact_products.h"
 #include "pcm/measure/placed_cloud.h"
 #include "pcm/system/error.h"
@@ -19,8 +20,8 @@ Vec3d flat(const Vec3d& p) { return {p[0], p[1], 0}; }
 
 void check(const ProfileOptions& options)
 {
-    if (!(options.width >= 0 && std::isfinite(options.width)))
-        refuse("the width of a profile is negative or not finite");
+    require_coordinate("the width of the profile,", options.width);
+    if (options.width < 0) refuse("the width of the profile is " + exact(options.width) + "; it is 0 or more");
     for (const auto& height : {options.lowest, options.highest})
         if (height && std::isnan(*height)) refuse("a height limit of the profile is not a number");
     if (options.lowest && options.highest && *options.lowest > *options.highest)
@@ -68,7 +69,7 @@ ProgressFunction part_of(const ProgressFunction& progress, std::size_t part, std
 ProfileLine::ProfileLine(const std::vector<Vec3d>& points)
 {
     for (const Vec3d& p : points) {
-        if (!std::isfinite(p[0]) || !std::isfinite(p[1])) refuse("a coordinate of the profile's line is not finite");
+        require_place("the point of the profile's line,", flat(p));
         if (points_.empty() || flat(p) != points_.back()) points_.push_back(flat(p));
     }
     if (points_.size() < 2)

@@ -1,5 +1,6 @@
 #include "pcm/measure/volume.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/measure/cell_grid.h"
 #include "pcm/measure/height_cells.h"
 #include "pcm/measure/measure_values.h"
@@ -109,6 +110,7 @@ private:
 
 void Volume::choose_side()
 {
+    require_coordinate("the reference height", options_.reference.height);
     base_ = options_.reference;
     if (clouds_.size() > 1) {
         base_ = {};
@@ -262,8 +264,9 @@ std::vector<Vec3d> plan_rectangle(const Box3d& box)
 
 HeightPlane plane_of(const Vec3d& point, const Vec3d& normal)
 {
-    if (!is_finite(point) || !is_finite(normal) || !(length(normal) > 0))
-        refuse("the point or the normal of the plane is not finite, or the normal has the length 0");
+    require_place("the point of the plane,", point);
+    require_place("the normal of the plane,", normal);
+    if (!(length(normal) > 0)) refuse("the normal of the plane has the length 0", "give a direction such as 0 0 1");
     const Vec3d n = normalised(normal);
     if (!(std::fabs(n[2]) > 1e-9)) refuse("a vertical plane is no reference for a volume: it has no heights");
     return {point[0], point[1], point[2], -n[0] / n[2], -n[1] / n[2]};

@@ -1,5 +1,6 @@
 #include "pcm/pick/pick_ray.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -102,7 +103,7 @@ PickRay PickRay::along(const Vec3d& from, const Vec3d& direction, double pixel, 
     const auto refuse = [](const std::string& what, const char* hint) {
         throw Error(ErrorCode::invalid_argument, {}, what, hint);
     };
-    if (!is_finite(from)) refuse("the ray starts at " + exact(from), "give three finite numbers");
+    require_place("the start of the ray,", from);
     if (!is_finite(direction) || !(length(direction) > 0))
         refuse("the ray has the direction " + exact(direction), "give three finite numbers that are not all 0");
     for (const double size : {pixel, pixel_growth})

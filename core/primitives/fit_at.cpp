@@ -1,5 +1,6 @@
 #include "pcm/primitives/fit_at.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/primitives/best_kind.h"
 #include "pcm/primitives/cover_points.h"
 #include "pcm/primitives/local_fit.h"
@@ -31,8 +32,7 @@ void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_pla
     };
     if (places.empty()) refuse("no place was given to fit a shape at", "pick one or more points of the surface");
     for (const std::vector<Vec3d>* list : {&places, &not_places})
-        for (const Vec3d& p : *list)
-            if (!is_finite(p)) refuse("a place that is not finite was picked: " + exact(p));
+        for (const Vec3d& p : *list) require_place("the picked place", p);
     for (const Vec3d& p : not_places)
         if (std::find(places.begin(), places.end(), p) != places.end())
             refuse("the place " + exact(p) + " was given as one of the surface and as one beside it");

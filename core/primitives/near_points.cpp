@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/chunk.h"
 #include "pcm/cloud/box_distance.h"
+#include "pcm/cloud/coordinates.h"
 #include "pcm/primitives/normal_column.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -26,9 +27,7 @@ constexpr std::size_t spacing_sample = 256;
 
 void require(const Vec3d& place, const NearOptions& options)
 {
-    if (!is_finite(place))
-        throw Error(ErrorCode::invalid_argument, {},
-                    "the neighbourhood of a place that is not finite cannot be found: " + exact(place));
+    require_place("the place", place);
     if (!(options.radius >= 0) || !std::isfinite(options.radius))
         throw Error(ErrorCode::invalid_argument, {},
                     "the radius of the neighbourhood is " + exact(options.radius) +

@@ -4,6 +4,7 @@
 #include "pcm/query/point_cursor.h"
 #include "pcm/query/query_source.h"
 #include "pcm/system/error.h"
+#include "pcm/system/text.h"
 
 #include <cmath>
 #include <limits>
@@ -49,9 +50,8 @@ void EditView::set(std::size_t i, std::size_t attribute, double value, std::uint
     with_type(to.type(), [&](auto scalar) {
         using T = decltype(scalar);
         if (!can_hold<T>(value))
-            throw Error(
-                ErrorCode::invalid_argument, {},
-                "an attribute of type " + std::string(name_of(to.type())) + " cannot be " + std::to_string(value));
+            throw Error(ErrorCode::invalid_argument, {},
+                        "an attribute of type " + std::string(name_of(to.type())) + " cannot be " + exact(value));
         to.as<T>()[std::size_t((*numbers_)[i]) * to.components() + component] = static_cast<T>(value);
     });
 }

@@ -1,6 +1,7 @@
 #include "pcm/query/nearest.h"
 
 #include "pcm/cloud/box_distance.h"
+#include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/morton.h"
 #include "pcm/knn/point_search.h"
 #include "pcm/system/error.h"
@@ -28,10 +29,7 @@ double now() { return std::chrono::duration<double>(std::chrono::steady_clock::n
 
 void require(const std::vector<Vec3d>& points, const NearestOptions& options)
 {
-    for (const Vec3d& p : points)
-        if (!is_finite(p))
-            throw Error(ErrorCode::invalid_argument, {},
-                        "the neighbours of a point that is not finite cannot be searched: " + exact(p));
+    for (const Vec3d& p : points) require_place("neighbours cannot be searched: the place", p);
     if (!(options.max_distance >= 0))
         throw Error(ErrorCode::invalid_argument, {},
                     "the largest distance of neighbours is " + exact(options.max_distance) + "; it must be 0 or more");

@@ -1,5 +1,6 @@
 #include "pcm/select/select_points.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/system/error.h"
@@ -140,9 +141,7 @@ PointSet brush_points(const std::shared_ptr<const Tree>& tree, const std::vector
 {
     if (stroke.empty())
         throw Error(ErrorCode::invalid_argument, {}, "the stroke of the brush has no points", "give one or more");
-    for (const Vec3d& p : stroke)
-        if (!is_finite(p))
-            throw Error(ErrorCode::invalid_argument, {}, "a point of the brush's stroke is not finite: " + exact(p));
+    for (const Vec3d& p : stroke) require_place("the brush's place", p);
     if (!(radius >= 0) || !std::isfinite(radius))
         throw Error(ErrorCode::invalid_argument, {},
                     "the radius of the brush is " + exact(radius) + "; it is 0 or more, and finite");

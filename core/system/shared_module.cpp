@@ -24,6 +24,15 @@ std::vector<std::filesystem::path> places(const std::string& name)
 
 }  // namespace
 
+bool has_shared_module(const std::string& file)
+{
+    for (const auto& place : places(file)) {
+        std::error_code ignored;
+        if (place.has_parent_path() && std::filesystem::exists(place, ignored)) return true;
+    }
+    return false;
+}
+
 SharedModule load_shared_module(const std::string& file, const char* symbol, std::uint32_t version)
 {
     SharedModule result;

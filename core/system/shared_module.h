@@ -18,4 +18,8 @@ struct SharedModule {
 // is missing. Callers keep the result: each call looks at the disk again.
 SharedModule load_shared_module(const std::string& file, const char* symbol, std::uint32_t version);
 
+// Whether the file is beside this code or where an install of it has its libraries, without loading it: cheap, and for
+// what is only shown.
+bool has_shared_module(const std::string& file);
+
 }  // namespace pcm

@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/chunk_decoder.h"
 #include "pcm/system/error.h"
+#include "pcm/tree/damage.h"
 #include "pcm/tree/data_file_pool.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/unfinished_build.h"
@@ -24,37 +25,33 @@ bool keeps_its_name(const File& file)
            opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
 }
 
-// What a user types; a path with blanks in quotes.
-std::string repair_command(const fs::path& folder)
+// The error of an index that cannot be decoded, with what to do about it.
+[[noreturn]] void refuse_index(const Error& error, const fs::path& folder)
 {
-    const std::string path = folder.string();
-    const bool plain = path.find_first_of(" \t'\"\\$&;|<>()*?") == std::string::npos;
-    return "pcmlab repair " + (plain ? path : "\"" + path + "\"");
+    // A folder or a device of this name is damage as well; repairing moves it aside.
+    std::error_code ignored;
+    if (is_damage(error) || !fs::is_regular_file(error.path(), ignored))
+        throw DamagedTree(error, folder, "rebuild the index from the chunks");
+    throw error;
 }
 
-// The error of an index, or of a chunk, that cannot be decoded, with what to do about it.
-Error with_repair(const Error& error, const fs::path& folder, const std::string& advice)
+// The error of a data file that is missing, too short or no regular file.
+[[noreturn]] void refuse_data_file(const Error& error, const fs::path& folder)
 {
-    const bool is_damage = error.code() == ErrorCode::corrupt || error.code() == ErrorCode::truncated ||
-                           error.code() == ErrorCode::bad_format || error.code() == ErrorCode::not_a_tree;
-    if (!is_damage) return error;
-    std::string what = error.what();
-    if (const std::string path = error.path().string() + ": "; what.compare(0, path.size(), path) == 0)
-        what.erase(0, path.size());
-    return Error(error.code(), error.path(), what, advice + ", in a terminal: " + repair_command(folder));
+    if (is_damage(error) || error.code() == ErrorCode::not_found || error.code() == ErrorCode::unsupported)
+        throw DamagedTree(error, folder, "put the tree's own file back, or keep what the other files hold");
+    throw error;
 }
 
-const char* const rebuild_index = "rebuild the index from the chunks";
-const char* const keep_the_rest = "put the file back from a copy, or leave out what is damaged";
-
-// What `read` returns; of a damaged chunk the error says what to do.
+// Reads of a node's chunk. `read` throws errors without hints.
 template <class Read>
-auto or_repair(const fs::path& folder, const Read& read)
+auto read_undamaged(const fs::path& folder, const Read& read)
 {
     try {
         return read();
     } catch (const Error& error) {
-        throw with_repair(error, folder, keep_the_rest);
+        if (!is_damage(error)) throw;
+        throw DamagedTree(error, folder, "restore the file from a copy, or leave out the damaged chunk");
     }
 }
 
@@ -95,7 +92,12 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
     }
     if (status.type() == fs::file_type::none) throw Error::from_errno(error.value(), folder, "opening");
     if (!fs::is_directory(status))
-        throw Error(ErrorCode::not_a_tree, folder, "this is a file, not a point cloud tree",
+        throw Error(ErrorCode::not_a_tree, folder,
+                    std::string("this is ") +
+                        (fs::is_regular_file(status) ? "a file"
+                         : fs::is_fifo(status)       ? "a FIFO"
+                                                     : "a device") +
+                        ", not a point cloud tree",
                     "a tree is a folder; make one with 'pcmlab build'");
     if (!fs::exists(folder / index_file_name, error)) {
         if (error) throw Error::from_errno(error.value(), folder, "opening");
@@ -104,17 +106,18 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
 
     // An update may replace the index or the folder while the data files of the old one are being opened.
     for (int tries = 1;; ++tries) {
-        const File index_file(folder / index_file_name, File::Mode::read);
+        File index_file;
         std::shared_ptr<Tree> tree;
         try {
+            index_file = File(folder / index_file_name, File::Mode::read);
             tree = without_files(folder, read_index(index_file));
         } catch (const Error& failure) {
-            throw with_repair(failure, folder, rebuild_index);
+            refuse_index(failure, folder);
         }
         try {
             tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
-        } catch (const Error&) {
-            if (tries == 10 || keeps_its_name(index_file)) throw;
+        } catch (const Error& failure) {
+            if (tries == 10 || keeps_its_name(index_file)) refuse_data_file(failure, folder);
             continue;
         }
         if (tries == 10 || keeps_its_name(index_file)) return tree;
@@ -205,8 +208,7 @@ void Tree::check(NodeId id, const BpcHeader& header) const
         !(header.grid == info_.grid) || !node.box.contains(header.box.min) || !node.box.contains(header.box.max))
         throw Error(ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
                     "chunk at byte " + std::to_string(node.extent.offset) + ": it does not belong to node " +
-                        std::to_string(id),
-                    "rebuild the index from the chunks, in a terminal: " + repair_command(folder_));
+                        std::to_string(id));
 }
 
 Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
@@ -215,9 +217,11 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     if (node.points == 0) return empty_chunk(columns);
     const Extent& extent = node.extent;
     const std::shared_ptr<const File> file = files_->get(extent.file);
-    DecodedChunk decoded = or_repair(
-        folder_, [&] { return pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns); });
-    check(id, decoded.header);
+    DecodedChunk decoded = read_undamaged(folder_, [&] {
+        DecodedChunk chunk = pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns);
+        check(id, chunk.header);
+        return chunk;
+    });
     add_missing_columns(decoded.chunk, info_.schema, columns);
     return std::move(decoded.chunk);
 }
@@ -233,10 +237,12 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
     }
     const Extent& extent = node.extent;
     const std::shared_ptr<const File> file = files_->get(extent.file);
-    DecodedPart decoded = or_repair(folder_, [&] {
-        return pcm::read_chunk_part(*file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
+    DecodedPart decoded = read_undamaged(folder_, [&] {
+        DecodedPart found =
+            pcm::read_chunk_part(*file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
+        check(id, found.header);
+        return found;
     });
-    check(id, decoded.header);
     for (const std::uint32_t s : decoded.kept) {
         part.first.push_back(decoded.header.segments[s].first);
         part.count.push_back(decoded.header.segments[s].count);

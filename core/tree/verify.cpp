@@ -5,6 +5,7 @@
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
 #include "pcm/tree/about.h"
+#include "pcm/tree/damage.h"
 #include "pcm/tree/point_hash.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/tree_lock.h"
@@ -46,7 +47,9 @@ void check_commit(const Tree& tree, VerifyReport& report)
     while (last > 0 && files[last - 1].bytes == 0) --last;
     if (last == 0) return;
     const fs::path path = tree.folder() / data_file_name(static_cast<std::uint32_t>(last - 1));
-    const std::string missing = path.string() + ": it does not end with the commit record of its generation";
+    // The record serves to rebuild a lost index, and nothing else.
+    const std::string remedy = "; no point is lost, and 'pcmlab compact' writes a new one";
+    const std::string missing = path.string() + ": it does not end with the commit record of its generation" + remedy;
     try {
         const std::uint64_t size = commit_bytes(last), end = files[last - 1].bytes;
         std::uint64_t bytes = 0;
@@ -58,10 +61,10 @@ void check_commit(const Tree& tree, VerifyReport& report)
             (commit->points != info.points || commit->content_hash != info.content_hash ||
              commit->coverage_kept != info.coverage_kept || commit->data_files != files))
             report.notes.push_back(path.string() + ": the commit record of generation " +
-                                   std::to_string(info.generation) + " differs from the index");
+                                   std::to_string(info.generation) + " differs from the index" + remedy);
     } catch (const Error& error) {
         if (error.code() == ErrorCode::io) throw;
-        report.notes.push_back(error.what());
+        report.notes.push_back(error.what() + remedy);
     }
 }
 
@@ -84,6 +87,9 @@ void list_strays(const Tree& tree, VerifyReport& report)
     for (const auto& entry : fs::directory_iterator(tree.folder()))
         if (!std::binary_search(known.begin(), known.end(), entry.path().filename().string()))
             report.notes.push_back(entry.path().string() + ": it does not belong to the tree");
+    const fs::path lock = tree.folder() / lock_file_name;
+    if (const fs::file_status status = fs::symlink_status(lock); fs::exists(status) && !fs::is_regular_file(status))
+        report.notes.push_back(lock.string() + ": it is not a file, so that the tree cannot be changed; remove it");
 }
 
 // Reads a node's chunk segment by segment and checks that the box of each segment is tight; adds them to `own`.
@@ -166,8 +172,10 @@ private:
                 hash_ += hash_chunk(chunk, layout, scratch);
                 points_ += chunk.points;
             } catch (const Error& error) {
+                const auto* const damaged = dynamic_cast<const DamagedTree*>(&error);
                 const std::lock_guard lock(signal_.mutex);
-                report_.faults.push_back("node " + std::to_string(id) + ": " + error.what());
+                report_.faults.push_back("node " + std::to_string(id) + ": " +
+                                         (damaged ? damaged->fault() : error.what()));
             }
         }
     }

@@ -72,16 +72,11 @@ private:
     std::size_t filled_ = 0;
 };
 
-// The chunk or tombstone with this header at byte `at` of data file number `file`. Throws Error(corrupt) unless it is
-// of the expected kind.
+// The chunk or tombstone with this header, of the expected kind, at byte `at` of data file number `file`.
 FoundChunk chunk_of(const BpcHeader& header, std::uint32_t file, std::uint64_t at, std::optional<ChunkKind>& expected)
 {
-    if (!header.identity) throw Error(ErrorCode::corrupt, {}, "it is not a chunk of a tree");
     if (!expected) expected = ChunkKind{header.schema, header.grid};
-    // Later chunks may have more attributes than earlier ones.
     if (expected->schema.is_beginning_of(header.schema)) expected->schema = header.schema;
-    if (!header.schema.is_beginning_of(expected->schema) || !(expected->grid == header.grid))
-        throw Error(ErrorCode::corrupt, {}, "it belongs to another tree");
     const ChunkIdentity& identity = *header.identity;
     check_numbers(identity.generation, identity.part == no_part ? identity.part : identity.part + 1, file);
     FoundChunk chunk;
@@ -101,6 +96,12 @@ FoundChunk chunk_of(const BpcHeader& header, std::uint32_t file, std::uint64_t a
 }
 
 }  // namespace
+
+bool is_of(const BpcHeader& header, const ChunkKind& expected)
+{
+    return header.identity && expected.grid == header.grid &&
+           (header.schema.is_beginning_of(expected.schema) || expected.schema.is_beginning_of(header.schema));
+}
 
 std::vector<FoundFile> list_data_files(const fs::path& folder)
 {
@@ -141,6 +142,11 @@ void scan(FoundFile& found, std::optional<ChunkKind>& expected, const std::funct
                 found.commit = std::move(commit);
             } else {
                 const BpcHeader header = read_header(file, at, found.size - at);
+                if (!header.identity || (expected && !is_of(header, *expected))) {
+                    ++found.other_chunks;
+                    throw Error(ErrorCode::corrupt, {},
+                                header.identity ? "it belongs to another tree" : "it is not a chunk of a tree");
+                }
                 bytes = header.total_bytes;
                 found.chunks.push_back(chunk_of(header, found.number, at, expected));
             }

@@ -13,6 +13,7 @@
 #include "pcm/tree/unfinished_build.h"
 #include "pcm/tree/verify.h"
 #include "pcm/update/chunk_scan.h"
+#include "pcm/update/foreign_files.h"
 #include "pcm/update/inferred_info.h"
 #include "pcm/update/tree_update.h"
 
@@ -75,7 +76,10 @@ public:
             throw Error(ErrorCode::interrupted_build, folder_,
                         "this tree is not finished: what makes it was interrupted or is still running",
                         "repeat the command that makes it");
-        if (!fs::is_directory(folder_)) throw Error(ErrorCode::not_found, folder_, "no such folder");
+        if (!fs::exists(folder_)) throw Error(ErrorCode::not_found, folder_, "no such folder");
+        if (!fs::is_directory(folder_))
+            throw Error(ErrorCode::not_a_tree, folder_, "this is not a folder, and a tree is one",
+                        "name the tree's folder");
         files_ = list_data_files(folder_);
         if (files_.empty() && !is_tree(folder_))
             throw Error(ErrorCode::not_a_tree, folder_, "this folder holds no chunks of a point cloud tree");
@@ -120,7 +124,7 @@ private:
         const auto fault = check_about(folder_, info);
         if (fault && !options_.check_only) write_about(folder_, info);
         if (fault && !fault->left_by_update) report_.restored.push_back(fault->what);
-        remove_leftovers(data_files);
+        remove_leftovers(info, data_files);
         report_.verified = !fault || fault->left_by_update || !options_.check_only;
         if (fault && !options_.check_only && check_about(folder_, info))
             throw Error(ErrorCode::io, folder_ / about_file_name, "it was written, and reads back differently");
@@ -138,9 +142,15 @@ private:
             for (const std::string& fault : *found) report_.faults.push_back("after the repair: " + fault);
     }
 
-    void remove_leftovers(std::size_t data_files)
+    void remove_leftovers(const TreeInfo& info, std::size_t data_files)
     {
+        const std::vector<fs::path> foreign = foreign_data_files(folder_, info, data_files);
+        for (const fs::path& file : foreign)
+            report_.outcome.warnings.push_back(file.string() +
+                                               ": it belongs to another tree, and stays as it is; move it out of the "
+                                               "folder: this tree cannot be changed while it is there");
         for (const fs::path& file : leftovers(folder_, data_files)) {
+            if (std::find(foreign.begin(), foreign.end(), file) != foreign.end()) continue;
             report_.healed.push_back(file.filename().string());
             if (!options_.check_only) fs::remove_all(file);
         }
@@ -151,6 +161,7 @@ private:
         report_.index_written = true;
         if (!old_) report_.faults.push_back(index_fault_);
         scan_files();
+        refuse_foreign_files(folder_, files_, old_, about_);
         choose_generation();
         const std::vector<PartNode> wanted = newest_chunks();
         info_ = about_ ? *about_ : old_ ? old_->info : infer_info(*kind_, wanted);
@@ -158,7 +169,7 @@ private:
         TreeIndex index = put_together(check_chunks(wanted));
         report_losses(index);
         if (!options_.check_only) put_in_place(index);
-        remove_leftovers(index.data_files.size());
+        remove_leftovers(index.info, index.data_files.size());
     }
 
     void scan_files()

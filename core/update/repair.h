@@ -39,8 +39,8 @@ struct RepairReport {
 // index is restored node for node. Without about.pct the metadata, the names of sources and the number of skipped
 // points are lost, and the report says so. A tree that was changed is verified as by verify_tree(); what is found then
 // is among the faults. `path` is the tree folder. Throws Error(not_a_tree) when the folder has no
-// chunk of a tree, Error(corrupt) when no point can be saved, Error(exists) when another process or thread changes the
-// tree, Error(cancelled).
+// chunk of a tree, Error(corrupt) when no point can be saved or a data file that is needed belongs to another tree,
+// which the error names, Error(exists) when another process or thread changes the tree, Error(cancelled).
 RepairReport repair_tree(const std::filesystem::path& path, const RepairOptions& options = {});
 
 }  // namespace pcm

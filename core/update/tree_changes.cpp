@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/chunk_decoder.h"
 #include "pcm/bpc/chunk_encoder.h"
+#include "pcm/cloud/attribute_names.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
@@ -167,6 +168,7 @@ std::size_t TreeChanges::add_attribute(const Attribute& attribute)
     const std::unique_lock lock(mutex_);
     check_open();
     Schema schema = tree_->info().schema;
+    check_new_name(attribute.name);
     schema.add(attribute);
     update_->end_file();  // the chunks of a data file are of one schema
     tree_ = tree_->with_schema(schema);

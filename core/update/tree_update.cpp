@@ -4,6 +4,7 @@
 #include "pcm/bpc/layout.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/about.h"
+#include "pcm/update/foreign_files.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -74,6 +75,11 @@ ChunkIdentity identity_of(const PartNode& node, std::uint32_t generation)
 TreeUpdate::TreeUpdate(const fs::path& path) : lock_(checked(tree_folder_of(path))), tree_(Tree::open(path))
 {
     generation_ = tree_->info().generation + 1;
+    const std::vector<fs::path> foreign = foreign_data_files(folder(), tree_->info(), tree_->data_files().size());
+    if (!foreign.empty())
+        throw Error(ErrorCode::exists, foreign.front(),
+                    "this file has the name of the tree's next data file, and belongs to another tree",
+                    "move it out of the tree's folder");
     // about.pct first, then the data files: if this is interrupted and the index is then rebuilt, it is of this
     // generation, or of the interrupted one while all its chunks are still present.
     const std::vector<fs::path> left = leftovers(folder(), tree_->data_files().size());

@@ -25,7 +25,8 @@ void warn_of_scratch(const std::filesystem::path& tree, Outcome& outcome);
 // a commit the tree stays as it was, and the destructor removes the files. For one thread.
 class TreeUpdate {
 public:
-    // Opens the tree and removes the leftovers of an interrupted update. Throws what TreeLock and Tree::open throw.
+    // Opens the tree and removes the leftovers of an interrupted update. Throws what TreeLock and Tree::open throw, and
+    // Error(exists) where another tree's file has the name of the next data file.
     explicit TreeUpdate(const std::filesystem::path& path);
     ~TreeUpdate();
     TreeUpdate(const TreeUpdate&) = delete;

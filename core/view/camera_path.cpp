@@ -1,16 +1,15 @@
 #include "pcm/view/camera_path.h"
 
+#include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/system/bounded_json.h"
 #include "pcm/system/error.h"
+#include "pcm/system/text_file.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 
 namespace pcm {
@@ -109,12 +108,13 @@ CameraPath path_of(const Json& json, const std::string& name, std::size_t& numbe
 
 void check(const CameraFrame& frame)
 {
-    for (const Vec3d* v : {&frame.eye, &frame.target, &frame.up})
-        if (!is_finite(*v)) refuse("a coordinate of the camera is not finite");
-    if (frame.angle) {
-        if (!(*frame.angle > 0 && *frame.angle < 180)) refuse("'angle' is not between 0 and 180 degrees");
-    } else if (!(frame.height > 0 && std::isfinite(frame.height))) {
-        refuse("'height' is not above 0");
+    if (frame.angle && !(*frame.angle > 0 && *frame.angle < 180)) refuse("'angle' is not between 0 and 180 degrees");
+    require_place("the camera's eye", frame.eye);
+    require_place("the camera's target", frame.target);
+    require_place("the camera's direction 'up'", frame.up);
+    if (!frame.angle) {
+        require_coordinate("the view's height", frame.height);
+        if (!(frame.height > 0)) refuse("'height' is not above 0");
     }
     const Vec3d ahead = frame.target - frame.eye;
     if (!(length(ahead) > 0)) refuse("'eye' and 'target' are equal");
@@ -124,12 +124,8 @@ void check(const CameraFrame& frame)
 
 CameraPath CameraPath::read(const std::filesystem::path& file)
 {
-    errno = 0;
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream) throw Error::from_errno(errno, file, "opening the camera path");
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
-    if (stream.bad()) throw Error(ErrorCode::io, file, "the camera path cannot be read");
-    return of_text(text, file);
+    constexpr std::uint64_t most_bytes = 64u << 20;  // some 400,000 frames
+    return of_text(read_text_file(file, "a camera path", most_bytes), file);
 }
 
 CameraPath CameraPath::of_text(const std::string& text, const std::filesystem::path& file)

@@ -1,6 +1,7 @@
 // Fit Primitive: a shape at given places of a cloud, followed through it.
 #include "pcm/primitives/fit_at.h"
 
+#include "pcm/fit/pcl_fit.h"
 #include "pcm/io/writer.h"
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
@@ -83,7 +84,8 @@ void add_search_parameters(RichParameterList& parameters)
                                   "Ends the search with the best shape so far, seconds. 0, the default: no limit."));
     parameters.addParam(
         RichInt("Seed", 1, "Seed", "Start of the random numbers: the same seed gives the same result. Default 1."));
-    parameters.addParam(RichEnum("Backend", 0, {"Own", "PCL"}, "Computed by",
+    parameters.addParam(RichEnum("Backend", 0, has_pcl() ? QStringList{"Own", "PCL"} : QStringList{"Own"},
+                                 "Computed by",
                                  "This program's own search, or the Point Cloud Library's, where its module is "
                                  "installed. Default Own."));
 }

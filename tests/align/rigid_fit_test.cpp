@@ -272,10 +272,10 @@ TEST(RigidFit, RefusesTooFewPairsAndBadNumbers)
     EXPECT_REFUSED(pairs, "pair 2 has a weight");
     pairs = t.pairs;
     pairs[2].fixed[1] = std::nan("");
-    EXPECT_REFUSED(pairs, "pair 3 has a coordinate that is not finite");
+    EXPECT_REFUSED(pairs, "pair 3: the place");
     pairs[2].fixed[1] = 0;
     pairs[0].moving[0] = INFINITY;
-    EXPECT_REFUSED(pairs, "pair 1 has a coordinate");
+    EXPECT_REFUSED(pairs, "pair 1: the place");
     FitOptions options;
     options.pick_error = -1;
     EXPECT_REFUSED(t.pairs, "uncertainty of the picked points", options);

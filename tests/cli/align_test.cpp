@@ -94,6 +94,20 @@ TEST_F(AlignCommand, WithoutAnOutputOnlyTheMotionIsReported)
     for (const char* expected : {"pair 3: residual ", "RMS of the residuals: ", "rotation: ", "\nscale: ", "matrix: ",
                                  "uncertainty of the moved cloud: ", "nothing was written"})
         EXPECT_NE(text.out.find(expected), std::string::npos) << expected << " is missing in\n" << text.out;
+    // Where the uncertainty comes from, in one line: residuals of 1e-8 do not make it small.
+    const auto source = [&](const std::string& more) {
+        const std::string out = pcmlab(command + more).out;
+        const std::size_t at = out.find("the uncertainty follows from ");
+        return at == std::string::npos ? out : out.substr(at, out.find('\n', at) - at);
+    };
+    const Json exact = json_of(command);
+    EXPECT_LT(exact["rms"].get<double>(), 1e-6);
+    EXPECT_GT(exact["pick_error"].get<double>(), 0.01);
+    EXPECT_NE(source("").find("the spacing of the clouds' points, not from the residuals"), std::string::npos)
+        << source("");
+    EXPECT_NE(source("").find("--pick-error"), std::string::npos) << source("");
+    EXPECT_EQ(source(" --pick-error 0.25"), "the uncertainty follows from --pick-error 0.25, not from the residuals");
+    EXPECT_EQ(source(" --pick-error 0"), "the uncertainty follows from the residuals of the pairs");
     const Json json = json_of(command + " --pick-error 0.25");
     EXPECT_TRUE(json["output"].is_null());
     EXPECT_NEAR(json["coordinate_error"].get<double>(), 0.25 * std::sqrt(2.0), 1e-9);

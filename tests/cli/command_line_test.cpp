@@ -1,11 +1,15 @@
 // Options, exit codes and help, on commands of the test's own.
 
-#include "pcm/cli/command_line.h"
+#include "pcm/cli/common.h"
 #include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
+#include <pty.h>
+#include <unistd.h>
 
+#include <array>
 #include <cstdint>
+#include <cstdio>
 #include <new>
 #include <optional>
 #include <stdexcept>
@@ -146,18 +150,23 @@ TEST(CommandLine, UsageErrorsAreExitCodeTwoAndNameTheOption)
         {{"w", "--nonsense"}, "one: there is no option --nonsense\n"},
         {{"w", "--nams", "x", "y"}, "one: there is no option --nams; perhaps --names\n"},
         {{"w", "--over=3"}, "one: there is no option --over; perhaps --overwrite\n"},
-        {{"w", "--box", "1"}, "--box"},
-        {{"w", "--box", "1", "x"}, "--box"},
-        {{"w", "--size", "0.4"}, "--size"},
-        {{"w", "--size", "11"}, "--size"},
-        {{"w", "--factor", "0"}, "--factor"},
-        {{"w", "--threads", "9"}, "--threads"},
-        {{"w", "--memory", "2Q"}, "--memory"},
-        {{"w", "--points", "-1"}, "--points"},
-        {{"w", "--level", "65536"}, "--level"},
+        {{"w", "--box", "1"}, "one: --box takes 2 to 4 values, and got 1\n"},
+        {{"w", "--box"}, "one: --box takes 2 to 4 values, and got 0\n"},
+        {{"w", "--angle"}, "one: --angle needs a value\n"},
+        {{"w", "--overwrite", "--names", "--angle", "3"}, "one: --names needs a value\n"},
+        {{"w", "--box", "1", "x"}, "one: --box: 'x' is not a number\n"},
+        {{"w", "--size", "0.4"}, "one: --size: '0.4' is not a number from 0.5 to 10\n"},
+        {{"w", "--size", "abc"}, "one: --size: 'abc' is not a number from 0.5 to 10\n"},
+        {{"w", "--factor", "0"}, "one: --factor: '0' is not a number greater than 0\n"},
+        {{"w", "--threads", "9"}, "one: --threads: '9' is not a whole number from 1 to 8\n"},
+        {{"w", "--memory", "2Q"}, "one: --memory: '2Q' is not a size"},
+        {{"w", "--points", "-1"}, "one: --points: '-1' is not a number that is 0 or more\n"},
+        {{"w", "--points", "1.5"}, "one: --points: '1.5' is not a whole number\n"},
+        {{"w", "--level", "65536"}, "one: --level: '65536' is too large; 65535 is the largest\n"},
+        {{"w", "--angle", "x"}, "one: --angle: 'x' is not a number\n"},
         {{"w", "--angle", "1", "--height", "2"}, "excludes"},
         {{"w", "--mode", "even"}, "--mode requires --angle"},
-        {{"w", "--angle", "1", "--mode", "slow"}, "{fast,even}"},
+        {{"w", "--angle", "1", "--mode", "slow"}, "--mode: 'slow' is not fast or even"},
     };
     for (const auto& [words, message] : mistakes) {
         const Result result = one(words);
@@ -192,13 +201,89 @@ TEST(CommandLine, ExitCodesOfTheWork)
     EXPECT_EQ(usage.err, "one: word: too short\nRun with --help for more information.\n");
 }
 
+// A terminal in place of stderr. What was written to it, as text.
+class Terminal {
+public:
+    Terminal()
+    {
+        if (openpty(&master_, &slave_, nullptr, nullptr, nullptr) != 0) throw std::runtime_error("no terminal");
+        before_ = dup(STDERR_FILENO);
+        dup2(slave_, STDERR_FILENO);
+    }
+    ~Terminal()
+    {
+        restore();
+        close(master_);
+    }
+    std::string text()
+    {
+        restore();
+        std::string all;
+        std::array<char, 4096> buffer;
+        for (ssize_t n; (n = read(master_, buffer.data(), buffer.size())) > 0;)
+            all.append(buffer.data(), static_cast<std::size_t>(n));
+        return all;
+    }
+
+private:
+    void restore()
+    {
+        if (before_ < 0) return;
+        std::fflush(stderr);
+        dup2(before_, STDERR_FILENO);
+        close(before_);
+        close(slave_);  // reading ends then
+        before_ = -1;
+    }
+    int master_ = -1, slave_ = -1, before_ = -1;
+};
+
+int run_one()
+{
+    std::string words[] = {"program", "w"};
+    char* arguments[] = {words[0].data(), words[1].data(), nullptr};
+    return run_program(Command{"one", "One thing", add_all}, 2, arguments);
+}
+
+TEST(CommandLine, AnErrorBehindTheProgressStandsOnALineOfItsOwn)
+{
+    const auto fail = []() -> int {
+        console_progress({})({"Reading points", 0.5});
+        throw Error(ErrorCode::cancelled, {}, "cancelled");
+    };
+    Terminal terminal;
+    work = fail;
+    EXPECT_EQ(run_one(), 130);
+    const std::string shown = terminal.text();
+    EXPECT_NE(shown.find("Reading points"), std::string::npos) << shown;
+    EXPECT_NE(shown.find("\npcmlab: cancelled\r\n"), std::string::npos) << shown;
+    // Where no progress is shown, nothing but the message.
+    EXPECT_EQ(ends_with(fail).err, "pcmlab: cancelled\n");
+    work = [] { return 0; };
+}
+
+TEST(CommandLine, AfterTheProgressHasEndedNoLineIsLeftOut)
+{
+    Terminal terminal;
+    work = []() -> int {
+        console_progress({})({"Reading points", 0.5});
+        end_progress({});
+        throw Error(ErrorCode::io, {}, "it broke");
+    };
+    EXPECT_EQ(run_one(), 1);
+    work = [] { return 0; };
+    const std::string shown = terminal.text();
+    EXPECT_NE(shown.find("\rpcmlab: it broke\r\n"), std::string::npos) << shown;
+}
+
 TEST(CommandLine, HelpShowsOptionsTheirGroupsAndDefaults)
 {
     const Result help = one({"--help"});
     EXPECT_EQ(help.code, 0);
     EXPECT_TRUE(help.err.empty());
-    for (const char* part : {"One thing", "word TEXT REQUIRED", "-t,--threads UINT", "--size", "=2",
-                             "Which points:", "--mode TEXT:{fast,even}", "--box FLOAT x 2"})
+    for (const char* part :
+         {"One thing", "word TEXT REQUIRED", "-t,--threads NUMBER (1 to 8)", "--size NUMBER (0.5 to 10)", "=2",
+          "Which points:", "--mode fast|even", "--box NUMBER x 2"})
         EXPECT_NE(help.out.find(part), std::string::npos) << part << " is not in\n" << help.out;
 }
 

@@ -118,6 +118,39 @@ TEST_F(ForeignFiles, ADamagedIndexNamesTheCommandThatRepairsIt)
     }
 }
 
+TEST_F(ForeignFiles, ADamagedDataFileNamesTheCommandThatRepairsTheTree)
+{
+    build();
+    const std::vector<std::byte> good = read_file(tree() / "chunks-000.bpc");
+    const std::string command = "in a terminal: pcmlab repair " + tree().string() + ")";
+    write_file(tree() / "chunks-000.bpc", std::vector<std::byte>(good.begin(), good.end() - 1));
+    expect_refused(ErrorCode::truncated, command);
+    put_fifo(tree() / "chunks-000.bpc");
+    expect_refused(ErrorCode::unsupported, command);
+    fs::remove(tree() / "chunks-000.bpc");
+    expect_refused(ErrorCode::not_found, command);
+    std::vector<std::byte> changed = good;
+    for (std::size_t at = 300; at < changed.size(); at += 500) changed[at] ^= std::byte{1};
+    write_file(tree() / "chunks-000.bpc", changed);
+    const auto opened = Tree::open(tree());
+    int refused = 0;
+    for (NodeId id = 0; id < opened->nodes().size(); ++id)
+        for (const bool part : {false, true}) try {
+                if (part)
+                    opened->read_chunk_part(id, ColumnSet::whole(opened->info().schema),
+                                            [](const Box3i&, std::uint16_t) { return true; });
+                else
+                    opened->read_chunk(id, ColumnSet::whole(opened->info().schema));
+            } catch (const Error& error) {
+                ++refused;
+                EXPECT_NE(std::string(error.what()).find(command), std::string::npos) << error.what();
+            }
+    EXPECT_GT(refused, 2);
+    // In a list of faults the command stands below them, not behind each.
+    for (const std::string& fault : verify_tree(tree(), 1).faults)
+        EXPECT_EQ(fault.find("pcmlab repair"), std::string::npos) << fault;
+}
+
 TEST_F(ForeignFiles, DevicesAndFoldersAreRefused)
 {
     build();
@@ -129,6 +162,7 @@ TEST_F(ForeignFiles, DevicesAndFoldersAreRefused)
     fs::remove(index_path());
     fs::create_directory(index_path());
     expect_refused(ErrorCode::unsupported, "this is a folder");
+    expect_refused(ErrorCode::unsupported, "in a terminal: pcmlab repair " + tree().string() + ")");
 }
 
 TEST_F(ForeignFiles, ADataFileMayLieElsewhere)

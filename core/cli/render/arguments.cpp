@@ -1,5 +1,6 @@
 #include "pcm/cli/render/arguments.h"
 
+#include "pcm/cloud/attribute_names.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 
@@ -104,7 +105,7 @@ void add_camera(Options& options, RenderArguments& a)
 {
     const char* const group = "Camera (default: an oblique view of everything)";
     const std::vector<Option> of_one_view = a.camera.add_to(options, group);
-    const Option path = options.option("--path", a.path, "Camera path, JSON: one picture per frame").group(group);
+    const Option path = options.option("--path", a.path, "Camera path (.json): one picture per frame").group(group);
     for (const Option& option : of_one_view) path.excludes(option);
 }
 
@@ -137,18 +138,43 @@ void add_tone(Options& options, RenderArguments& a, const char* group)
         .group(group);
 }
 
+void add_splats(Options& options, RenderArguments& a, const char* group)
+{
+    options.option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")
+        .show_default()
+        .between(0.1, 1000.0)
+        .group(group);
+    options.option("--radius-scale", a.style.radius_scale, "Other splats: factor on the radii")
+        .show_default()
+        .between(1e-6, 1e6)
+        .group(group);
+    options.option("--samples", a.options.samples, "Samples per pixel, which smooth edges: --samples 4")
+        .show_default()
+        .between(1, 8)
+        .group(group);
+    options
+        .option("--eye-dome", a.options.eye_dome,
+                "Strength of eye-dome lighting, which shows relief without normals; 1 is usual")
+        .show_default()
+        .between(0.0, 100.0)
+        .group(group);
+}
+
 void add_look(Options& options, RenderArguments& a)
 {
     const char* const group = "Appearance";
-    options.option("--size", a.size, "WIDTHxHEIGHT in pixels").show_default().group(group);
+    options.option("--size", a.size, "Width and height of the picture, pixels: --size 1920x1080")
+        .show_default()
+        .group(group);
     options.option("--splats", a.splats, "What points are drawn as: " + listed(names_of(splat_modes())))
         .show_default()
         .one_of(names_of(splat_modes()))
         .group(group);
     options
-        .option("--colour,--color", a.colour,
-                "By what they are coloured: " + listed(names_of(colour_modes())) +
-                    " by its name, such as gps_time or normal[2]")
+        .option(
+            "--colour,--color", a.colour,
+            "By what they are coloured: " + listed(names_of(colour_modes())) +
+                " by its name, such as gps_time or normal[2]; in quotes, \"'height'\", where the name is one of these")
         .show_default()
         .group(group);
     options
@@ -159,7 +185,8 @@ void add_look(Options& options, RenderArguments& a)
         .group(group);
     options
         .option("--range", a.range,
-                "LOW:HIGH, the values at the ramp's ends (default: those between which 98 % of the cloud's points lie)")
+                "LOW:HIGH, the values at the ramp's ends: --range 0:250 (default: those between which 98 % of the "
+                "cloud's points lie)")
         .group(group);
     options.flag("--legend", a.legend, "Write into the picture what its colours mean: values of the ramp, or classes")
         .group(group);
@@ -171,28 +198,13 @@ void add_look(Options& options, RenderArguments& a)
         .one_value_each()
         .group(group);
     add_clips(options, a, group);
-    options.option("--uniform-colour,--uniform-color", a.uniform_colour, "#rrggbb or R,G,B: one colour for all points")
+    options
+        .option("--uniform-colour,--uniform-color", a.uniform_colour,
+                "One colour for all points, #rrggbb or R,G,B: --uniform-colour 255,128,0")
         .group(group);
     add_tone(options, a, group);
-    options.option("--point-size", a.style.point_size_px, "Constant splats: side in pixels")
-        .show_default()
-        .between(0.1, 1000.0)
-        .group(group);
-    options.option("--radius-scale", a.style.radius_scale, "Other splats: factor on the radii")
-        .show_default()
-        .between(1e-6, 1e6)
-        .group(group);
-    options.option("--samples", a.options.samples, "Samples per pixel (antialiasing): 1 to 8")
-        .show_default()
-        .between(1, 8)
-        .group(group);
-    options
-        .option("--eye-dome", a.options.eye_dome,
-                "Strength of eye-dome lighting, which shows relief without normals; 1 is usual")
-        .show_default()
-        .between(0.0, 100.0)
-        .group(group);
-    options.option("--background", a.background, "transparent, black, white, #rrggbb or R,G,B")
+    add_splats(options, a, group);
+    options.option("--background", a.background, "transparent, black, white, #rrggbb or R,G,B: --background 30,30,30")
         .show_default()
         .group(group);
 }
@@ -255,9 +267,11 @@ CloudStyle style_of(const RenderArguments& arguments)
     CloudStyle style = arguments.style;
     style.splats = mode_of(arguments.splats, splat_modes());
     const std::vector<std::string> modes = names_of(colour_modes());
-    const bool is_mode = std::find(modes.begin(), modes.end(), arguments.colour) != modes.end();
-    style.colour = is_mode ? mode_of(arguments.colour, colour_modes()) : ColourMode::attribute;
-    style.attribute = arguments.colour;
+    const auto written = written_name(arguments.colour, "");
+    if (!written) refuse("--colour " + arguments.colour + ": the quotes around the attribute's name do not match");
+    const bool is_mode = !written->quoted && std::find(modes.begin(), modes.end(), written->name) != modes.end();
+    style.colour = is_mode ? mode_of(written->name, colour_modes()) : ColourMode::attribute;
+    style.attribute = written->name;
     style.ramp = find_named(arguments.ramp, colour_ramps())->ramp;
     if (!arguments.range.empty()) {
         if (!has_range(style.colour) || !arguments.uniform_colour.empty())
@@ -306,6 +320,19 @@ void check_attributes(const CloudStyle& style, const std::vector<std::shared_ptr
     modes.erase(std::remove(modes.begin(), modes.end(), "attribute"), modes.end());
     refuse("--colour '" + style.attribute + "' is neither a way to colour points nor an attribute of the cloud",
            "give one of " + listed(modes) + (names.empty() ? "" : ", or an attribute: " + listed(names)));
+}
+
+std::optional<std::string> other_meaning(const CloudStyle& style,
+                                         const std::vector<std::shared_ptr<PointCloud>>& clouds)
+{
+    const std::string name = name_of(style.colour);
+    const bool reads_it = style.colour == ColourMode::attribute || style.colour == ColourMode::rgb ||
+                          style.colour == ColourMode::intensity || style.colour == ColourMode::classification;
+    if (!reads_it)
+        for (const auto& cloud : clouds)
+            if (cloud->info().schema.find(name))
+                return "the cloud has an attribute '" + name + "' too: --colour \"'" + name + "'\" shows it";
+    return std::nullopt;
 }
 
 RenderOptions options_of(const RenderArguments& arguments)

@@ -43,6 +43,9 @@ std::vector<Clip> clips_of(const RenderArguments& arguments);
 // Whether the trees have the attributes that the style names: the colour's in one of them, the conditions' in all.
 // Throws Error(invalid_argument).
 void check_attributes(const CloudStyle& style, const std::vector<std::shared_ptr<PointCloud>>& clouds);
+// A note where the colour's name is that of an attribute as well; none else.
+std::optional<std::string> other_meaning(const CloudStyle& style,
+                                         const std::vector<std::shared_ptr<PointCloud>>& clouds);
 RenderOptions options_of(const RenderArguments& arguments);
 
 // The cameras, in source coordinates. Throws what CameraPath::read() throws and Error(invalid_argument).

@@ -2,6 +2,7 @@
 #include "pcm/cli/render/arguments.h"
 #include "pcm/cli/render/draw_legend.h"
 #include "pcm/cli/render/radii.h"
+#include "pcm/cli/standstill.h"
 #include "pcm/io/crs/height_unit.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
@@ -53,8 +54,7 @@ public:
         const std::uint64_t uploaded = scene_.l1_statistics().uploaded_bytes;
         scene_.forget();
         Drawn drawn;
-        auto last_change = Clock::now();
-        std::uint64_t last_sum = 0;
+        Standstill standstill;
         for (;;) {
             screen_.clear(background_.colour);
             drawn.report = scene_.draw(view, style_, options_);
@@ -67,15 +67,10 @@ public:
             const std::string stage = "Drawing, " + grouped(drawn.report.points_drawn) + " points";
             if (!progress_({stage, static_cast<double>(number) / static_cast<double>(count)}))
                 throw Error(ErrorCode::cancelled, {}, "drawing was cancelled");
-            const std::uint64_t sum =
-                drawn.report.points_drawn + scene_.l1_statistics().uploaded_bytes + scene_.loaded_bytes();
-            if (sum != last_sum) last_change = Clock::now();
-            last_sum = sum;
-            if (seconds_since(last_change) > longest_standstill)
-                throw Error(ErrorCode::io, {},
-                            "the picture is not complete, and nothing was loaded or drawn for " +
-                                brief(longest_standstill) + " s",
-                            "video memory may be too small for a chunk: give more with --l1");
+            const L1Statistics l1 = scene_.l1_statistics();
+            standstill.look({drawn.report.points_drawn, l1.uploaded_bytes, scene_.loaded_bytes(),
+                             drawn.report.nodes_missing, l1.refused, drawn.frames},
+                            seconds_since(start));
             if (!drawn.report.repaint) scene_.wait();
         }
         drawn.ms = 1000 * seconds_since(start);
@@ -97,7 +92,6 @@ public:
     }
 
 private:
-    static constexpr double longest_standstill = 60;  // seconds
     const Offscreen& screen_;
     OffscreenScene& scene_;
     CloudStyle style_;
@@ -255,6 +249,7 @@ int render(const RenderArguments& arguments)
     scene.clip(std::move(clips));
     const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.box(), size);
     Summary summary;
+    if (auto note = other_meaning(style, scene.clouds())) summary.notices.insert(*note);
     summary.files = files_of(arguments, cameras.size());
     const std::filesystem::path folder = summary.files.front().parent_path();
     if (!arguments.path.empty() && !folder.empty()) std::filesystem::create_directories(folder);

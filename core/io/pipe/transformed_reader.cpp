@@ -4,6 +4,7 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/pipe/batch_shape.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +53,7 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
     if (!finite) throw Error(ErrorCode::invalid_argument, {}, "a transformation has NaN or infinite numbers");
     if (std::fabs(determinant) <= 1e-12 * volume)
         throw Error(ErrorCode::invalid_argument, {},
-                    "a transformation flattens the cloud: its determinant is " + std::to_string(determinant),
+                    "a transformation flattens the cloud: its determinant is " + exact(determinant),
                     "give one with a determinant other than 0");
     // Cofactors over the determinant are the inverse transpose; the normal keeps its length.
     for (std::size_t i = 0; i < 3; ++i)

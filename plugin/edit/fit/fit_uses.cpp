@@ -1,4 +1,5 @@
 // What the tool Fit Primitives does with primitives of the list: files, colours, their points.
+#include "pcm/cad/dxf_file.h"
 #include "pcm/cad/primitive_files.h"
 #include "pcm/fit/shape_lines.h"
 #include "pcm/primitives/grow_shape.h"
@@ -64,10 +65,12 @@ PointSet points_again(const std::shared_ptr<const Tree>& tree, const Primitive& 
 
 void FitTool::write()
 {
-    const QString filter = "Drawing (*.dxf);;AutoCAD script (*.scr);;Comma-separated values (*.csv);;List (*.json)";
+    const QString filter = QString(writes_dxf() ? "Drawing (*.dxf);;" : "") +
+                           "AutoCAD script (*.scr);;Comma-separated values (*.csv);;List (*.json)";
     QString kind;
-    QString file = QFileDialog::getSaveFileName(panel_, "Export primitives", "primitives.dxf", filter, &kind,
-                                                QFileDialog::DontUseNativeDialog);
+    QString file =
+        QFileDialog::getSaveFileName(panel_, "Export primitives", writes_dxf() ? "primitives.dxf" : "primitives.scr",
+                                     filter, &kind, QFileDialog::DontUseNativeDialog);
     if (file.isEmpty()) return;
     CadOptions options;
     options.unit = unit_of(length_unit_of(*view_->md()).symbol);

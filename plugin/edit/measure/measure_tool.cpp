@@ -1,5 +1,6 @@
 #include "plugin/edit/measure/measure_tool.h"
 
+#include "pcm/cad/dxf_file.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/measure/measure_export.h"
 #include "pcm/system/error.h"
@@ -272,8 +273,8 @@ void MeasureTool::keep(Measure measure)
 
 void MeasureTool::write()
 {
-    const QString filter =
-        "Comma-separated values (*.csv);;GeoJSON (*.geojson);;Drawing (*.dxf);;List of measures (*.json)";
+    const QString filter = QString("Comma-separated values (*.csv);;GeoJSON (*.geojson);;") +
+                           (writes_dxf() ? "Drawing (*.dxf);;" : "") + "List of measures (*.json)";
     QString kind;
     QString file = QFileDialog::getSaveFileName(panel_, "Export measures", "measures.csv", filter, &kind,
                                                 QFileDialog::DontUseNativeDialog);

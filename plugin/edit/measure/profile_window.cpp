@@ -1,5 +1,7 @@
 #include "plugin/edit/measure/profile_window.h"
 
+#include "pcm/cad/dxf_file.h"
+
 #include "pcm/system/error.h"
 #include "plugin/host/text.h"
 
@@ -40,8 +42,9 @@ ProfileWindow::ProfileWindow(QWidget* parent, std::shared_ptr<const ProfileData>
     buttons->addStretch();
     connect(add("Points as CSV", "Writes all points of the profile: along, across, x, y, z, attributes."),
             &QPushButton::clicked, this, [this] { emit wanted("csv"); });
-    connect(add("Points as DXF", "Writes all points of the profile as a drawing of (along, height)."),
-            &QPushButton::clicked, this, [this] { emit wanted("dxf"); });
+    if (writes_dxf())
+        connect(add("Points as DXF", "Writes all points of the profile as a drawing of (along, height)."),
+                &QPushButton::clicked, this, [this] { emit wanted("dxf"); });
     connect(add("Picture", "Saves the plot as it is shown."), &QPushButton::clicked, this,
             &ProfileWindow::ask_for_picture);
     auto* words = new QLabel(data_->words);

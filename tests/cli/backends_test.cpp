@@ -1,0 +1,53 @@
+// The help offers what is installed, and nothing else.
+
+#include "tests/cli/command.h"
+
+namespace {
+
+using namespace pcm::test;
+namespace fs = std::filesystem;
+
+using BackendsTest = CommandTest;
+
+TEST_F(BackendsTest, HelpShowsWhatIsInstalledBesideTheCommand)
+{
+    // Somewhere else nothing is beside it.
+    const fs::path alone = folder_ / "pcmlab";
+    std::error_code other_disk;
+    fs::create_hard_link(paths::command, alone, other_disk);
+    if (other_disk) fs::copy_file(paths::command, alone);
+    const auto help_of = [&](const std::string& command, const std::string& topic) {
+        FILE* pipe = popen(("'" + command + "' help " + topic).c_str(), "r");
+        std::string text;
+        std::array<char, 4096> buffer;
+        for (std::size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
+        EXPECT_EQ(pclose(pipe), 0);
+        return text;
+    };
+    const fs::path beside = fs::path(paths::command).parent_path();
+    for (const auto& [module, topic, option] : {std::array<const char*, 3>{"libpcm_flann.so", "normals", "--flann"},
+                                                std::array<const char*, 3>{"libpcm_pcl.so", "fit", "--backend"}}) {
+        EXPECT_EQ(help_of(paths::command, topic).find(option) != std::string::npos, fs::exists(beside / module));
+        EXPECT_EQ(help_of(alone.string(), topic).find(option), std::string::npos) << topic;
+    }
+}
+
+TEST_F(BackendsTest, ABackendThatIsNotThereIsNamedWithWhatToInstall)
+{
+    const fs::path alone = folder_ / "pcmlab";
+    std::error_code other_disk;
+    fs::create_hard_link(paths::command, alone, other_disk);
+    if (other_disk) fs::copy_file(paths::command, alone);
+    ASSERT_EQ(pcmlab("generate -n 3000 " + path("scene.las")).code, 0);
+    ASSERT_EQ(pcmlab("build " + path("scene.las")).code, 0);
+    const fs::path err = folder_ / "err.txt";
+    const int code = std::system(("'" + alone.string() + "' normals --flann " + path("scene.pct") + " -o " +
+                                  path("n.pct") + " >'" + err.string() + "' 2>&1")
+                                     .c_str());
+    EXPECT_NE(code, 0);
+    std::ifstream file(err);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    EXPECT_NE(text.find("libpcm_flann.so"), std::string::npos) << text;
+}
+
+}  // namespace
