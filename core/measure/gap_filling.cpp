@@ -157,11 +157,73 @@ struct Gaps {
     std::vector<float> jump2;  // D^2
 };
 
+// The largest of a row's or column's values within `reach`, 0 or 1.
+void spread_marks(std::vector<std::uint8_t>& marks, std::size_t begin, std::size_t length, std::size_t step,
+                  std::size_t reach)
+{
+    const std::size_t far = length + reach;
+    std::vector<std::size_t> distance(length, far);
+    for (const bool forward : {true, false}) {
+        std::size_t since = far;
+        for (std::size_t k = 0; k < length; ++k) {
+            const std::size_t place = forward ? k : length - 1 - k;
+            since = marks[begin + place * step] ? 0 : since + 1;
+            distance[place] = std::min(distance[place], since);
+        }
+    }
+    for (std::size_t k = 0; k < length; ++k) marks[begin + k * step] = distance[k] <= reach;
+}
+
+// Known cells, and those within `reach` of one along rows and columns.
+std::vector<std::uint8_t> near_known(const Field& field, std::size_t reach)
+{
+    std::vector<std::uint8_t> marks(field.height.size());
+    for (std::size_t cell = 0; cell < marks.size(); ++cell) marks[cell] = field.known(cell);
+    if (reach == 0) return marks;
+    for (std::size_t row = 0; row < field.rows(); ++row)
+        spread_marks(marks, row * field.columns, field.columns, 1, reach);
+    for (std::size_t column = 0; column < field.columns; ++column)
+        spread_marks(marks, column, field.rows(), field.columns, reach);
+    return marks;
+}
+
+// Cells narrower than the points are apart: gaps of that width are no holes in the cloud. How far a known cell usually
+// is from the next one, less the one step that neighbours are apart; 0 where cells have about a point each.
+std::size_t usual_reach(const Field& field)
+{
+    std::size_t known = 0;
+    for (std::size_t cell = 0; cell < field.height.size(); ++cell) known += field.known(cell);
+    for (std::size_t reach = 0; 2 * reach < std::max(field.columns, field.rows()); reach = 2 * reach + 1) {
+        // Windows around known cells that have another one: most of them, if points are as near as that.
+        const std::size_t columns = field.columns, around = reach + 1;
+        std::size_t with_other = 0;
+        std::vector<std::uint32_t> sums((field.rows() + 1) * (columns + 1), 0);
+        for (std::size_t row = 0; row < field.rows(); ++row)
+            for (std::size_t column = 0, sum = 0; column < columns; ++column) {
+                sum += field.known(row * columns + column);
+                sums[(row + 1) * (columns + 1) + column + 1] =
+                    sums[row * (columns + 1) + column + 1] + static_cast<std::uint32_t>(sum);
+            }
+        for (std::size_t cell = 0; cell < field.height.size(); ++cell) {
+            if (!field.known(cell)) continue;
+            const std::size_t x = cell % columns, y = cell / columns;
+            const std::size_t left = x > around ? x - around : 0, right = std::min(columns, x + around + 1);
+            const std::size_t low = y > around ? y - around : 0, high = std::min(field.rows(), y + around + 1);
+            const std::size_t line = columns + 1;
+            with_other += sums[high * line + right] + sums[low * line + left] >
+                          sums[low * line + right] + sums[high * line + left] + 1;
+        }
+        if (10 * with_other >= 9 * known) return reach;
+    }
+    return 0;
+}
+
 // Of each gap cell the nearest known cells along its row and its column. Where there are known ones on both sides of
-// one of them the narrower one is the gap's width.
-Gaps look_around(const Field& field)
+// one of them the narrower one is the gap's width. Cells within `reach` of known ones count as known.
+Gaps look_around(const Field& field, std::size_t reach)
 {
     const std::size_t count = field.height.size(), columns = field.columns;
+    const std::vector<std::uint8_t> known = near_known(field, reach);
     struct Sides {
         std::uint32_t before = 0, after = 0;  // distances; 0: none
     };
@@ -173,7 +235,7 @@ Gaps look_around(const Field& field)
                 std::uint32_t distance = 0;  // to the last known cell; 0: none yet
                 for (std::size_t k = 0; k < length; ++k) {
                     const std::size_t cell = line * line_step + (forward ? k : length - 1 - k) * step;
-                    if (field.known(cell)) {
+                    if (known[cell]) {
                         distance = 1;
                         continue;
                     }
@@ -190,6 +252,10 @@ Gaps look_around(const Field& field)
     gaps.jump2.assign(count, 0);
     for (std::size_t cell = 0; cell < count; ++cell) {
         if (!field.gap(cell)) continue;
+        if (known[cell]) {
+            gaps.width[cell] = static_cast<std::uint32_t>(2 * reach + 1);
+            continue;
+        }
         std::uint32_t between = 0, nearest = 0;
         double jump2 = 0;
         int pairs = 0;
@@ -200,6 +266,7 @@ Gaps look_around(const Field& field)
             if (s.before == 0 || s.after == 0) continue;
             const std::uint32_t width = s.before + s.after - 1;
             between = between == 0 ? width : std::min(between, width);
+            if (reach > 0) continue;  // the heights beside the gap are not known
             const std::size_t step = axis == 0 ? 1 : columns;
             const double jump = field.height[cell + s.after * step] - field.height[cell - s.before * step];
             jump2 += jump * jump;
@@ -225,7 +292,7 @@ struct Learnt {
 class GapErrors {
 public:
     // `field` is relative to the plane, `heights` are not.
-    GapErrors(const Field& field, const Field& heights, std::uint32_t widest, double spread);
+    GapErrors(const Field& field, const Field& heights, std::uint32_t widest, std::size_t reach, double spread);
     double error2(bool outer, std::uint32_t width) const { return at(outer, width, mean_); }
     double jump2(std::uint32_t width) const { return at(false, width, jumps2_); }
     double jump(std::uint32_t width) const { return std::sqrt(at(false, width, jumps_)); }
@@ -236,6 +303,7 @@ private:
     static void complete(Curve& curve, const std::array<double, bins>& blocks, double least_power, double fallback);
     static double at(bool outer, std::uint32_t width, const std::array<Curve, 2>& curves);
 
+    std::size_t reach_;
     std::array<std::array<Learnt, bins>, 2> learnt_;
     std::array<Curve, 2> mean_{}, jumps2_{}, jumps_{};
 };
@@ -277,7 +345,7 @@ void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::siz
         }
     }
     if (left < 2) return;
-    const Gaps gaps = look_around(hidden);
+    const Gaps gaps = look_around(hidden, reach_);
     fill(hidden);
     for (std::size_t cell = 0; cell < field.height.size(); ++cell) {
         const auto number = block_at(cell);
@@ -358,7 +426,8 @@ Learnt differences(const Field& heights, std::size_t lag)
     return found;
 }
 
-GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t widest, double spread)
+GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t widest, std::size_t reach, double spread)
+    : reach_(reach)
 {
     const std::size_t extent = std::max(field.columns, field.rows());
     for (std::size_t w = 1; w <= std::max<std::size_t>(1, extent / 2) && w / 2 <= widest; w *= 2)
@@ -429,10 +498,11 @@ FilledCells fill_gaps(const std::vector<double>& height, const std::vector<doubl
     const Field heights = field;
     const CellPlane plane = plane_through(field);
     for (std::size_t cell = 0; cell < height.size(); ++cell) field.height[cell] -= plane.at(cell, columns);
-    Gaps gaps = look_around(field);
+    const std::size_t reach = usual_reach(field);
+    Gaps gaps = look_around(field, reach);
     std::uint32_t widest = 1;
     for (const std::uint32_t width : gaps.width) widest = std::max(widest, width);
-    const GapErrors errors(field, heights, widest, spread);
+    const GapErrors errors(field, heights, widest, reach, spread);
     double excess = 0, inner = 0;
     for (std::size_t cell = 0; cell < height.size(); ++cell) {
         if (!field.gap(cell)) continue;

@@ -10,6 +10,8 @@
 // w = 1, 2, 4, ..., are hidden, a quarter of the grid at a time, and filled as the gaps are; with e the error of the
 // mean height of a block, E^2(w) is the mean of e^2, once for cells between known ones and once for cells that have
 // known ones on one side only (extrapolation). Beyond the widest blocks that the grid holds, E grows with a power of w.
+// A surface that is extrapolated may turn where the known part ends: half of the mean squared difference of heights w
+// apart is added there.
 // Of a cell in a gap as wide as w
 //
 //     sigma^2 = E^2(w) (1 + D^2 / <D^2>(w)) / 2
@@ -19,6 +21,9 @@
 // farther ones as independent:
 //
 //     variance of a sum over cells = sum_i a_i sigma_i  sum_{j within w_i of i} a_j sigma_j
+//
+// Where cells are narrower than the points are apart, gaps of that width are no holes: cells as near to a known one as
+// nine of ten known ones are to another count as known when the width of a gap is found.
 //
 // What no cross-validation can see is that gaps are not placed at random: behind objects the surface has a step. If the
 // differences D of the gaps exceed what the hidden blocks have, the step may be on either side of the gap, of all gaps

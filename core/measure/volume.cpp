@@ -75,15 +75,27 @@ double expected_side(const PlacedCloud& cloud, const Query& query, const Box3d& 
     return std::sqrt(area * std::min(1.0, points_per_cell / points));
 }
 
-// Gaps in the cloud do not make cells wider: only those that have points count.
-double side_for(const std::vector<HeightCell>& cells, double side)
+// Gaps in the cloud do not make cells wider: only those that have points count, of cells wide enough to have some.
+double side_for(const std::vector<HeightCell>& cells, std::size_t columns, double side)
 {
-    double points = 0, occupied = 0;
-    for (const HeightCell& cell : cells) {
-        points += static_cast<double>(cell.points);
-        occupied += cell.points > 0;
+    std::vector<std::uint64_t> counts;
+    for (const HeightCell& cell : cells) counts.push_back(cell.points);
+    for (;;) {
+        double points = 0, occupied = 0;
+        for (const std::uint64_t count : counts) {
+            points += static_cast<double>(count);
+            occupied += count > 0;
+        }
+        if (!(points > 0)) return side;
+        if (points >= points_per_cell / 2 * occupied || counts.size() == 1)
+            return side * std::sqrt(points_per_cell * occupied / points);
+        const std::size_t rows = counts.size() / columns, half = (columns + 1) / 2;
+        std::vector<std::uint64_t> merged(half * ((rows + 1) / 2), 0);
+        for (std::size_t k = 0; k < counts.size(); ++k) merged[k / columns / 2 * half + k % columns / 2] += counts[k];
+        counts = std::move(merged);
+        columns = half;
+        side *= 2;
     }
-    return points > 0 ? side * std::sqrt(points_per_cell * occupied / points) : side;
 }
 
 double two_digits(double side)
@@ -110,7 +122,7 @@ public:
 private:
     void choose_side();
     double within_memory(double side) const;
-    bool improve_side(const std::vector<std::vector<HeightCell>>& cells, int pass);
+    bool improve_side(const std::vector<std::vector<HeightCell>>& cells, std::size_t columns, int pass);
     std::vector<std::vector<HeightCell>> read(const CellGrid& grid);
     std::vector<HeightCell> read(std::size_t number, const CellGrid& grid);
 
@@ -160,12 +172,12 @@ void Volume::choose_side()
 }
 
 // Whether the points have to be read again for other cells, after they were read `pass` times before.
-bool Volume::improve_side(const std::vector<std::vector<HeightCell>>& cells, int pass)
+bool Volume::improve_side(const std::vector<std::vector<HeightCell>>& cells, std::size_t columns, int pass)
 {
     constexpr int most_passes = 2;
     constexpr double near_enough = 1.25;
     double side = 0;
-    for (const std::vector<HeightCell>& one : cells) side = std::max(side, side_for(one, report_.side));
+    for (const std::vector<HeightCell>& one : cells) side = std::max(side, side_for(one, columns, report_.side));
     side = within_memory(two_digits(side));
     report_.usual_side = options_.side == 0 ? report_.side : side;
     if (options_.side > 0 || pass == most_passes) return false;
@@ -219,7 +231,7 @@ VolumeReport Volume::run()
     const auto start = std::chrono::steady_clock::now();
     std::optional<CellGrid> grid;
     std::vector<std::vector<HeightCell>> cells;
-    for (int pass = 0; pass == 0 || improve_side(cells, pass); ++pass) {
+    for (int pass = 0; pass == 0 || improve_side(cells, grid->columns(), pass); ++pass) {
         cells.clear();
         grid.emplace(polygon_, report_.side);
         cells = read(*grid);

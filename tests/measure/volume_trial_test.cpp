@@ -167,7 +167,7 @@ public:
         const Polygon inside(corners_);
         find_places(inside);
         const bool two = random_.below(3) == 0;
-        const double count = std::exp(random_.in(std::log(150), std::log(8000)));
+        const double count = std::exp(random_.in(std::log(150), std::log(6000)));
         const double reference = two ? 0 : random_.below(2) ? -10 : 0.3;
         const double cell = std::sqrt(9 * area_ / count), noise = random_.in(0, 0.1);
         const Height after = two ? [=](double x, double y) { return change(x, y) + ground(x, y); } : change;
@@ -203,7 +203,7 @@ private:
     // A lattice over the polygon, for quadrature; relative to the origin.
     void find_places(const Polygon& inside)
     {
-        constexpr int steps = 250;
+        constexpr int steps = 160;
         const Vec2d low = inside.min(), high = inside.max();
         for (int i = 0; i < steps; ++i)
             for (int j = 0; j < steps; ++j) {
