@@ -18,7 +18,7 @@ struct Arguments {
     std::vector<double> polygon, plane;
     std::optional<double> reference;
     RegionOptions limits;
-    bool interpolate = false;
+    bool interpolate = false, measured_only = false;
     VolumeOptions options;
 };
 
@@ -61,13 +61,19 @@ Json json_of(const Arguments& arguments, const VolumeReport& report, const std::
     }
     json["spread"] = {{"net", report.net_spread}, {"cut", report.cut_spread}, {"fill", report.fill_spread}};
     json["coarser"] = {{"cut", report.cut_coarse}, {"fill", report.fill_coarse}, {"side", 2 * report.side}};
+    json["gaps"] = {{"net", report.net_gaps}, {"cut", report.cut_gaps}, {"fill", report.fill_gaps}};
+    json["excess"] = report.excess;
     json["side"] = report.side;
+    json["usual_side"] = report.usual_side;
     json["cells"] = report.cells;
     json["cells_without_data"] = report.cells_without_data;
     json["area"] = report.area;
+    json["covered"] = report.covered();
     json["area_counted"] = report.area_counted;
     json["area_without_data"] = report.area_without_data;
     json["area_interpolated"] = report.area_interpolated;
+    json["area_extrapolated"] = report.area_extrapolated;
+    json["notes"] = report.notes();
     json["points_of_tree"] = report.points[0];
     if (!arguments.before.empty()) json["points_before"] = report.points[1];
     json["unit"] = unit;
@@ -75,18 +81,38 @@ Json json_of(const Arguments& arguments, const VolumeReport& report, const std::
     return json;
 }
 
+// What the volume is known of.
+std::string headline(const VolumeReport& report)
+{
+    const double percent = 100 * report.covered();
+    if (percent >= 99.95) return "all of the area has points";
+    char text[32];
+    std::snprintf(text, sizeof text, percent < 1 ? "%.1f" : "%.0f", percent);
+    return std::string(text) + " % of the area has points" +
+           (report.area_interpolated > 0 ? ", the rest is interpolated" : ", the rest is left out");
+}
+
 void print(const Arguments& arguments, const VolumeReport& report, const std::string& unit)
 {
-    for (const MeasureValue& value : report.values())
-        if (value.unit == "^3") std::printf("%-11s %s\n", value.name.c_str(), text_of(value, unit).c_str());
+    for (const MeasureValue& value : report.values()) {
+        if (value.unit != "^3") continue;
+        std::printf("%-11s %s", value.name.c_str(), text_of(value, unit).c_str());
+        std::printf("%s\n", value.name == "net" ? (", " + headline(report)).c_str() : "");
+    }
     std::printf("cells       %s of %s wide; %s points\n", grouped(report.cells).c_str(), brief(report.side).c_str(),
                 grouped(report.outcome.points_out).c_str());
-    std::printf("area        %s in plan, %s of it counted, %s without points%s\n", brief(report.area).c_str(),
-                brief(report.area_counted).c_str(), brief(report.area_without_data).c_str(),
-                report.area_interpolated > 0 ? " (interpolated)" : "");
-    std::printf("uncertainty spread in cells %s; cells twice as wide change the net volume by %s\n",
-                brief(report.net_spread).c_str(),
+    std::printf("area        %s in plan, %s of it without points", brief(report.area).c_str(),
+                brief(report.area_without_data).c_str());
+    if (report.area_interpolated > 0)
+        std::printf(": interpolated%s", report.area_extrapolated > 0
+                                            ? (", " + brief(report.area_extrapolated) + " extrapolated").c_str()
+                                            : "");
+    else if (report.area_without_data > 0)
+        std::printf(": left out");
+    std::printf("\nuncertainty spread in cells %s; interpolation %s; cells twice as wide change the net volume by %s\n",
+                brief(report.net_spread).c_str(), brief(report.net_gaps).c_str(),
                 brief(report.cut_coarse - report.fill_coarse - (report.cut_measured - report.fill_measured)).c_str());
+    for (const std::string& note : report.notes()) std::printf("note: %s\n", note.c_str());
     for (const std::string& output : arguments.files.outputs) std::printf("%s written\n", output.c_str());
 }
 
@@ -103,7 +129,9 @@ int run(Arguments& arguments)
     options.height = arguments.height == "mean"     ? CellHeight::mean
                      : arguments.height == "lowest" ? CellHeight::lowest
                                                     : CellHeight::highest;
-    if (arguments.interpolate) options.empty = EmptyCells::interpolated;
+    if (arguments.measured_only && arguments.interpolate)
+        throw UsageError("--interpolate and --measured-only contradict each other");
+    if (arguments.measured_only) options.empty = EmptyCells::left_out;
     Selection limits = arguments.limits.get();
     options.where = std::move(limits.where);
     options.clips = std::move(limits.clips);
@@ -143,13 +171,16 @@ Run add_volume(Options& options)
     options.option("--before", arguments->before, "Tree whose surface is compared with: what was there before");
     options
         .option("-s,--side", arguments->options.side,
-                "Side of the square cells, source units (default: so that a cell has about 9 points)")
+                "Side of the square cells, source units (default: so that cells that have points have about 9)")
         .positive();
     options.option("--height", arguments->height, "Height of a cell: of its points the mean, lowest or highest")
         .one_of({"mean", "lowest", "highest"})
         .show_default();
     options.flag("--interpolate", arguments->interpolate,
-                 "Give cells without points heights from those around them (default: they are left out)");
+                 "Give cells without points heights from those around them, and the uncertainty what that may be wrong "
+                 "by (the default)");
+    options.flag("--measured-only", arguments->measured_only,
+                 "Leave cells without points out: the volume of the part of the polygon that has points");
     options.option("-l,--level", arguments->options.level, "Only the clouds at this level (default: all points)");
     arguments->limits.add_limits_to(options, "Which points");
     options.option("-m,--memory", arguments->options.memory, "Memory for the cells, e.g. 2G (default 512M)").bytes();

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <limits>
 
 namespace pcm {
@@ -56,66 +55,6 @@ Surface2d surface_of(const std::vector<HeightCell>& cells, CellHeight kind)
         surface.variance.push_back(cell.points == 0 ? 0 : kind == CellHeight::mean ? variance / count : variance);
     }
     return surface;
-}
-
-namespace {
-
-struct Neighbours {
-    std::size_t count = 0;
-    std::array<std::size_t, 4> cells{};
-};
-
-Neighbours neighbours_of(std::size_t cell, const std::vector<double>& areas, std::size_t columns)
-{
-    Neighbours found;
-    const std::size_t column = cell % columns;
-    const auto take = [&](bool exists, std::size_t other) {
-        if (exists && areas[other] > 0) found.cells[found.count++] = other;
-    };
-    take(column > 0, cell - 1);
-    take(column + 1 < columns, cell + 1);
-    take(cell >= columns, cell - columns);
-    take(cell + columns < areas.size(), cell + columns);
-    return found;
-}
-
-}  // namespace
-
-void fill_gaps(std::vector<double>& height, const std::vector<double>& areas, std::size_t columns)
-{
-    // First guess: outwards from the known cells, the height of a cell that is known already.
-    std::deque<std::size_t> front;
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (std::size_t cell = 0; cell < height.size(); ++cell)
-        if (!std::isnan(height[cell])) {
-            low = std::min(low, height[cell]);
-            high = std::max(high, height[cell]);
-            front.push_back(cell);
-        }
-    std::vector<std::size_t> gaps;
-    for (; !front.empty(); front.pop_front()) {
-        const Neighbours around = neighbours_of(front.front(), areas, columns);
-        for (std::size_t k = 0; k < around.count; ++k)
-            if (std::isnan(height[around.cells[k]])) {
-                height[around.cells[k]] = height[front.front()];
-                gaps.push_back(around.cells[k]);
-                front.push_back(around.cells[k]);
-            }
-    }
-    std::sort(gaps.begin(), gaps.end());
-    constexpr double relaxation = 1.7;
-    for (int round = 0; round < 2000; ++round) {
-        double largest = 0;
-        for (const std::size_t cell : gaps) {
-            const Neighbours around = neighbours_of(cell, areas, columns);
-            double sum = 0;
-            for (std::size_t k = 0; k < around.count; ++k) sum += height[around.cells[k]];
-            const double change = relaxation * (sum / static_cast<double>(around.count) - height[cell]);
-            height[cell] += change;
-            largest = std::max(largest, std::fabs(change));
-        }
-        if (!(largest > 1e-6 * (high - low))) break;
-    }
 }
 
 }  // namespace pcm

@@ -18,16 +18,11 @@ struct HeightCell {
     void add(const HeightCell& other);  // as if its points had been added (Chan, Golub and LeVeque)
 };
 
-// Heights of the cells and their variances; for cells without points until they are filled, NaN.
+// Heights of the cells and their variances; NaN for cells without points.
 struct Surface2d {
     std::vector<double> height, variance;
 };
 // A single point has the mean variance of the cells with more.
 Surface2d surface_of(const std::vector<HeightCell>& cells, CellHeight kind);
-
-// Fills cells that are NaN and have an area: each becomes the mean of its neighbours of area (Laplace's equation, by
-// successive over-relaxation until nothing changes by more than 1e-6 of the range of the heights, at most 2000 rounds).
-// Cells that no known cell is connected with stay NaN. `areas` and `height` by rows of `columns` cells.
-void fill_gaps(std::vector<double>& height, const std::vector<double>& areas, std::size_t columns);
 
 }  // namespace pcm

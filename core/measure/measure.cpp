@@ -115,7 +115,13 @@ std::string text_of(const MeasureValue& value, const std::string& unit)
 std::string label_of(const Measure& measure, const std::string& unit)
 {
     try {
-        return text_of(values_of(measure).at(0), unit);
+        const std::vector<MeasureValue> values = values_of(measure);
+        std::string label = text_of(values.at(0), unit);
+        // Of a volume that is not all measured.
+        for (const MeasureValue& value : values)
+            if (value.name == "area with points" && value.value < 99.95)
+                label += ", " + rounded(value.value, value.value < 1 ? -1 : 0) + " % of the area has points";
+        return label;
     } catch (const Error& error) {
         return error.what();
     }

@@ -5,6 +5,7 @@
 #include "pcm/measure/height_cells.h"
 #include "pcm/measure/measure_values.h"
 #include "pcm/measure/placed_cloud.h"
+#include "pcm/measure/volume_sums.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -67,12 +68,42 @@ Query query_of(const PlacedCloud& cloud, bool is_before, const VolumeOptions& op
     return query;
 }
 
-// So that a cell has some points: if the index knows of none there, all is one cell.
-double usual_side(const PlacedCloud& cloud, const Query& query, const Box3d& box)
+// To begin with, by what the index knows of the box around the polygon.
+double expected_side(const PlacedCloud& cloud, const Query& query, const Box3d& box)
 {
     const double area = box.extent(0) * box.extent(1);
     const double points = std::max(1.0, cloud.cloud().estimate(query).points_expected);
     return std::sqrt(area * std::min(1.0, points_per_cell / points));
+}
+
+// Gaps in the cloud do not make cells wider: only those that have points count, of cells wide enough to have some.
+double side_for(const std::vector<HeightCell>& cells, std::size_t columns, double side)
+{
+    std::vector<std::uint64_t> counts;
+    for (const HeightCell& cell : cells) counts.push_back(cell.points);
+    for (;;) {
+        double points = 0, occupied = 0;
+        for (const std::uint64_t count : counts) {
+            points += static_cast<double>(count);
+            occupied += count > 0;
+        }
+        if (!(points > 0)) return side;
+        if (points >= points_per_cell / 2 * occupied || counts.size() == 1)
+            return side * std::sqrt(points_per_cell * occupied / points);
+        const std::size_t rows = counts.size() / columns, half = (columns + 1) / 2;
+        std::vector<std::uint64_t> merged(half * ((rows + 1) / 2), 0);
+        for (std::size_t k = 0; k < counts.size(); ++k) merged[k / columns / 2 * half + k % columns / 2] += counts[k];
+        counts = std::move(merged);
+        columns = half;
+        side *= 2;
+    }
+}
+
+double two_digits(double side)
+{
+    const double unit = std::pow(10.0, std::floor(std::log10(side)) - 1);
+    // 0.25 and not 25 * 0.01
+    return unit < 1 ? std::round(side / unit) / std::round(1 / unit) : std::round(side / unit) * unit;
 }
 
 class Volume {
@@ -91,14 +122,10 @@ public:
 
 private:
     void choose_side();
+    double within_memory(double side) const;
+    bool improve_side(const std::vector<std::vector<HeightCell>>& cells, std::size_t columns, int pass);
+    std::vector<std::vector<HeightCell>> read(const CellGrid& grid);
     std::vector<HeightCell> read(std::size_t number, const CellGrid& grid);
-    void add_cells(const CellGrid& grid, const std::vector<Surface2d>& surfaces,
-                   const std::vector<std::vector<double>>& known);
-    void add_coarse(const CellGrid& grid, const std::vector<std::vector<HeightCell>>& cells);
-    double difference(const std::vector<Surface2d>& surfaces, std::size_t cell) const
-    {
-        return surfaces.size() > 1 ? surfaces[0].height[cell] - surfaces[1].height[cell] : surfaces[0].height[cell];
-    }
 
     const VolumeOptions& options_;
     std::vector<PlacedCloud> clouds_;
@@ -107,6 +134,18 @@ private:
     HeightPlane base_;  // heights of both clouds are relative to it
     VolumeReport report_;
 };
+
+// What is kept of each cell of the grid, of one cloud and of each more.
+double bytes_per_cell(std::size_t clouds) { return 220 + 110 * (static_cast<double>(clouds) - 1); }
+
+double Volume::within_memory(double side) const
+{
+    const double most = static_cast<double>(options_.memory) / bytes_per_cell(clouds_.size());
+    const double least = 1.01 * std::sqrt(report_.area / std::max(1.0, most));
+    if (CellGrid::cells_of(polygon_, side) > most) side = std::max(side, least);
+    while (CellGrid::cells_of(polygon_, side) > most) side *= 1.05;
+    return side;
+}
 
 void Volume::choose_side()
 {
@@ -118,25 +157,49 @@ void Volume::choose_side()
     }
     report_.side = options_.side;
     if (!(options_.side >= 0) || !std::isfinite(options_.side)) refuse("the side of a cell is negative or not finite");
-    const double bytes = 9 + static_cast<double>(clouds_.size()) * (sizeof(HeightCell) + 3 * sizeof(double));
-    const double most = static_cast<double>(options_.memory) / bytes;
-    const double least_side = 1.01 * std::sqrt(report_.area / std::max(1.0, most));
     if (report_.side == 0) {
         for (std::size_t k = 0; k < clouds_.size(); ++k)
             report_.side =
-                std::max(report_.side, usual_side(clouds_[k], query_of(clouds_[k], k == 1, options_, box_), box_));
-        while (CellGrid::cells_of(polygon_, report_.side) > most)
-            report_.side = std::max(1.2 * report_.side, least_side);
+                std::max(report_.side, expected_side(clouds_[k], query_of(clouds_[k], k == 1, options_, box_), box_));
+        report_.side = within_memory(two_digits(report_.side));
     }
-    const double cells = CellGrid::cells_of(polygon_, report_.side);
-    if (cells > most) {
-        double side = least_side;
-        while (CellGrid::cells_of(polygon_, side) > most) side *= 1.05;
+    const double side = within_memory(report_.side);
+    if (side > report_.side) {
+        const double cells = CellGrid::cells_of(polygon_, report_.side), bytes = bytes_per_cell(clouds_.size());
         refuse("cells with a side of " + exact(report_.side) + " are " + brief(cells) + ", which takes " +
                    bytes_text(static_cast<std::uint64_t>(std::min(1e18, cells * bytes))) + " of memory, more than " +
                    bytes_text(options_.memory),
                "take a side of " + brief(1.1 * side) + " or more, or a smaller polygon");
     }
+}
+
+// Whether the points have to be read again for other cells, after they were read `pass` times before.
+bool Volume::improve_side(const std::vector<std::vector<HeightCell>>& cells, std::size_t columns, int pass)
+{
+    constexpr int most_passes = 2;
+    constexpr double near_enough = 1.25;
+    double side = 0;
+    for (const std::vector<HeightCell>& one : cells) side = std::max(side, side_for(one, columns, report_.side));
+    side = within_memory(two_digits(side));
+    report_.usual_side = options_.side == 0 ? report_.side : side;
+    if (options_.side > 0 || pass == most_passes) return false;
+    if (side < near_enough * report_.side && report_.side < near_enough * side) return false;
+    report_.side = side;
+    return true;
+}
+
+std::vector<std::vector<HeightCell>> Volume::read(const CellGrid& grid)
+{
+    std::vector<std::vector<HeightCell>> cells;
+    report_.points = {};
+    for (std::size_t number = 0; number < clouds_.size(); ++number) {
+        cells.push_back(read(number, grid));
+        if (report_.points[number] == 0)
+            refuse("no point of " + clouds_[number].cloud().tree()->folder().string() +
+                       " is in the polygon: there is no volume",
+                   extent_text(clouds_[number].bounds()));
+    }
+    return cells;
 }
 
 std::vector<HeightCell> Volume::read(std::size_t number, const CellGrid& grid)
@@ -165,86 +228,19 @@ std::vector<HeightCell> Volume::read(std::size_t number, const CellGrid& grid)
     return cells;
 }
 
-void Volume::add_cells(const CellGrid& grid, const std::vector<Surface2d>& surfaces,
-                       const std::vector<std::vector<double>>& known)
-{
-    double cut = 0, fill = 0;
-    for (std::size_t cell = 0; cell < grid.size(); ++cell) {
-        const double area = grid.area(cell);
-        if (!(area > 0)) continue;
-        ++report_.cells;
-        bool has_data = true;
-        for (const std::vector<double>& heights : known) has_data = has_data && !std::isnan(heights[cell]);
-        if (!has_data) {
-            ++report_.cells_without_data;
-            report_.area_without_data += area;
-        }
-        const double d = difference(surfaces, cell);
-        if (std::isnan(d)) continue;
-        report_.area_counted += area;
-        if (!has_data) report_.area_interpolated += area;
-        double variance = 0;
-        for (const Surface2d& surface : surfaces) variance += surface.variance[cell] * area * area;
-        (d > 0 ? report_.cut : report_.fill) += std::fabs(d) * area;
-        if (has_data) (d > 0 ? report_.cut_measured : report_.fill_measured) += std::fabs(d) * area;
-        (d > 0 ? cut : fill) += variance;
-    }
-    report_.cut_spread = std::sqrt(cut);
-    report_.fill_spread = std::sqrt(fill);
-    report_.net_spread = std::sqrt(cut + fill);
-}
-
-// Two by two cells as one, over the area of those of them that count and have points of their own.
-void Volume::add_coarse(const CellGrid& grid, const std::vector<std::vector<HeightCell>>& cells)
-{
-    const std::size_t columns = (grid.columns() + 1) / 2, rows = (grid.rows() + 1) / 2;
-    for (std::size_t row = 0; row < rows; ++row)
-        for (std::size_t column = 0; column < columns; ++column) {
-            std::vector<HeightCell> merged(cells.size());
-            double area = 0;
-            for (std::size_t k = 0; k < 4; ++k) {
-                const std::size_t x = 2 * column + k % 2, y = 2 * row + k / 2;
-                if (x >= grid.columns() || y >= grid.rows()) continue;
-                const std::size_t cell = y * grid.columns() + x;
-                bool counts = true;
-                for (const auto& surface : cells) counts = counts && surface[cell].points > 0;
-                if (!counts) continue;
-                area += grid.area(cell);
-                for (std::size_t s = 0; s < cells.size(); ++s) merged[s].add(cells[s][cell]);
-            }
-            if (!(area > 0) || merged[0].points == 0) continue;
-            std::vector<Surface2d> surfaces;
-            for (const HeightCell& one : merged) surfaces.push_back(surface_of({one}, options_.height));
-            const double d = difference(surfaces, 0);
-            (d > 0 ? report_.cut_coarse : report_.fill_coarse) += std::fabs(d) * area;
-        }
-}
-
 VolumeReport Volume::run()
 {
     const auto start = std::chrono::steady_clock::now();
-    const CellGrid grid(polygon_, report_.side);
+    std::optional<CellGrid> grid;
     std::vector<std::vector<HeightCell>> cells;
-    for (std::size_t number = 0; number < clouds_.size(); ++number) cells.push_back(read(number, grid));
-    std::vector<Surface2d> surfaces;
-    for (const auto& one : cells) surfaces.push_back(surface_of(one, options_.height));
-    add_coarse(grid, cells);
-    cells.clear();
-    std::vector<std::vector<double>> known;
-    for (Surface2d& surface : surfaces) known.push_back(surface.height);
-    if (options_.empty == EmptyCells::interpolated) {
-        std::vector<double> areas(grid.size());
-        for (std::size_t cell = 0; cell < grid.size(); ++cell) areas[cell] = grid.area(cell);
-        for (Surface2d& surface : surfaces) fill_gaps(surface.height, areas, grid.columns());
+    for (int pass = 0; pass == 0 || improve_side(cells, grid->columns(), pass); ++pass) {
+        cells.clear();
+        grid.emplace(polygon_, report_.side);
+        cells = read(*grid);
     }
-    add_cells(grid, surfaces, known);
-    for (std::size_t number = 0; number < clouds_.size(); ++number)
-        if (report_.points[number] == 0)
-            refuse("no point of " + clouds_[number].cloud().tree()->folder().string() +
-                       " is in the polygon: there is no volume",
-                   extent_text(clouds_[number].bounds()));
+    add_volumes(report_, *grid, cells, options_.height, options_.empty);
     if (!(report_.area_counted > 0))
-        refuse("no cell has points of both clouds: there is no volume", "take a larger side");
+        refuse("no cell has points of both clouds: there is no volume", "take a larger side, or interpolate");
     report_.outcome.points_out = report_.points[0] + report_.points[1];
     report_.outcome.error = report_.values()[0].uncertainty;
     report_.outcome.error_meaning = "uncertainty of the net volume (one standard deviation), source units cubed";
@@ -270,15 +266,6 @@ HeightPlane plane_of(const Vec3d& point, const Vec3d& normal)
     const Vec3d n = normalised(normal);
     if (!(std::fabs(n[2]) > 1e-9)) refuse("a vertical plane is no reference for a volume: it has no heights");
     return {point[0], point[1], point[2], -n[0] / n[2], -n[1] / n[2]};
-}
-
-std::vector<MeasureValue> VolumeReport::values() const
-{
-    return {{"net", net(), std::hypot(net_spread, (cut_measured - fill_measured) - (cut_coarse - fill_coarse)), "^3"},
-            {"cut", cut, std::hypot(cut_spread, cut_measured - cut_coarse), "^3"},
-            {"fill", fill, std::hypot(fill_spread, fill_measured - fill_coarse), "^3"},
-            {"area without data", area_without_data, 0, "^2"},
-            {"cell side", side, 0, ""}};
 }
 
 VolumeReport measure_volume(PointCloud& cloud, const VolumeOptions& options)

@@ -31,13 +31,14 @@ void add_parameters(RichParameterList& parameters)
         RichString("TreeBefore", "", "Tree before", "Folder of the tree to compare with. Empty by default."));
     parameters.addParam(RichFloat("Side", 0, "Side of a cell",
                                   "Side of the square cells that the area is divided into, in source units. 0, the "
-                                  "default: so that a cell has about 9 points."));
+                                  "default: so that cells that have points have about 9."));
     parameters.addParam(RichEnum("CellHeight", 0, {"Mean", "Lowest", "Highest"}, "Height of a cell",
                                  "Of the heights of the points in a cell the mean, the lowest or the highest. Default "
                                  "'Mean'."));
-    parameters.addParam(RichBool("Interpolate", false, "Interpolate empty cells",
-                                 "Cells without points get heights from those around them. Default off: they are left "
-                                 "out, and their area is reported."));
+    parameters.addParam(RichBool("Interpolate", true, "Interpolate empty cells",
+                                 "Cells without points get heights from those around them, and the uncertainty "
+                                 "contains what that may be wrong by. Default on. Off: they are left out, and the "
+                                 "volume is that of the part of the polygon that has points."));
     add_part_parameters(parameters);
     parameters.addParam(RichString("Name", "", "Name", "Name of the measure in the output. Default: Volume 1."));
     add_output_file_parameters(parameters,
@@ -95,7 +96,7 @@ void run(const FilterRun& run)
     set_reference(run.parameters, options);
     options.side = decimal_of(run.parameters, "Side");
     options.height = static_cast<CellHeight>(run.parameters.getEnum("CellHeight"));
-    if (run.parameters.getBool("Interpolate")) options.empty = EmptyCells::interpolated;
+    if (!run.parameters.getBool("Interpolate")) options.empty = EmptyCells::left_out;
     options.level = level_of(run.parameters, *cloud);
     options.where = where_of(run.parameters);
     Operation operation(run.callback);
@@ -106,6 +107,7 @@ void run(const FilterRun& run)
     log_measure(run, list[0], length_unit_of(file_options.system));
     run.log(grouped(report.outcome.points_out) + " points in " + grouped(report.cells) + " cells, " +
             grouped(report.cells_without_data) + " of them without points, in " + brief(report.outcome.seconds) + " s");
+    for (const std::string& note : report.notes()) run.log("Note: " + note + ".");
     if (const std::string caution = caution_of(file_options.system); !caution.empty())
         run.log("Note: " + caution + ".");
     if (output.empty()) return;
@@ -120,8 +122,8 @@ Filter cut_volume()
     return {"Cut Volume",
             "Computes how much of a <b>point cloud tree</b>'s surface lies above (cut) and below (fill) a height, a "
             "plane or the surface of another tree, in a polygon seen from above, on a grid of square cells. The "
-            "uncertainty comes from the spread of the heights in the cells and from cells twice as wide. It takes "
-            "clouds of any size in bounded memory. Esc cancels it.",
+            "uncertainty comes from the spread of the heights in the cells, from cells twice as wide, and from "
+            "the interpolation of cells without points. It takes clouds of any size in bounded memory. Esc cancels it.",
             MeshFilterInterface::Measure, add_parameters, run};
 }
 

@@ -2,6 +2,7 @@
 #include "pcm/measure/volume.h"
 
 #include "pcm/measure/cell_grid.h"
+#include "pcm/measure/gap_filling.h"
 #include "pcm/measure/height_cells.h"
 #include "pcm/system/error.h"
 #include "tests/measure/measured_tree.h"
@@ -118,7 +119,7 @@ TEST(HeightCells, MergedCellsAreAsIfFilledTogether)
     }
 }
 
-TEST(HeightCells, GapsOfAPlaneAreFilledWithThePlane)
+TEST(GapFilling, GapsOfAPlaneAreFilledWithThePlane)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     constexpr std::size_t columns = 30, rows = 20;
@@ -132,16 +133,70 @@ TEST(HeightCells, GapsOfAPlaneAreFilledWithThePlane)
     }
     areas[columns + 20] = 0;  // a cell outside of the polygon is never filled
     height[columns + 20] = nan;
-    fill_gaps(height, areas, columns);
+    const FilledCells filled = fill_gaps(height, areas, columns);
     for (std::size_t cell = 0; cell < height.size(); ++cell) {
-        if (cell == columns + 20)
-            EXPECT_TRUE(std::isnan(height[cell]));
-        else
-            EXPECT_NEAR(height[cell], plane(cell), 1e-3);
+        if (cell == columns + 20) {
+            EXPECT_TRUE(std::isnan(filled.height[cell]));
+            continue;
+        }
+        EXPECT_NEAR(filled.height[cell], plane(cell), 1e-6);
+        EXPECT_EQ(filled.width[cell], std::isnan(height[cell]) ? 10u : 0u);
+        EXPECT_FALSE(filled.outer[cell]);
+        EXPECT_LT(filled.sigma[cell], 1e-3);  // of a plane nothing is left to be wrong about
     }
-    std::vector<double> none(4, nan);
-    fill_gaps(none, {1, 1, 1, 1}, 2);
-    EXPECT_TRUE(std::isnan(none[0]));
+    EXPECT_TRUE(std::isnan(fill_gaps(std::vector<double>(4, nan), {1, 1, 1, 1}, 2).height[0]));
+    EXPECT_FALSE(fill_gaps({1, 2, 3, 4}, {1, 1, 1, 1}, 2).filled);
+}
+
+TEST(GapFilling, GapsSolveLaplacesEquation)
+{
+    // The real part of a power of x + i y is harmonic; cells next to each other differ little from its mean value.
+    constexpr std::size_t columns = 120, rows = 120;
+    std::vector<double> height(columns * rows), areas(columns * rows, 1);
+    const auto harmonic = [](std::size_t cell) {
+        const double x = static_cast<double>(cell % columns) / 60 - 1, y = static_cast<double>(cell / columns) / 60 - 1;
+        return x * x * x - 3 * x * y * y;
+    };
+    for (std::size_t cell = 0; cell < height.size(); ++cell) {
+        const std::size_t x = cell % columns, y = cell / columns;
+        height[cell] = x > 20 && x < 100 && y > 10 && y < 90 ? std::numeric_limits<double>::quiet_NaN() : harmonic(cell);
+    }
+    const FilledCells filled = fill_gaps(height, areas, columns);
+    for (std::size_t cell = 0; cell < height.size(); ++cell) EXPECT_NEAR(filled.height[cell], harmonic(cell), 0.01);
+}
+
+TEST(GapFilling, CellsBesideTheKnownOnesAreExtrapolatedAndLessCertain)
+{
+    constexpr std::size_t columns = 60, rows = 40;
+    std::vector<double> height(columns * rows), areas(columns * rows, 1);
+    std::mt19937_64 random(9);
+    std::normal_distribution<double> normal(0, 0.1);
+    for (std::size_t cell = 0; cell < height.size(); ++cell) {
+        const std::size_t x = cell % columns, y = cell / columns;
+        const bool gap = x >= 44 || (x >= 10 && x < 18 && y >= 10 && y < 18);
+        height[cell] = gap ? std::numeric_limits<double>::quiet_NaN()
+                           : std::sin(static_cast<double>(x) / 9) + std::cos(static_cast<double>(y) / 7) + normal(random);
+    }
+    const FilledCells filled = fill_gaps(height, areas, columns);
+    const std::size_t inner = 14 * columns + 14, near = 20 * columns + 44, far = 20 * columns + 59;
+    EXPECT_FALSE(filled.outer[inner]);
+    EXPECT_EQ(filled.width[inner], 8u);
+    EXPECT_TRUE(filled.outer[near]);
+    EXPECT_EQ(filled.width[near], 2u);
+    EXPECT_EQ(filled.width[far], 32u);
+    EXPECT_GT(filled.sigma[inner], 0);
+    EXPECT_GT(filled.sigma[far], 2 * filled.sigma[inner]);
+    EXPECT_GT(filled.sigma[far], 2 * filled.sigma[near]);
+    // The errors of one gap add up, those of gaps far from each other add as squares.
+    std::vector<double> one(height.size(), 0);
+    double sum = 0;
+    for (std::size_t y = 10; y < 18; ++y)
+        for (std::size_t x = 10; x < 18; ++x) {
+            one[y * columns + x] = 2;
+            sum += 2 * filled.sigma[y * columns + x];
+        }
+    const double common = 64 * 2 * filled.step[inner];
+    EXPECT_NEAR(gap_uncertainty(filled, one, columns), std::hypot(sum, common), 1e-9 * sum);
 }
 
 class Volumes : public testing::Test {
@@ -205,9 +260,15 @@ TEST_F(Volumes, BetweenTwoClouds)
     EXPECT_GT(report.points[0], report.points[1]);
     EXPECT_LT(report.values()[0].uncertainty, 1);
     const double coarser = (report.cut_measured - report.fill_measured) - (report.cut_coarse - report.fill_coarse);
-    EXPECT_DOUBLE_EQ(report.values()[0].uncertainty, std::hypot(report.net_spread, coarser));
-    EXPECT_DOUBLE_EQ(report.values()[1].uncertainty,
-                     std::hypot(report.cut_spread, report.cut_measured - report.cut_coarse));
+    const auto root = [](std::initializer_list<double> parts) {
+        double squares = 0;
+        for (const double part : parts) squares += part * part;
+        return std::sqrt(squares);
+    };
+    EXPECT_NEAR(report.values()[0].uncertainty, root({report.net_spread, report.net_gaps, coarser}), 1e-12);
+    EXPECT_NEAR(report.values()[1].uncertainty,
+                root({report.cut_spread, report.cut_gaps, report.cut_measured - report.cut_coarse, report.excess}),
+                1e-12);
     EXPECT_GT(report.net_spread, 1e-3);
     EXPECT_NE(coarser, 0);
     // In the other order the signs change.
@@ -226,21 +287,87 @@ TEST_F(Volumes, CellsWithoutPointsAreLeftOutOrInterpolated)
     options.polygon = at_origin(square);
     options.reference.height = origin[2] - 5;
     options.side = 0.5;
+    options.empty = EmptyCells::left_out;
     const VolumeReport left_out = measure_volume(*cloud, options);
     EXPECT_LT(left_out.area_without_data, pi * 9);  // the cells that lie in the hole as a whole
     EXPECT_GT(left_out.area_without_data, pi * std::pow(3 - 0.5 * std::sqrt(2.0), 2));
     EXPECT_NEAR(left_out.area_counted + left_out.area_without_data, 256, 1e-9);
     EXPECT_EQ(left_out.area_interpolated, 0);
+    EXPECT_EQ(left_out.net_gaps, 0);
     EXPECT_EQ(left_out.cut_measured, left_out.cut);
+    EXPECT_NEAR(left_out.covered(), left_out.area_counted / 256, 1e-12);
+    ASSERT_EQ(left_out.notes().size(), 1u);
+    EXPECT_NE(left_out.notes()[0].find("that of the 91"), std::string::npos) << left_out.notes()[0];
     // Over the same area: of a slope, wider cells have the same volume.
     EXPECT_NEAR(left_out.cut_coarse, left_out.cut, 1e-3 * left_out.cut);
-    options.empty = EmptyCells::interpolated;
+    options.empty = VolumeOptions().empty;  // nothing is left out unasked
     const VolumeReport filled = measure_volume(*cloud, options);
     EXPECT_EQ(filled.area_without_data, left_out.area_without_data);
     EXPECT_EQ(filled.area_interpolated, left_out.area_without_data);
+    EXPECT_EQ(filled.area_extrapolated, 0);
     const double truth = 256 * (5 + 0.1 * 10 - 0.05 * 10);
     EXPECT_NEAR(filled.net(), truth, 1e-3 * truth);
     EXPECT_NEAR(left_out.net(), truth - left_out.area_without_data * 5.5, 1e-2 * truth);
+    EXPECT_GT(filled.values()[0].uncertainty, left_out.values()[0].uncertainty);
+    EXPECT_TRUE(filled.notes().empty());
+}
+
+// Cells much narrower than the points are apart: what was 3.3 of 24 is about 24, and is said to be interpolated.
+TEST_F(Volumes, OfCellsThatAreNarrowerThanTheSpacing)
+{
+    const auto roof = [](double, double y) { return 4 - 0.3 * std::fabs(y - 10); };
+    const auto cloud = measured_tree(folder_, "a", surface(roof, 400, 0.02, 1), origin);  // 1 apart
+    VolumeOptions options;
+    options.polygon = at_origin({{6, 7, 0}, {14, 7, 0}, {14, 13, 0}, {6, 13, 0}});
+    options.reference.height = origin[2] + 3;
+    const double truth = 48 * (1 - 0.3 * 1.5);
+    options.side = 0.25;
+    const VolumeReport narrow = measure_volume(*cloud, options);
+    EXPECT_LT(narrow.covered(), 0.2);
+    const MeasureValue net = narrow.values()[0];
+    EXPECT_NEAR(net.value, truth, 3 * net.uncertainty);
+    EXPECT_LT(net.uncertainty, 0.2 * truth);
+    ASSERT_FALSE(narrow.notes().empty());
+    EXPECT_NE(narrow.notes()[0].find("less than half"), std::string::npos) << narrow.notes()[0];
+    EXPECT_NE(narrow.notes()[0].find(" wide would have 9 points"), std::string::npos) << narrow.notes()[0];
+    // The label of the measure says it as well.
+    Measure measure;
+    measure.kind = MeasureKind::volume;
+    for (const Vec3d& p : options.polygon) measure.points.push_back({p, 0, 0, ""});
+    measure.computed = narrow.values();
+    EXPECT_NE(label_of(measure, "m").find(" % of the area has points"), std::string::npos) << label_of(measure, "m");
+    // The usual side is that of the note.
+    options.side = 0;
+    const VolumeReport usual = measure_volume(*cloud, options);
+    EXPECT_NEAR(usual.side, narrow.usual_side, 0.5 * usual.side);
+    EXPECT_GT(usual.side, 2);
+    EXPECT_LT(usual.side, 4.5);
+    EXPECT_NEAR(usual.net(), truth, 3 * usual.values()[0].uncertainty);
+    measure.computed = usual.values();
+    EXPECT_EQ(label_of(measure, "m").find(" % of the area has points"), std::string::npos) << label_of(measure, "m");
+}
+
+// A side is chosen by the points that there are, wherever they lie in the polygon.
+TEST_F(Volumes, GapsDoNotMakeTheUsualSideWider)
+{
+    const auto flat = [](double, double) { return 1.0; };
+    const auto corner = [](double x, double y) { return x < 7 && y < 7; };
+    VolumeOptions options;
+    options.polygon = at_origin(square);
+    options.reference.height = origin[2];
+    const auto all = measured_tree(folder_, "a", surface(flat, 16000, 0, 1), origin);
+    const auto part = measured_tree(folder_, "b", surface(flat, 1960, 0, 1, corner), origin);  // as dense
+    const double side = measure_volume(*all, options).side;
+    EXPECT_NEAR(side, std::sqrt(9 * 400.0 / 16000), 0.05);
+    const VolumeReport report = measure_volume(*part, options);
+    EXPECT_NEAR(report.side, side, 0.25 * side);
+    EXPECT_LT(report.covered(), 0.2);
+    EXPECT_GT(report.area_extrapolated, 100);
+    EXPECT_EQ(report.points[0], measure_volume(*part, [&] {
+                                    VolumeOptions same = options;
+                                    same.side = 1;
+                                    return same;
+                                }()).points[0]);
 }
 
 // The uncertainty is the spread of volumes of clouds with the same surface and other noise.

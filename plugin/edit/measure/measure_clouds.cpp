@@ -23,7 +23,7 @@ namespace pcm::host {
 namespace {
 
 constexpr std::size_t most_plotted = 2'000'000;         // about 100 MB, and half a second to draw
-constexpr double default_width = 10, default_cell = 4;  // times the spacing
+constexpr double default_width = 10;                    // times the spacing
 
 TreeLayer drawn_tree(const MeshModel& layer)
 {
@@ -156,19 +156,20 @@ void MeasureTool::find_volume(const Measure& measure)
     } else {
         options.reference.height = level;
     }
-    const double spacing = measure.points.front().spacing;
-    options.side = panel_->cell().value_or(default_cell * spacing);
+    options.side = panel_->cell().value_or(0);
     begin("Volume", [this, cloud = tree.cloud, options, measure, level, compared](const ProgressFunction& progress) {
         VolumeOptions running = options;
         running.progress = progress;
         const VolumeReport report = measure_volume(*cloud, running);
         std::vector<MeasureValue> values = report.values();
         if (!compared) values.push_back({"level", level, 0, ""});
-        return CloudWork::Result([this, measure, values] { take_volume(measure, values); });
+        return CloudWork::Result(
+            [this, measure, values, notes = report.notes()] { take_volume(measure, values, notes); });
     });
 }
 
-void MeasureTool::take_volume(const Measure& measure, const std::vector<MeasureValue>& values)
+void MeasureTool::take_volume(const Measure& measure, const std::vector<MeasureValue>& values,
+                              const std::vector<std::string>& notes)
 {
     if (!view_) return;
     const MeasureList& list = book().list();
@@ -180,7 +181,9 @@ void MeasureTool::take_volume(const Measure& measure, const std::vector<MeasureV
         found.computed = values;
         book().change([&](MeasureList& changed) { changed.replace(i, found); });
         book().select(i);
-        return say(QString::fromStdString(found.name + ": " + label_of(found, book().unit().symbol)));
+        std::string words = found.name + ": " + label_of(found, book().unit().symbol);
+        for (const std::string& note : notes) words += "; " + note;
+        return say(QString::fromStdString(words));
     }
     say("the volume's measure has been deleted");
 }

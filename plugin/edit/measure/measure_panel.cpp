@@ -112,8 +112,8 @@ void MeasurePanel::add_fields(QVBoxLayout& column)
                        "The height that the volume is measured against, in source units. Default: that of the lowest "
                        "point of the polygon.");
     cell_ = add_field(*rows, "PointCloudMeasureCell", "Cell",
-                      "The side of the cells whose heights are compared, in source units. Default: 4 times the "
-                      "distance between neighbouring points at the polygon's first point.");
+                      "The side of the cells whose heights are compared, in source units. Default: so that cells that "
+                      "have points have about 9, as for the filter and the command; the values show it.");
     column.addWidget(fields_);
     hint_ = new QLabel;
     hint_->setObjectName("PointCloudMeasureHint");

@@ -76,7 +76,8 @@ private:
     void plot(const Measure& measure);
     void write_points(const std::shared_ptr<const ProfileData>& data, const QString& extension, ProfileWindow& window);
     void find_volume(const Measure& measure);
-    void take_volume(const Measure& measure, const std::vector<MeasureValue>& values);
+    void take_volume(const Measure& measure, const std::vector<MeasureValue>& values,
+                     const std::vector<std::string>& notes);
     void begin(const QString& what, const std::function<CloudWork::Result(const ProgressFunction&)>& work);
 
     QPointer<MeasurePanel> panel_;

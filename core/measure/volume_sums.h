@@ -1,0 +1,17 @@
+// From the heights in the cells of a grid to volumes and their uncertainty (volume.h says what is summed).
+#pragma once
+
+#include "pcm/measure/cell_grid.h"
+#include "pcm/measure/height_cells.h"
+#include "pcm/measure/volume.h"
+
+#include <vector>
+
+namespace pcm {
+
+// `cells`: of the cloud, and of the cloud before where there are two; heights relative to the reference. Sets the sums,
+// areas and uncertainties of the report. Any thread.
+void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<std::vector<HeightCell>>& cells,
+                 CellHeight height, EmptyCells empty);
+
+}  // namespace pcm
