@@ -54,7 +54,7 @@ TEST_F(NoLocks, ANewTreeIsBuiltAndSaysSo)
         EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << entry.path();
 }
 
-// A running build cannot be told from an interrupted one.
+// A running build cannot be distinguished from an interrupted one.
 TEST_F(NoLocks, TheRemainsOfABuildAreNotTakenOver)
 {
     fs::create_directories(work_ / "b.pct.part" / "tree");
