@@ -71,7 +71,7 @@ bool exchange(const fs::path& a, const fs::path& b)
         throw Error(ErrorCode::exists, output, "another build is writing this tree at this moment");
     throw Error(ErrorCode::exists, part,
                 "this was left by an interrupted build, or one is running: the file system has no locks, which would "
-                "tell the two apart",
+                "distinguish the two",
                 "remove the folder if no program is writing " + output.string());
 }
 
@@ -125,7 +125,7 @@ void BuildFolder::lock(bool made)
             throw Error(ErrorCode::exists, part_, "a folder of this name is in the way and is not an interrupted build",
                         "remove or rename it");
         lock_ = File(part_ / build_marker_name, File::Mode::change_or_create);
-        const FileLock lock = try_lock(lock_.descriptor(), lock_.path());
+        const FileLock lock = take_lock(lock_.descriptor(), lock_.path());
         locked_ = lock == FileLock::taken;
         if (!locked_ && (lock == FileLock::held || !made)) refuse(lock, output_, part_);
         // One that has just ended may have removed what was opened here.
@@ -262,7 +262,7 @@ bool put_back_replaced(const fs::path& output)
     if (!was_being_replaced(output)) return false;
     const fs::path part = build_folder_of(output);
     const File lock(part / build_marker_name, File::Mode::change_or_create);
-    if (const FileLock state = try_lock(lock.descriptor(), lock.path()); state != FileLock::taken)
+    if (const FileLock state = take_lock(lock.descriptor(), lock.path()); state != FileLock::taken)
         refuse(state, output, part);
     if (!was_being_replaced(output)) return false;
     rename_path(part / replaced_tree_name, output, "putting back the tree that was being replaced");

@@ -14,7 +14,7 @@
 //
 // Copies of trees that are changed before they get their name (update/target.h) are made here too. Where the file
 // system has no locks, a folder that this process has just made is its own, since it did not exist before; in one that
-// exists nobody can tell a running build from an interrupted one, so it has to be removed by hand.
+// exists a running build cannot be distinguished from an interrupted one, so it has to be removed by hand.
 #pragma once
 
 #include "pcm/system/file.h"

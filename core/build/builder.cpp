@@ -13,6 +13,7 @@
 #include "pcm/system/output_path.h"
 #include "pcm/system/renamed_error.h"
 #include "pcm/tree/about.h"
+#include "pcm/tree/unfinished_build.h"
 
 #include <cstdint>
 #include <memory>
@@ -160,11 +161,7 @@ private:
     void do_then()
     {
         report_.outcome.seconds = work().watch.seconds();
-        try {
-            then_(folder_.tree(), report_);
-        } catch (const Error& error) {
-            throw renamed(error, folder_.tree(), output_);
-        }
+        then_(folder_.tree(), report_);
         for (std::string& warning : report_.outcome.warnings) warning = renamed(warning, folder_.tree(), output_);
     }
 
@@ -308,6 +305,9 @@ BuildReport build(PointReader& cloud, const std::vector<std::string>& sources, c
 {
     try {
         return TreeBuild(cloud, sources, folder, options, identity, like, then).run();
+    } catch (const Error& error) {
+        if (error.is_done()) throw;
+        throw renamed(error, build_folder_of(folder) / "tree", folder);  // users know the tree's name
     } catch (const fs::filesystem_error& error) {
         throw Error::from_errno(error.code().value(), error.path1(), "working in the folder");
     } catch (const std::bad_alloc&) {

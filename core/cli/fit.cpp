@@ -138,6 +138,17 @@ void print_text(const Arguments& arguments, const FittedPrimitive& fitted, const
     std::printf("%.2f s, peak memory %s\n", seconds, bytes_text(peak_memory_bytes()).c_str());
 }
 
+// When the primitive is in the list, a failure is no reason to repeat all of the command: it would be there twice.
+SetDone do_with_points(const Arguments& arguments, const FittedPrimitive& fitted)
+{
+    try {
+        return arguments.actions.run(fitted.points, arguments.common, arguments.memory, arguments.threads);
+    } catch (const Error& error) {
+        if (arguments.list.empty()) throw;
+        throw Error::after(arguments.list, fitted.primitive.name + " was added", error);
+    }
+}
+
 int fit(const Arguments& arguments)
 {
     const auto start = std::chrono::steady_clock::now();
@@ -155,7 +166,7 @@ int fit(const Arguments& arguments)
         Outcome listed;  // its warnings
         // The list first: points that are deleted cannot be fitted again.
         if (!arguments.list.empty()) run_last_step(listed, [&] { add_to_list(arguments.list, fitted.primitive); });
-        done = arguments.actions.run(fitted.points, arguments.common, arguments.memory, arguments.threads);
+        done = do_with_points(arguments, fitted);
         done.outcome.warnings.insert(done.outcome.warnings.begin(), listed.warnings.begin(), listed.warnings.end());
     }
     end_progress(arguments.common);

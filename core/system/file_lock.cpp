@@ -8,7 +8,7 @@
 
 namespace pcm {
 
-FileLock try_lock(int descriptor, const std::filesystem::path& path)
+FileLock take_lock(int descriptor, const std::filesystem::path& path)
 {
     int result;
     do result = ::flock(descriptor, LOCK_EX | LOCK_NB);

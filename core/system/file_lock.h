@@ -1,4 +1,4 @@
-// Locks of files, by which programs that are running are told from those that were killed.
+// Locks of files, which distinguish programs that are running from those that were killed.
 #pragma once
 
 #include <filesystem>
@@ -13,6 +13,6 @@ enum class FileLock {
 
 // Takes the exclusive lock of an open file, without waiting. Throws Error(io) for other failures; `path` is for its
 // text. Any thread.
-FileLock try_lock(int descriptor, const std::filesystem::path& path);
+FileLock take_lock(int descriptor, const std::filesystem::path& path);
 
 }  // namespace pcm

@@ -20,7 +20,7 @@ OutputFile::OutputFile(const std::filesystem::path& path) : path_(path), place_(
     remove_abandoned_parts(place_);
     file_ = File::without_name(place_);
     if (file_.is_open()) {
-        try_lock(file_.descriptor(), place_);  // it may become a part in put_in_place()
+        take_lock(file_.descriptor(), place_);  // it may become a part in put_in_place()
     } else {
         file_ = make_part(place_);
         part_ = file_.path();

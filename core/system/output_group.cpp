@@ -102,9 +102,9 @@ void OutputGroup::put_in_place()
         throw;
     }
     for (Member& member : members_) {
-        std::error_code ignored;
-        if (!member.earlier.empty()) fs::remove(member.earlier, ignored);
-        member.earlier.clear();
+        std::error_code error;
+        if (!member.earlier.empty()) fs::remove(member.earlier, error);
+        if (!error) member.earlier.clear();  // else the destructor tries again, and then the next output of this name
     }
     for (std::size_t i = 0; i < members_.size(); ++i) {
         try {

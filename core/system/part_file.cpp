@@ -27,7 +27,7 @@ bool is_abandoned(const fs::path& part)
     bool abandoned = false;
     try {
         abandoned = ::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
-                    try_lock(descriptor, part) == FileLock::taken;
+                    take_lock(descriptor, part) == FileLock::taken;
     } catch (const Error&) {  // it stays
     }
     ::close(descriptor);
@@ -37,7 +37,7 @@ bool is_abandoned(const fs::path& part)
 // False when another process took the new part for an abandoned one before it was locked.
 bool lock_part(const File& file)
 {
-    if (try_lock(file.descriptor(), file.path()) == FileLock::held) return false;
+    if (take_lock(file.descriptor(), file.path()) == FileLock::held) return false;
     struct stat status {};
     return ::fstat(file.descriptor(), &status) != 0 || status.st_nlink > 0;
 }

@@ -37,7 +37,7 @@ void remove_abandoned(const fs::path& folder)
     try {
         if (fs::exists(fs::symlink_status(folder / marker_name))) {
             const File marker(folder / marker_name, File::Mode::change);
-            if (try_lock(marker.descriptor(), marker.path()) != FileLock::taken) return;
+            if (take_lock(marker.descriptor(), marker.path()) != FileLock::taken) return;
             // Empty: its process was killed before it wrote anything.
             if (marker.size() > 0 && !is_marker(marker)) return;
             remove_contents(folder);
@@ -88,7 +88,7 @@ bool ScratchFolder::make()
     }
     try {
         marker_ = File(path_ / marker_name, File::Mode::create_new);
-        if (try_lock(marker_.descriptor(), marker_.path()) == FileLock::held) return false;
+        if (take_lock(marker_.descriptor(), marker_.path()) == FileLock::held) return false;
         if (!fs::exists(path_ / marker_name, error)) return false;
         marker_.write_at(marker_text, marker_bytes, 0);
         return true;

@@ -25,7 +25,7 @@ TreeLock::TreeLock(const std::filesystem::path& folder)
     const std::filesystem::path path = folder / lock_file_name;
     for (;;) {
         file_ = File(path, File::Mode::change_or_create);
-        const FileLock state = try_lock(file_.descriptor(), path);
+        const FileLock state = take_lock(file_.descriptor(), path);
         if (state == FileLock::held)
             throw Error(ErrorCode::exists, folder, "another process or thread is changing this tree",
                         "try again when it has finished");

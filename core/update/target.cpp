@@ -36,7 +36,11 @@ UpdateTarget::UpdateTarget(const fs::path& tree, const TargetChoice& choice)
     tree_ = Tree::open(tree)->folder();  // what is wrong with the original comes first
     made_ = std::make_unique<BuildFolder>(path_, false);
     if (made_->left_over()) made_->clear();
-    clone_into(tree_, made_->tree());
+    try {
+        clone_into(tree_, made_->tree());
+    } catch (const Error& error) {
+        throw renamed(error, made_->tree(), path_);
+    }
 }
 
 UpdateTarget::~UpdateTarget() = default;

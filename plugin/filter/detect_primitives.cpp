@@ -3,6 +3,7 @@
 
 #include "pcm/fit/primitive_text.h"
 #include "pcm/system/error.h"
+#include "pcm/system/output_group.h"
 #include "pcm/system/rounded_text.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
@@ -144,9 +145,16 @@ void run(const FilterRun& run)
     if (found.primitives.empty()) return run.log("Nothing was found: the list and the tree stay as they are.");
     PrimitiveBook::of(run.document).change([&](PrimitiveList& list) { list.add_all(found.primitives); });
     open_tool(run.document, "Fit Primitives");  // its panel has the list
+    OutputGroup drawing;  // it is there only when the labels are
     write_drawing(run, found.primitives, cloud.unit);
     note_matrix(run, cloud);
     if (labelled) label(run, cloud, found, labels);
+    try {
+        drawing.put_in_place();
+    } catch (const Error& error) {
+        if (!labelled) throw;
+        run.warn(std::string("the labels are written, but not the list: ") + error.what());
+    }
 }
 
 }  // namespace

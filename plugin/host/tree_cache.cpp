@@ -45,13 +45,23 @@ bool is_file_at(int descriptor, const std::string& path)
            open.st_dev == named.st_dev;
 }
 
+// What cannot be locked is left to others.
+FileLock lock_of(int descriptor, const std::string& path)
+{
+    try {
+        return take_lock(descriptor, path);
+    } catch (const Error&) {
+        return FileLock::held;
+    }
+}
+
 // Removes a session if nobody has its lock.
 bool remove_session(const fs::path& folder)
 {
     const std::string lock = folder.string() + lock_suffix;
     const int descriptor = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
     if (descriptor < 0) return false;
-    const bool ours = try_lock(descriptor, lock) == FileLock::taken && is_file_at(descriptor, lock);
+    const bool ours = lock_of(descriptor, lock) == FileLock::taken && is_file_at(descriptor, lock);
     if (ours) {
         std::error_code ignored;
         fs::remove_all(folder, ignored);
@@ -96,7 +106,7 @@ void TreeCache::make_session()
         const int descriptor = mkostemps(lock.data(), static_cast<int>(lock_suffix.size()), O_CLOEXEC);
         if (descriptor < 0) throw Error::from_errno(errno, root_, "creating a file in the folder for temporary trees");
         // Without locks nobody takes the session for one that has ended: it is removed at the end alone.
-        if (try_lock(descriptor, lock) != FileLock::held && is_file_at(descriptor, lock))
+        if (lock_of(descriptor, lock) != FileLock::held && is_file_at(descriptor, lock))
             lock_ = descriptor;
         else
             ::close(descriptor);

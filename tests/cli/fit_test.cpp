@@ -238,6 +238,14 @@ TEST_F(FitCommand, AFullDiskChangesNothing)
         }
         EXPECT_NE(run_with_fault(command, work, "full", 1).code, 0) << "no fault was met";
     }
+    // Repeated, it would add the primitive once more.
+    const std::filesystem::path list = folder_ / "kept.json";
+    const Faulty half = run_with_fault(with({"--add", list.string(), "--delete", "--in-place"}), work, "full", 1);
+    EXPECT_EQ(half.code, 3) << half.err;
+    for (const char* words : {"kept.json", "was added, but", "space", "do not repeat"})
+        EXPECT_NE(half.err.find(words), std::string::npos) << half.err;
+    EXPECT_TRUE(std::filesystem::exists(list));
+    EXPECT_EQ(points_of("work/a.pct"), 24000u);
 }
 
 }  // namespace

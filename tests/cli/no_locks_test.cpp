@@ -20,12 +20,12 @@ protected:
         fs::copy(folder_ / "a.pct", work_ / "a.pct", fs::copy_options::recursive);
     }
 
-    // With no locks below the folder "work".
-    Result without_locks(const std::string& arguments)
+    // With no locks, or without something else of tests/faults/preload.cpp, below the folder "work".
+    Result without_locks(const std::string& arguments, const std::string& without = "flock")
     {
-        return pcmlab(arguments, "LD_PRELOAD='" + std::string(paths::faults) + "' ASAN_OPTIONS=" + asan_ +
-                                     " PCM_FAULT=count PCM_FAULT_WITHOUT=flock PCM_FAULT_UNDER='" +
-                                     fs::weakly_canonical(work_).string() + "'");
+        return pcmlab(arguments, "TMPDIR=" + work("tmp") + " LD_PRELOAD='" + std::string(paths::faults) +
+                                     "' ASAN_OPTIONS=" + asan_ + " PCM_FAULT=count PCM_FAULT_WITHOUT=" + without +
+                                     " PCM_FAULT_UNDER='" + fs::weakly_canonical(work_).string() + "'");
     }
     std::string work(const std::string& name) const { return path("work/" + name); }
     Json info(const std::string& name)
@@ -54,7 +54,7 @@ TEST_F(NoLocks, ANewTreeIsBuiltAndSaysSo)
         EXPECT_EQ(entry.path().string().find(".part"), std::string::npos) << entry.path();
 }
 
-// A running build cannot be told from an interrupted one.
+// A running build cannot be distinguished from an interrupted one.
 TEST_F(NoLocks, TheRemainsOfABuildAreNotTakenOver)
 {
     fs::create_directories(work_ / "b.pct.part" / "tree");
@@ -87,6 +87,19 @@ TEST_F(NoLocks, ACopyIsChangedAndATreeInPlaceIsNot)
         EXPECT_EQ(info("a.pct")["points"], 3000);
     }
     EXPECT_EQ(pcmlab(append).code, 0);
+}
+
+// Where files without names cannot be made either.
+TEST_F(NoLocks, ScratchFilesHaveNamesOfTheirOwn)
+{
+    fs::create_directories(work_ / "tmp" / "update.tmp");
+    std::ofstream(work_ / "tmp" / "update.tmp" / "values") << "mine";
+    const Result counted = without_locks("outliers --count --json -a 1 " + work("a.pct"), "flock,tmpfile");
+    EXPECT_EQ(counted.code, 0) << counted.err;
+    EXPECT_EQ(Json::parse(counted.out)["outliers"],
+              Json::parse(pcmlab("outliers --count --json -a 1 " + work("a.pct")).out)["outliers"]);
+    EXPECT_EQ(fs::file_size(work_ / "tmp" / "update.tmp" / "values"), 4u);
+    EXPECT_EQ(std::distance(fs::directory_iterator(work_ / "tmp"), fs::directory_iterator()), 1);
 }
 
 }  // namespace

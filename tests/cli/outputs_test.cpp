@@ -141,7 +141,7 @@ TEST_F(Outputs, OfDetect)
         EXPECT_EQ(attributes_of(labelled), attributes + 1);
         bool failed = false;
         for (const std::string kind : {"full", "eio", "kill"})
-            for (const long at : spread(calls, 16)) {
+            for (const long at : spread(calls, 10)) {
                 const std::string when = kind + " at " + std::to_string(at) + " of " + std::to_string(calls);
                 prepare();
                 const Faulty done = run_with_fault(command, work_, kind, at);

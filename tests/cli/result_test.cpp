@@ -116,15 +116,6 @@ TEST_F(ResultCommands, ATreeOfTheUsersIsNotRemoved)
     }
 }
 
-TEST_F(ResultCommands, ErrorsNameTheInputAndNotTheTemporaryTree)
-{
-    ASSERT_EQ(pcmlab("generate -n 2000 " + path("a.las")).code, 0);
-    const Result refused = pcmlab("voxel -s 0.5 --mean none " + path("a.las") + " -o " + path("o.pct"));
-    EXPECT_EQ(refused.code, 1);
-    EXPECT_NE(refused.err.find("a.las: "), std::string::npos) << refused.err;
-    EXPECT_EQ(refused.err.find(".part"), std::string::npos) << refused.err;
-}
-
 // Three million points with a limit of 128 MiB. Sanitizers need more memory: their presets leave this out.
 TEST_F(ResultCommands, VoxelGridKeepsToItsMemory)
 {

@@ -7,7 +7,8 @@
 //                     count_closes | close
 //   PCM_FAULT_AT      the number of the call, from 1
 //   PCM_FAULT_COUNT   a file that gets the number of calls made, when the program ends by itself
-//   PCM_FAULT_WITHOUT tmpfile: the file system has no files without names; linkat: they cannot be given names; flock: it
+//   PCM_FAULT_WITHOUT tmpfile: the file system has no files without names; linkat: they cannot be given names; flock:
+//   it
 //                     has no locks
 //
 // kill ends the process instead of the call; torn does so after half of what a write was to write. full: from that call

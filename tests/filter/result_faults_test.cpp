@@ -148,6 +148,9 @@ TEST_P(ResultFaults, AFullOrBadDiskLeavesTheSourceAndNothingElse)
             start_again();
             const Faulty result_of_it = run_with_fault(command(), work(), kind, at);
             expect_whole(when);
+            // Working names mean nothing to users.
+            for (const char* working : {"input.pct", ".part/tree/"})
+                EXPECT_EQ(result_of_it.err.find(working), std::string::npos) << when << ": " << result_of_it.err;
             if (result_of_it.code == 1)
                 EXPECT_EQ(names(), at_start_) << when << ": " << result_of_it.err;
             else

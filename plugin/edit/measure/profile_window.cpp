@@ -3,10 +3,13 @@
 #include "pcm/cad/dxf_file.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/output_file.h"
 #include "plugin/host/text.h"
 
+#include <QBuffer>
 #include <QCheckBox>
 #include <QFileDialog>
+#include <QFileInfo>
 #include <QHBoxLayout>
 #include <QImageWriter>
 #include <QLabel>
@@ -66,11 +69,15 @@ void ProfileWindow::say(const QString& text) { place_->setText(text); }
 
 void ProfileWindow::save_picture(const QString& file) const
 {
-    QImageWriter writer(file);
+    QBuffer picture;
+    QImageWriter writer(&picture, QFileInfo(file).suffix().toLatin1());
     if (!writer.write(plot_->grab().toImage()))
-        throw Error(ErrorCode::io, file.toStdString(),
+        throw Error(ErrorCode::invalid_argument, file.toStdString(),
                     "the picture cannot be written: " + writer.errorString().toStdString(),
-                    "Choose a folder that can be written and an extension such as .png.");
+                    "choose an extension such as .png");
+    OutputFile output(file.toStdString());
+    output.append(picture.data().constData(), static_cast<std::size_t>(picture.size()));
+    output.finish();
 }
 
 void ProfileWindow::ask_for_picture()
