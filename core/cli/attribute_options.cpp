@@ -41,7 +41,8 @@ void NeighbourOptions::add_to(Options& options)
         .group(group);
     options
         .option("--time-limit", time_limit,
-                "Choose the finest level that is predicted to take no longer than so many seconds")
+                "Choose the finest level that is predicted to take no longer than so many seconds; where it takes "
+                "longer, the rest is computed at coarser levels")
         .positive()
         .group(group);
     options
@@ -50,13 +51,23 @@ void NeighbourOptions::add_to(Options& options)
                 "percent (for normals 1 is an angle of 0.01)")
         .not_negative()
         .group(group);
-    options.option("-m,--memory", memory, "Memory limit, e.g. 512M or 2G (default 512M)").bytes();
+    options.option("-m,--memory", memory, "Memory limit, e.g. 64M (the least) or 2G (default 512M)").bytes();
     options.option("-t,--threads", threads, "Threads (default: one per processor)");
     options.flag("--flann", flann, "Search with the FLANN library, for comparison").shown_if(offers_flann());
 }
 
+void check_filter_memory(std::uint64_t bytes)
+{
+    if (bytes < least_filter_memory)
+        throw Error(ErrorCode::invalid_argument, {},
+                    "the memory limit is " + bytes_text(bytes) + ": neighbours of a part of a cloud take " +
+                        bytes_text(least_filter_memory) + " at least",
+                    "give -m 64M or more");
+}
+
 void NeighbourOptions::put_into(NeighbourAttributeOptions& options) const
 {
+    check_filter_memory(memory);
     options.neighbours = neighbours;
     if (max_distance) options.max_distance = *max_distance;
     options.level = level;
@@ -75,7 +86,11 @@ void put_report(Json& json, const FilterReport& report)
     json["points_checked"] = report.points_checked;
     Json errors = Json::array();
     for (const SampledError& error : report.errors)
-        errors.push_back({{"of", error.what}, {"unit", error.unit}, {"median", error.median}, {"p95", error.p95}});
+        errors.push_back({{"of", error.what},
+                          {"unit", error.unit},
+                          {"median", error.median},
+                          {"p95", error.p95},
+                          {"p95_interval", Json::array({error.p95_low, error.p95_high})}});
     json["errors"] = std::move(errors);
     json["notes"] = report.notes;
 }
@@ -87,7 +102,10 @@ void put_attribute_report(Json& json, const WantedValues& wanted, const Neighbou
     if (wanted.radius) json["radii_limited"] = report.limited;
     json["used_known_normals"] = report.used_known_normals;
     if (wanted.needs_shape())
-        json["confidence"] = {{"line", report.lines}, {"blob", report.blobs}, {"too_few", report.too_few}};
+        json["confidence"] = {{"line", report.lines},
+                              {"blob", report.blobs},
+                              {"too_few", report.too_few},
+                              {"two_surfaces", report.two_surfaces}};
     if (wanted.normal) json["flipped"] = report.flipped;
 }
 
@@ -99,8 +117,9 @@ void print_attribute_report(const std::filesystem::path& tree, const WantedValue
     std::printf("%s points, %s computed, peak memory %s\n", grouped(report.outcome.points_out).c_str(),
                 grouped(report.points_computed).c_str(), bytes_text(report.peak_memory_bytes).c_str());
     if (wanted.needs_shape())
-        std::printf("neighbours on a line: %s points; in a blob: %s; too few: %s\n", grouped(report.lines).c_str(),
-                    grouped(report.blobs).c_str(), grouped(report.too_few).c_str());
+        std::printf("neighbours on a line: %s points; in a blob: %s; too few: %s; on two surfaces: %s\n",
+                    grouped(report.lines).c_str(), grouped(report.blobs).c_str(), grouped(report.too_few).c_str(),
+                    grouped(report.two_surfaces).c_str());
     if (report.limited)
         std::printf("%s points stand alone: their radii are those of their surroundings\n",
                     grouped(report.limited).c_str());

@@ -38,6 +38,9 @@ struct NeighbourOptions {
     void put_into(NeighbourAttributeOptions& options) const;
 };
 
+// Throws Error(invalid_argument) for a memory limit that filters on neighbourhoods cannot keep.
+void check_filter_memory(std::uint64_t bytes);
+
 // points, seconds, ..., level, errors, notes.
 void put_report(Json& json, const FilterReport& report);
 

@@ -61,7 +61,7 @@ Run add_normals(Options& options)
                  "Also write the attribute mean_distance: to the neighbours, source units");
     options.off_flag("--no-confidence", arguments->confidence,
                      "Leave out the attribute normal_confidence (0 good, 1 neighbours on a line, 2 no plane, 3 too few "
-                     "neighbours)");
+                     "neighbours, 4 on two surfaces, as of a thin plate: the side is a guess)");
     const char* const group = "Side that normals point to (default: the same along each surface, outward or up)";
     const auto viewpoint =
         options.option("--viewpoint", arguments->viewpoint, "Towards the scanner's position X Y Z, source coordinates")

@@ -51,6 +51,7 @@ int run(Arguments& arguments)
     options.radius = arguments.radius.value_or(0);
     options.neighbours = arguments.neighbours;
     options.overwrite = arguments.target.overwrite;
+    check_filter_memory(arguments.memory);
     options.memory_bytes = arguments.memory;
     options.threads = arguments.threads;
     options.backend = arguments.flann ? NeighbourBackend::flann : NeighbourBackend::own;
@@ -101,9 +102,9 @@ Run add_outliers(Options& options)
                 "statistical)")
         .one_of({"statistical", "robust", "radius"});
     options.option("-k,--neighbours", arguments->neighbours, "Number of neighbours (default 16)").between(1, 1024);
-    options.option("-a,--factor", arguments->options.factor, "Factor of the deviation (default 3)");
+    options.option("-a,--factor", arguments->options.factor, "Factor of the deviation, more than 0 (default 3)");
     options.option("--radius", arguments->radius, "Radius of the method radius, source units").positive();
-    options.option("-m,--memory", arguments->memory, "Memory limit, e.g. 512M or 2G (default 512M)").bytes();
+    options.option("-m,--memory", arguments->memory, "Memory limit, e.g. 64M (the least) or 2G (default 512M)").bytes();
     options.option("-t,--threads", arguments->threads, "Threads (default: one per processor)");
     options.flag("--flann", arguments->flann, "Search with the FLANN library, for comparison");
     add_common(options, arguments->common);

@@ -1,9 +1,12 @@
 #include "pcm/filter/attribute_pass.h"
 
+#include "pcm/filter/two_surfaces.h"
 #include "pcm/tree/point_size.h"
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -13,7 +16,7 @@ namespace pcm {
 namespace {
 
 struct Counts {
-    std::uint64_t lines = 0, blobs = 0, too_few = 0, flipped = 0, limited = 0;
+    std::uint64_t lines = 0, blobs = 0, too_few = 0, two_surfaces = 0, flipped = 0, limited = 0;
 };
 
 // Keeps the values of one unit, and writes them at its end.
@@ -43,6 +46,7 @@ public:
         report_.lines += counts_.lines;
         report_.blobs += counts_.blobs;
         report_.too_few += counts_.too_few;
+        report_.two_surfaces += counts_.two_surfaces;
         report_.flipped += counts_.flipped;
         report_.limited += counts_.limited;
     }
@@ -55,7 +59,10 @@ public:
         if (wanted_.needs_shape()) confidence_.resize(unit.points);
         if (places_.mean_distance) mean_distance_.resize(unit.points);
         part_ = unit.parts.data();
-        if (propagation_) find_box(unit);
+        if (propagation_) {
+            two_surfaces_.assign(unit.points, 0);
+            find_box(unit);
+        }
     }
 
     void visit(const NeighbourhoodUnit& unit, const Neighbourhoods& some) override
@@ -72,14 +79,24 @@ public:
             if (places_.curvature) curvature_[number] = static_cast<float>(values.curvature);
             if (wanted_.needs_shape()) confidence_[number] = static_cast<std::uint8_t>(values.confidence);
             if (places_.mean_distance) mean_distance_[number] = static_cast<float>(values.mean_distance);
-            if (propagation_ && looks_outside(unit, some, i)) border_.push_back(number);
+            if (!propagation_) continue;
+            if (looks_outside(unit, some, i)) border_.push_back(number);
+            two_surfaces_[number] =
+                values.confidence == NormalConfidence::good &&
+                are_two_surfaces({some.dx(i), some.dy(i), some.dz(i), some.squared(i), some.count(i)}, values.normal,
+                                 least_gap(values.normal));
         }
     }
 
     void end(const NeighbourhoodUnit& unit) override
     {
         std::sort(border_.begin(), border_.end());  // they came in the order of the search
-        if (propagation_) propagation_->add_unit(unit, normal_, border_);
+        if (propagation_) {
+            propagation_->add_unit(unit, normal_, two_surfaces_, border_);
+            for (std::uint32_t n = 0; n < unit.points; ++n)
+                if (two_surfaces_[n] && confidence_[n] == static_cast<std::uint8_t>(NormalConfidence::good))
+                    confidence_[n] = static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
+        }
         for (const NeighbourhoodUnit::Part& part : unit.parts) {
             L2Cache::Edit edit = cache_.edit(part.node, written_);
             const auto put = [&](const std::optional<std::size_t>& place, const auto& values) {
@@ -107,6 +124,14 @@ private:
     {
         const std::uint32_t number = part.first + static_cast<std::uint32_t>(i);
         return unit.source.empty() ? number : unit.source[number];
+    }
+
+    // Heights along a normal that rounding to the grid may make of one.
+    double least_gap(const Vec3d& normal) const
+    {
+        double step = 0;
+        for (std::size_t a = 0; a < 3; ++a) step += std::fabs(normal[a]) * grid_.scale[a];
+        return 2.5 * step;
     }
 
     void limit_radii(const NeighbourhoodUnit::Part& part, float* radii)
@@ -175,6 +200,7 @@ private:
         counts_.lines += confidence == static_cast<std::uint8_t>(NormalConfidence::line);
         counts_.blobs += confidence == static_cast<std::uint8_t>(NormalConfidence::blob);
         counts_.too_few += confidence == static_cast<std::uint8_t>(NormalConfidence::too_few);
+        counts_.two_surfaces += confidence == static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
     }
 
     L2Cache& cache_;
@@ -193,7 +219,7 @@ private:
     // By number in the unit.
     std::vector<float> radius_, curvature_, mean_distance_;
     std::vector<std::array<float, 3>> normal_;
-    std::vector<std::uint8_t> confidence_;
+    std::vector<std::uint8_t> confidence_, two_surfaces_;
     std::vector<std::uint32_t> border_;  // numbers
     Counts counts_;
 };
@@ -226,6 +252,7 @@ NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, co
     // Joining points to pieces takes memory, too.
     const bool joins = options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
     search.memory_bytes = options.memory_bytes / (joins ? 3 : 2);
+    search.unit_points = options.unit_points;
     search.threads = options.threads;
     search.backend = options.backend;
     search.progress = options.progress;
@@ -235,11 +262,19 @@ NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, co
 
 NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
                                        const AttributePlaces& places, OrientationPropagation* propagation, double end,
-                                       NeighbourAttributeReport& report)
+                                       NeighbourAttributeReport& report, LevelClock* clock)
 {
     NeighbourhoodOptions search = search_options(options, places);
     search.end = end;
     std::mutex mutex;
+    const auto start = std::chrono::steady_clock::now();
+    if (clock)
+        search.level_of_unit = [&](double done, std::size_t units) -> std::optional<std::uint16_t> {
+            const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            const std::size_t level = clock->next(passed, done, units);
+            if (level + 1 >= cache.tree().info().levels) return {};
+            return static_cast<std::uint16_t>(level);
+        };
     return for_each_neighbourhood(cache, search, [&] {
         return std::make_unique<PassVisitor>(cache, options, places, propagation, mutex, report);
     });

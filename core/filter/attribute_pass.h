@@ -3,6 +3,7 @@
 
 #include "pcm/bpc/chunk.h"
 #include "pcm/cache/l2_cache.h"
+#include "pcm/filter/level_clock.h"
 #include "pcm/filter/neighbour_attributes.h"
 #include "pcm/filter/orientation_propagation.h"
 #include "pcm/knn/neighbourhoods.h"
@@ -26,10 +27,11 @@ double most_radius(const Chunk& chunk, std::size_t point, const Grid& grid, doub
 
 // Computes the attributes of all points, at options.level, into edits of the cache; nothing is flushed. Adds to the
 // report's counts. Where normals are to be consistent, they are given to `propagation`, which is null otherwise.
-// Progress goes from 0 to `end`. Throws what for_each_neighbourhood() throws.
+// `clock` (may be null) chooses the level of each unit. Progress goes from 0 to `end`. Throws what
+// for_each_neighbourhood() throws.
 NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
                                        const AttributePlaces& places, OrientationPropagation* propagation, double end,
-                                       NeighbourAttributeReport& report);
+                                       NeighbourAttributeReport& report, LevelClock* clock = nullptr);
 
 // How the pass searches neighbours.
 NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, const AttributePlaces& places);

@@ -25,7 +25,8 @@ std::string outcome_text(const std::string& what, const FilterReport& report)
     const char* separator = ", ";
     for (const SampledError& error : report.errors) {
         text += separator + (report.errors.size() > 1 ? error.what + " " : "") + "median error " +
-                two_digits(error.median) + " " + error.unit + ", p95 " + two_digits(error.p95) + " " + error.unit;
+                two_digits(error.median) + " " + error.unit + ", p95 " + two_digits(error.p95) + " " + error.unit +
+                " [" + two_digits(error.p95_low) + " to " + two_digits(error.p95_high) + "]";
         separator = "; ";
     }
     return text + " (" + std::to_string(report.points_checked) + " points checked)";

@@ -6,12 +6,15 @@
 #include "pcm/filter/result_attributes.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
+#include "pcm/system/text.h"
 #include "pcm/threads/watch.h"
 #include "pcm/tree/tree.h"
 #include "pcm/update/tree_changes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
+#include <utility>
 
 namespace pcm {
 namespace {
@@ -58,8 +61,9 @@ AttributePlaces make_places(TreeChanges& changes, const WantedValues& wanted, bo
         place(wanted.radius, attribute_name::radius, ScalarType::f32, 1, attribute_unit::radius_description.data());
     places.curvature = place(wanted.curvature, attribute_name::curvature, ScalarType::f32, 1,
                              "share of the smallest variance among the neighbours, 0 to 1/3");
-    places.confidence = place(wanted.confidence, attribute_name::normal_confidence, ScalarType::u8, 1,
-                              "0 good, 1 neighbours on a line, 2 no plane, 3 too few neighbours");
+    places.confidence =
+        place(wanted.confidence, attribute_name::normal_confidence, ScalarType::u8, 1,
+              "0 good, 1 neighbours on a line, 2 no plane, 3 too few neighbours, 4 on two surfaces: side uncertain");
     places.mean_distance = place(wanted.mean_distance, attribute_name::mean_distance, ScalarType::f32, 1,
                                  "of the nearest neighbours, source units");
     const Schema& schema = changes.tree()->info().schema;
@@ -68,16 +72,56 @@ AttributePlaces make_places(TreeChanges& changes, const WantedValues& wanted, bo
     return places;
 }
 
+bool is_consistent(const NeighbourAttributeOptions& options)
+{
+    return options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
+}
+
+// For the pass, within the rest of the time limit: what comes after it takes its part.
+std::unique_ptr<LevelClock> make_clock(const Tree& tree, const NeighbourAttributeOptions& options,
+                                       const PredictedTime& time, double passed)
+{
+    const std::size_t levels = tree.info().levels;
+    std::vector<double> costs;
+    for (std::size_t l = 0; l < levels; ++l) costs.push_back(std::max(1e-30, time.of_level(tree, l)));
+    const double writing = time.write * static_cast<double>(tree.info().points);
+    const double share = is_consistent(options) ? end_of_joining_pass : end_of_pass;
+    return std::make_unique<LevelClock>(costs, options.level ? *options.level : levels - 1,
+                                        share * (*options.time_limit - passed) - writing);
+}
+
+void report_clock(const LevelClock& clock, const NeighbourAttributeOptions& options, NeighbourAttributeReport& report)
+{
+    if (clock.coarser_units() == 0) return;
+    report.level = static_cast<std::uint16_t>(clock.coarsest());
+    report.notes.push_back(
+        "it took longer than predicted: to keep to the time limit, " + std::to_string(clock.coarser_units()) + " of " +
+        std::to_string(clock.units()) + " parts of the cloud were computed at levels down to " +
+        std::to_string(clock.coarsest()) +
+        (options.level ? " instead of level " + std::to_string(*options.level) : std::string(" instead of exactly")));
+}
+
+// Where they are more than noise makes by chance.
+void report_two_surfaces(std::uint64_t points, NeighbourAttributeReport& report)
+{
+    if (report.two_surfaces * 200 <= points) return;
+    report.notes.push_back(std::to_string(report.two_surfaces) + " points (" +
+                           brief(100 * static_cast<double>(report.two_surfaces) / static_cast<double>(points)) +
+                           " %) lie on two surfaces nearer to each other than their points, such as both sides of a "
+                           "thin plate: which side "
+                           "their normals point to is a guess (normal_confidence 4)");
+}
+
 // Computes all attributes, and makes normals consistent. Returns how many points were computed.
 std::uint64_t run_pass(L2Cache& cache, const NeighbourAttributeOptions& options, const AttributePlaces& places,
-                       Watch& watch, NeighbourAttributeReport& report)
+                       Watch& watch, NeighbourAttributeReport& report, LevelClock* clock)
 {
-    if (!options.wanted.normal || options.orientation.rule != NormalOrientation::Rule::consistent)
-        return run_attribute_pass(cache, options, places, nullptr, end_of_pass, report).outcome.points_out;
+    if (!is_consistent(options))
+        return run_attribute_pass(cache, options, places, nullptr, end_of_pass, report, clock).outcome.points_out;
     OrientationPropagation propagation(cache.tree());
-    const auto pass = run_attribute_pass(cache, options, places, &propagation, end_of_joining_pass, report);
-    report.flipped +=
-        propagation.finish(cache, *places.normal, options.threads, watch, end_of_joining_pass, end_of_pass);
+    const auto pass = run_attribute_pass(cache, options, places, &propagation, end_of_joining_pass, report, clock);
+    report.flipped += propagation.finish(cache, *places.normal, options.memory_bytes, options.threads, watch,
+                                         end_of_joining_pass, end_of_pass);
     return pass.outcome.points_out;
 }
 
@@ -94,14 +138,20 @@ NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::pat
     const AttributePlaces places = make_places(*changes, options.wanted, options.overwrite);
     const TreeInfo info = changes->tree()->info();
     L2Options cache_options;
-    cache_options.capacity_bytes = options.memory_bytes / 2;
+    cache_options.capacity_bytes = cache_share(options.memory_bytes);
     L2Cache cache(changes, cache_options);
+    std::optional<PredictedTime> predicted;
     try {
         if (options.time_limit || options.error_target_percent)
-            options.level = choose_level(cache, options, places, watch, report.notes);
+            options.level = choose_level(cache, options, places, watch, report.notes, &predicted);
         if (options.level && *options.level + 1 >= info.levels) options.level.reset();  // all points
         report.level = options.level;
-        report.points_computed = run_pass(cache, options, places, watch, report);
+        std::unique_ptr<LevelClock> clock;
+        if (predicted && info.levels > 1) clock = make_clock(cache.tree(), options, *predicted, watch.seconds());
+        report.points_computed = run_pass(cache, options, places, watch, report, clock.get());
+        if (clock) report_clock(*clock, options, report);
+        options.level = report.level;
+        report_two_surfaces(info.points, report);
         report.used_known_normals = places.known_normal.has_value();
         if (options.level) {
             watch.report("Checking", end_of_pass);
@@ -117,6 +167,10 @@ NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::pat
     watch.finish("Done");
     report.outcome.points_in = report.outcome.points_out = info.points;
     report.outcome.seconds = watch.seconds();
+    if (options.time_limit && report.outcome.seconds > 1.1 * *options.time_limit)
+        report.notes.push_back("the time limit was " + brief(*options.time_limit) + " s; it took " +
+                               brief(report.outcome.seconds) + " s" +
+                               (report.level && *report.level == 0 ? ", although at the coarsest level" : ""));
     report.peak_memory_bytes = peak_memory_bytes();
     if (!report.errors.empty()) {
         report.outcome.error = report.errors.front().p95;

@@ -51,18 +51,21 @@ struct NeighbourAttributeOptions {
     // Values of attributes named curvature, mean_distance and normal_confidence that this filter did not make may be
     // lost (filter/result_attributes.h). Normals and radii of any origin are replaced.
     bool overwrite = false;
+    // Of the process, kept from least_filter_memory on. Neither it nor the number of threads changes the result.
     std::uint64_t memory_bytes = std::uint64_t(512) << 20;
-    unsigned threads = 0;  // 0: one per processor
+    unsigned threads = 0;                           // 0: one per processor
+    std::uint64_t unit_points = usual_unit_points;  // NeighbourhoodOptions::unit_points; what is a guess depends on it
     NeighbourBackend backend = NeighbourBackend::own;
     ProgressFunction progress;
 };
 
 struct NeighbourAttributeReport : FilterReport {
-    std::uint64_t points_computed = 0;                // the others took a neighbour's values
-    std::uint64_t lines = 0, blobs = 0, too_few = 0;  // points by NormalConfidence; 0 when no normals are wanted
-    bool used_known_normals = false;                  // radii were measured across normals that the tree had
-    std::uint64_t limited = 0;                        // radii that the limit made smaller
-    std::uint64_t flipped = 0;                        // normals that the orientation turned around
+    std::uint64_t points_computed = 0;  // the others took a neighbour's values
+    // Points by NormalConfidence; 0 when no normals are wanted.
+    std::uint64_t lines = 0, blobs = 0, too_few = 0, two_surfaces = 0;
+    bool used_known_normals = false;  // radii were measured across normals that the tree had
+    std::uint64_t limited = 0;        // radii that the limit made smaller
+    std::uint64_t flipped = 0;        // normals that the orientation turned around
 };
 
 // In place and atomic: whatever ends it early, also a crash, a cancelled progress or a full disk, leaves the tree as it

@@ -1,5 +1,7 @@
 #include "pcm/filter/orientation_pieces.h"
 
+#include "pcm/filter/two_surfaces.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -26,15 +28,36 @@ Vec3d position_of(const SearchPositions& positions, std::size_t i)
     return p;
 }
 
+// What most of each point's nearest neighbours and the point itself have.
+std::vector<std::uint8_t> smoothed(const std::vector<std::uint32_t>& neighbours, const std::vector<std::uint8_t>& flags)
+{
+    std::vector<std::uint8_t> result(flags.size());
+    for (std::size_t i = 0; i < flags.size(); ++i) {
+        std::size_t all = 1, set = flags[i];
+        for (std::size_t e = i * joined_neighbours; e < (i + 1) * joined_neighbours; ++e) {
+            if (neighbours[e] == no_piece) continue;
+            ++all;
+            set += flags[neighbours[e]];
+        }
+        result[i] = 2 * set > all;
+    }
+    return result;
+}
+
 // Of each neighbour of each point.
-std::vector<std::uint8_t> classes_of(const std::vector<std::uint32_t>& neighbours,
-                                     const std::vector<std::array<float, 3>>& normals)
+std::vector<std::uint8_t> classes_of(const SearchPositions& positions, const std::vector<std::uint32_t>& neighbours,
+                                     const std::vector<std::array<float, 3>>& normals,
+                                     const std::vector<std::uint8_t>& two_surfaces)
 {
     std::vector<std::uint8_t> classes(neighbours.size(), no_class);
     for (std::size_t e = 0; e < neighbours.size(); ++e) {
         const std::array<float, 3> none{};
         const std::size_t i = e / joined_neighbours;
         if (neighbours[e] == no_piece || normals[i] == none || normals[neighbours[e]] == none) continue;
+        const std::uint32_t j = neighbours[e];
+        if ((two_surfaces[i] || two_surfaces[j]) && is_across(position_of(positions, j) - position_of(positions, i),
+                                                              {normals[i][0], normals[i][1], normals[i][2]}))
+            continue;
         const float parallel = std::fabs(dot_of(normals[i], normals[neighbours[e]]));
         classes[e] = static_cast<std::uint8_t>(
             std::find_if(least_parallel.begin(), least_parallel.end(), [&](float least) { return parallel >= least; }) -
@@ -124,14 +147,16 @@ double PieceSums::outward_or_up() const
 }
 
 UnitPieces join_pieces(const SearchPositions& positions, const Vec3d& origin,
-                       std::vector<std::array<float, 3>>& normals)
+                       std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces)
 {
     const std::size_t points = positions.size();
     const auto is_defined = [&](std::size_t i) { return normals[i] != std::array<float, 3>{}; };
     SidedSets sets(points);
     {
         const std::vector<std::uint32_t> neighbours = neighbours_of(positions);
-        const std::vector<std::uint8_t> classes = classes_of(neighbours, normals);
+        if (std::find(two_surfaces.begin(), two_surfaces.end(), 1) != two_surfaces.end())
+            two_surfaces = smoothed(neighbours, two_surfaces);
+        const std::vector<std::uint8_t> classes = classes_of(positions, neighbours, normals, two_surfaces);
         for (std::uint8_t c = 0; c < least_parallel.size(); ++c)
             for (std::size_t e = 0; e < classes.size(); ++e) {
                 if (classes[e] != c) continue;

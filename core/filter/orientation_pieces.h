@@ -53,7 +53,11 @@ struct UnitPieces {
 // spanning tree of 1 - |ni . nj|, Hoppe et al. 1992, by classes of that weight), and turns normals around so that each
 // piece is consistent, and points outward or up by itself. `origin`: of the sums, in source units relative to that of
 // `positions`.
+//
+// `two_surfaces` (of each point, 0 or 1) says whose neighbours lie on two surfaces (two_surfaces.h). It is made smooth:
+// each point takes what most of its nearest neighbours and itself have. From such a point to one across the gap, which
+// has almost the same normal but may be on the other side of a plate, nothing is joined.
 UnitPieces join_pieces(const SearchPositions& positions, const Vec3d& origin,
-                       std::vector<std::array<float, 3>>& normals);
+                       std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces);
 
 }  // namespace pcm

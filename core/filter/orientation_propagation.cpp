@@ -1,6 +1,7 @@
 #include "pcm/filter/orientation_propagation.h"
 
 #include "pcm/filter/search_positions.h"
+#include "pcm/filter/two_surfaces.h"
 #include "pcm/knn/point_search.h"
 #include "pcm/threads/for_each_index.h"
 #include "pcm/threads/thread_count.h"
@@ -42,13 +43,15 @@ public:
         const Held& own = held(p.node);
         const std::uint32_t piece = own.piece(p.index);
         if (piece == no_piece) return;
+        const bool of_two = own.on_two_surfaces(p.index);
         const Vec3d normal = own.normal(place_, p.index);
-        search_.run(cache_.tree().info().grid.to_source(own.chunk->positions->grid(p.index)), voting_neighbours + 1,
-                    found_);
+        const Vec3d place = cache_.tree().info().grid.to_source(own.chunk->positions->grid(p.index));
+        search_.run(place, voting_neighbours + 1, found_);
         for (const Neighbour& f : found_) {
             const Held& other = held(f.node);
             const std::uint32_t neighbour = other.piece(f.index);
             if (neighbour == piece || neighbour == no_piece) continue;
+            if ((of_two || other.on_two_surfaces(f.index)) && is_across(f.position - place, normal)) continue;
             const double cosine = dot(normal, other.normal(place_, f.index));
             votes.push_back({std::min(piece, neighbour), std::max(piece, neighbour),
                              static_cast<std::int64_t>(std::lround(1000 * cosine))});
@@ -63,8 +66,9 @@ private:
 
         std::uint32_t piece(std::uint32_t index) const
         {
-            return pieces[index] == 0 ? no_piece : static_cast<std::uint32_t>(pieces[index]) - 1;
+            return pieces[index] == 0 ? no_piece : static_cast<std::uint32_t>(std::fabs(pieces[index])) - 1;
         }
+        bool on_two_surfaces(std::uint32_t index) const { return pieces[index] < 0; }
         Vec3d normal(std::size_t place, std::uint32_t index) const
         {
             const float* n = chunk->attributes[place]->as<float>() + std::size_t(3) * index;
@@ -94,15 +98,17 @@ OrientationPropagation::OrientationPropagation(const Tree& tree)
 }
 
 // At a level the computed points are joined, and the others go with those that they take their values from.
-UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals) const
+UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
+                                        std::vector<std::uint8_t>& two_surfaces) const
 {
     UnitPositions positions = positions_of(unit, grid_);
     Vec3d origin;
     for (std::size_t a = 0; a < 3; ++a)
         origin[a] = static_cast<double>(positions.origin[a] - origin_[a]) * grid_.scale[a];
-    if (unit.source.empty()) return join_pieces(positions.steps, origin, normals);
+    if (unit.source.empty()) return join_pieces(positions.steps, origin, normals, two_surfaces);
     std::vector<std::uint32_t> place(unit.points, 0);  // among the computed points
     std::vector<std::array<float, 3>> computed;
+    std::vector<std::uint8_t> of_two;
     for (std::uint32_t n = 0; n < unit.points; ++n) {
         if (unit.source[n] != n) continue;
         place[n] = static_cast<std::uint32_t>(computed.size());
@@ -113,6 +119,7 @@ UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, std::vect
                 positions.steps.narrow[a][computed.size()] = positions.steps.narrow[a][n];
         }
         computed.push_back(normals[n]);
+        of_two.push_back(two_surfaces[n]);
     }
     for (std::size_t a = 0; a < 3; ++a) {
         if (positions.steps.is_wide())
@@ -120,20 +127,21 @@ UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, std::vect
         else
             positions.steps.narrow[a].resize(computed.size());
     }
-    const UnitPieces of_computed = join_pieces(positions.steps, origin, computed);
+    const UnitPieces of_computed = join_pieces(positions.steps, origin, computed, of_two);
     UnitPieces pieces{std::vector<std::uint32_t>(unit.points), of_computed.sums};
     for (std::uint32_t n = 0; n < unit.points; ++n) {
         pieces.piece[n] = of_computed.piece[place[unit.source[n]]];
         normals[n] = computed[place[unit.source[n]]];
+        two_surfaces[n] = of_two[place[unit.source[n]]];
     }
     return pieces;
 }
 
 void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
-                                      const std::vector<std::uint32_t>& border)
+                                      std::vector<std::uint8_t>& two_surfaces, const std::vector<std::uint32_t>& border)
 {
     if (unit.points == 0) return;
-    const UnitPieces pieces = join(unit, normals);
+    const UnitPieces pieces = join(unit, normals, two_surfaces);
     const auto place_of = [&](std::uint32_t number) { return Place{unit.part_of(number).node, unit.index_of(number)}; };
     std::vector<Piece> added(pieces.sums.size());
     for (std::size_t i = 0; i < added.size(); ++i) added[i] = {pieces.sums[i], {no_node, 0}};
@@ -158,17 +166,19 @@ void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, std::vector
         numbers.clear();
         for (std::size_t i = 0; i < part.indices.size(); ++i) {
             const std::uint32_t piece = pieces.piece[part.first + i];
-            numbers.push_back(piece == no_piece ? 0 : static_cast<double>(first + piece + 1));
+            const double number = piece == no_piece ? 0 : static_cast<double>(first + piece + 1);
+            numbers.push_back(two_surfaces[part.first + i] ? -number : number);
         }
         piece_of_.set(part.node, part.indices, numbers.data());
     }
 }
 
 std::vector<OrientationPropagation::Vote> OrientationPropagation::collect_votes(L2Cache& cache, std::size_t place,
+                                                                                std::uint64_t memory_bytes,
                                                                                 unsigned threads, Watch& watch,
                                                                                 double begin, double end) const
 {
-    BlockCache blocks;
+    BlockCache blocks(block_share(memory_bytes));
     std::mutex mutex;
     std::vector<Vote> votes;
     const std::size_t runs = (border_.size() + points_of_a_run - 1) / points_of_a_run;
@@ -237,13 +247,13 @@ std::vector<bool> OrientationPropagation::decide(std::vector<Vote> votes) const
     return flips;
 }
 
-std::uint64_t OrientationPropagation::finish(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch,
-                                             double begin, double end)
+std::uint64_t OrientationPropagation::finish(L2Cache& cache, std::size_t place, std::uint64_t memory_bytes,
+                                             unsigned threads, Watch& watch, double begin, double end)
 {
     threads = thread_count(threads);
     std::sort(border_.begin(), border_.end());
     const double middle = 0.5 * (begin + end);
-    const std::vector<bool> flips = decide(collect_votes(cache, place, threads, watch, begin, middle));
+    const std::vector<bool> flips = decide(collect_votes(cache, place, memory_bytes, threads, watch, begin, middle));
     if (std::find(flips.begin(), flips.end(), true) == flips.end()) return 0;
     ColumnSet columns;
     columns.positions = false;
@@ -256,7 +266,7 @@ std::uint64_t OrientationPropagation::finish(L2Cache& cache, std::size_t place, 
             const auto node = static_cast<NodeId>(n);
             const std::vector<double> pieces = piece_of_.get(node);
             const auto is_flipped = [&](double piece) {
-                return piece != 0 && flips[static_cast<std::size_t>(piece) - 1];
+                return piece != 0 && flips[static_cast<std::size_t>(std::fabs(piece)) - 1];
             };
             if (std::none_of(pieces.begin(), pieces.end(), is_flipped)) return;
             L2Cache::Edit edit = cache.edit(node, columns);

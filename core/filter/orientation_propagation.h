@@ -11,7 +11,9 @@
 // What it guarantees: neighbours that the spanning trees join agree, across units too. That is the side that a person
 // would name where surfaces are sampled densely compared with their curvature and their distance from each other. At
 // folds of more than a right angle, in foliage, and between sheets nearer to each other than the points of one sheet it
-// is a guess. Surfaces that no neighbours join are decided one by one. The result does not depend on the threads.
+// is a guess: of the last, those that are found (two_surfaces.h) are marked, and no spanning tree leads across their
+// gap, so that what nearly touches in one place does not turn the rest around. Surfaces that no neighbours join are
+// decided one by one. The result does not depend on the threads.
 //
 // Memory, beside that of the pass: some 60 bytes per point of a unit while it is joined, 16 bytes per border point, and
 // some 100 bytes per piece. A scratch file of 8 bytes a point lies in the tree's folder; it has no name.
@@ -36,15 +38,16 @@ public:
     explicit OrientationPropagation(const Tree& tree);
 
     // A unit whose normals are computed; makes them consistent, and at a level sets those of points that take the
-    // values of others. `border`: points, by number, with neighbours outside of the unit. Any number of threads may
-    // call.
+    // values of others. `two_surfaces`: of each point, as join_pieces() takes and changes it. `border`: points, by
+    // number, ascending, with neighbours outside of the unit. Any number of threads may call.
     void add_unit(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
-                  const std::vector<std::uint32_t>& border);
+                  std::vector<std::uint8_t>& two_surfaces, const std::vector<std::uint32_t>& border);
 
     // After the last unit, when the cache holds the normals of add_unit() at `place`: turns those around that the
-    // pieces' neighbours disagree with. Returns how many. Reports progress from `begin` to `end`. Throws
-    // Error(cancelled) and what reading and editing chunks throws.
-    std::uint64_t finish(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch, double begin, double end);
+    // pieces' neighbours disagree with. Returns how many. `memory_bytes`: of the filter. Reports progress from `begin`
+    // to `end`. Throws Error(cancelled) and what reading and editing chunks throws.
+    std::uint64_t finish(L2Cache& cache, std::size_t place, std::uint64_t memory_bytes, unsigned threads, Watch& watch,
+                         double begin, double end);
 
 private:
     struct Place {
@@ -62,11 +65,12 @@ private:
     };
     class Voter;
 
-    UnitPieces join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals) const;
+    UnitPieces join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
+                    std::vector<std::uint8_t>& two_surfaces) const;
     // One vote for each pair of pieces.
     static void add_up(std::vector<Vote>& votes);
-    std::vector<Vote> collect_votes(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch, double begin,
-                                    double end) const;
+    std::vector<Vote> collect_votes(L2Cache& cache, std::size_t place, std::uint64_t memory_bytes, unsigned threads,
+                                    Watch& watch, double begin, double end) const;
     // Whether each piece is to be turned around.
     std::vector<bool> decide(std::vector<Vote> votes) const;
 
@@ -75,7 +79,7 @@ private:
     std::mutex mutex_;    // of the pieces and the border
     std::vector<Piece> pieces_;
     std::vector<Place> border_;
-    ValueFile piece_of_;  // 1 + the number of each point's piece; 0: none
+    ValueFile piece_of_;  // 1 + the number of each point's piece; 0: none; negative on two surfaces
 };
 
 }  // namespace pcm

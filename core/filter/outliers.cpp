@@ -141,7 +141,7 @@ private:
 L2Options cache_options(const OutlierOptions& options)
 {
     L2Options cache;
-    cache.capacity_bytes = options.memory_bytes / 2;
+    cache.capacity_bytes = cache_share(options.memory_bytes);
     return cache;
 }
 

@@ -15,6 +15,10 @@ enum class NormalConfidence : std::uint8_t {
     line = 1,     // l1 < l2 / 100: they lie along a line; the normal is across it, but may turn about it
     blob = 2,     // no line, and l0 > 0.4 l1: they are about as thick as wide, so that no plane fits
     too_few = 3,  // fewer than two neighbours, or all at one place: the normal is (0, 0, 0)
+    // Good, but the neighbours lie on two surfaces nearer to each other than their points, or nearly so: the line of
+    // the normal is right, the side that it points to is a guess. Only of normals that are to be the same along
+    // surfaces.
+    two_surfaces = 4,
 };
 
 // Which of them are wanted.

@@ -138,7 +138,7 @@ template <class Work>
 void with_points(std::size_t count, L2Cache& cache, const NeighbourAttributeOptions& options,
                  const AttributePlaces& places, const Work& work)
 {
-    BlockCache blocks;
+    BlockCache blocks(block_share(options.memory_bytes));
     const unsigned threads = thread_count(options.threads);
     const std::size_t runs = std::min<std::size_t>(count, std::size_t(4) * threads);
     for_each_index(
@@ -203,6 +203,23 @@ std::vector<PointPlace> random_points(const Tree& tree, std::size_t count, std::
     return places;
 }
 
+std::pair<std::size_t, std::size_t> ranks_around_p95(std::size_t count)
+{
+    constexpr double share = 0.95, tail = 0.025;
+    const auto n = static_cast<double>(count);
+    std::pair<std::size_t, std::size_t> ranks{0, count > 0 ? count - 1 : 0};
+    double at_most = 0;  // the probability that at most i of the values are below
+    bool high = false;
+    for (std::size_t i = 0; i < count && !high; ++i) {
+        const auto k = static_cast<double>(i);
+        at_most += std::exp(std::lgamma(n + 1) - std::lgamma(k + 1) - std::lgamma(n - k + 1) + k * std::log(share) +
+                            (n - k) * std::log1p(-share));
+        if (at_most <= tail) ranks.first = i;
+        if (at_most >= 1 - tail) ranks.second = i, high = true;
+    }
+    return ranks;
+}
+
 void check_errors(L2Cache& cache, const NeighbourAttributeOptions& options, const AttributePlaces& places,
                   NeighbourAttributeReport& report)
 {
@@ -220,12 +237,17 @@ void check_errors(L2Cache& cache, const NeighbourAttributeOptions& options, cons
         SampledError error{kind_names[kind], kind == normals ? "degrees" : "%", 0, 0};
         error.median = quantile(values, 0.5);
         error.p95 = quantile(values, 0.95);
+        std::sort(values.begin(), values.end());
+        const auto [low, high] = ranks_around_p95(values.size());
+        error.p95_low = values[low];
+        error.p95_high = values[high];
         report.errors.push_back(std::move(error));
     }
 }
 
 std::optional<std::uint16_t> choose_level(L2Cache& cache, const NeighbourAttributeOptions& options,
-                                          const AttributePlaces& places, Watch& watch, std::vector<std::string>& notes)
+                                          const AttributePlaces& places, Watch& watch, std::vector<std::string>& notes,
+                                          std::optional<PredictedTime>* predicted)
 {
     const TreeInfo& info = cache.tree().info();
     if (info.levels == 0) return {};
@@ -239,6 +261,7 @@ std::optional<std::uint16_t> choose_level(L2Cache& cache, const NeighbourAttribu
     if (options.time_limit) {
         watch.report("Measuring the time of the search", 0, true);
         const PredictedTime time = predict_time(cache, options, places, 0.1 * *options.time_limit);
+        if (predicted) *predicted = time;
         const double left = *options.time_limit - watch.seconds();
         const std::size_t for_error = level;
         while (level > 0 && time.of_level(cache.tree(), level) > left) --level;

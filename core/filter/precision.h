@@ -5,12 +5,14 @@
 #include "pcm/cache/l2_cache.h"
 #include "pcm/filter/attribute_pass.h"
 #include "pcm/filter/neighbour_attributes.h"
+#include "pcm/filter/pilot.h"
 #include "pcm/threads/watch.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pcm {
@@ -39,7 +41,14 @@ void check_errors(L2Cache& cache, const NeighbourAttributeOptions& options, cons
 // - Time limit: the finest level that is predicted to be done in time, from the time that a short run of the search
 //   takes per point and the time that some chunks take to be written; level 0 where none is, which is noted.
 // Where they disagree the time limit holds, which is noted.
+// `predicted`, unless it is null, gets what the time limit was held against.
 std::optional<std::uint16_t> choose_level(L2Cache& cache, const NeighbourAttributeOptions& options,
-                                          const AttributePlaces& places, Watch& watch, std::vector<std::string>& notes);
+                                          const AttributePlaces& places, Watch& watch, std::vector<std::string>& notes,
+                                          std::optional<PredictedTime>* predicted = nullptr);
+
+// The ranks (0: the smallest) of two of `count` random values, between which the largest value of 95 % of what they
+// were drawn from lies with 95 % probability, by the binomial distribution of how many are below it. The largest one's,
+// where there are too few to bound it.
+std::pair<std::size_t, std::size_t> ranks_around_p95(std::size_t count);
 
 }  // namespace pcm

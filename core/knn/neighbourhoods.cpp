@@ -26,6 +26,15 @@ void check(const NeighbourhoodOptions& options)
 
 }  // namespace
 
+std::uint64_t cache_share(std::uint64_t memory_bytes)
+{
+    constexpr std::uint64_t others = std::uint64_t(52) << 20, least = std::uint64_t(8) << 20;
+    const std::uint64_t rest = memory_bytes > others ? memory_bytes - others : 0;
+    return std::min(memory_bytes / 2, std::max(rest, least));
+}
+
+std::uint64_t block_share(std::uint64_t memory_bytes) { return std::min(memory_bytes / 8, std::uint64_t(32) << 20); }
+
 const NeighbourhoodUnit::Part& NeighbourhoodUnit::part_of(std::uint32_t number) const
 {
     const auto after = std::upper_bound(parts.begin(), parts.end(), number,
@@ -44,7 +53,7 @@ NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOp
         std::max<std::uint64_t>(1, options.memory_bytes / (bytes_per_unit_point * options.unit_points));
     const auto threads =
         static_cast<unsigned>(std::min<std::uint64_t>({thread_count(options.threads), room, units.size()}));
-    BlockCache blocks(std::size_t(32) << 20);
+    BlockCache blocks(block_share(options.memory_bytes));
     std::atomic<std::size_t> next{0}, done{0};
     std::atomic<std::uint64_t> computed{0}, alone{0};
     Signal signal;
@@ -53,7 +62,11 @@ NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOp
         crew.add([&] {
             const auto visitor = make_visitor();
             UnitWorker worker(cache, blocks, options, signal, *visitor);
-            for (std::size_t n; !signal.stopped && (n = next++) < units.size(); ++done) worker.run(units[n]);
+            for (std::size_t n; !signal.stopped && (n = next++) < units.size(); ++done) {
+                const double share = static_cast<double>(done) / static_cast<double>(units.size());
+                worker.run(units[n],
+                           options.level_of_unit ? options.level_of_unit(share, units.size()) : options.level);
+            }
             computed += worker.computed();
             alone += worker.alone();
         });

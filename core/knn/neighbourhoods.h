@@ -37,6 +37,11 @@ inline constexpr std::size_t most_neighbours = 1024;
 inline constexpr std::uint64_t usual_unit_points = 100'000;
 // What a thread takes for a point of its unit: positions twice, the search, the results of visitors.
 inline constexpr std::uint64_t bytes_per_unit_point = 160;
+// The memory limit that filters on neighbourhoods keep: a unit, what it is gathered from, and the process itself.
+inline constexpr std::uint64_t least_filter_memory = std::uint64_t(64) << 20;
+// Of a filter's memory limit: for the cache, and for boxes of blocks in searches for single points (BlockCache).
+std::uint64_t cache_share(std::uint64_t memory_bytes);
+std::uint64_t block_share(std::uint64_t memory_bytes);
 
 struct NeighbourhoodOptions {
     std::size_t neighbours = 16;  // k, 1 to most_neighbours; the point itself is not counted
@@ -45,6 +50,9 @@ struct NeighbourhoodOptions {
     // has none of them, those of the coarsest level that it has). Each other point of a unit is paired with the nearest
     // computed point of the unit (NeighbourhoodUnit::source). All points are computed when absent.
     std::optional<std::uint16_t> level;
+    // Chooses the precision of each unit instead, when it is begun; `done`: the share of the units that are done, of
+    // `units`. Called by any thread.
+    std::function<std::optional<std::uint16_t>(double done, std::size_t units)> level_of_unit;
     ColumnSet columns = ColumnSet::only_positions();  // that the units' chunks are to have
     // For the units of all threads, beside the cache: where it is short, fewer threads run; at least one does.
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
@@ -67,7 +75,8 @@ struct NeighbourhoodUnit {
         std::uint32_t first = 0;             // number, in the unit, of the first of them; they are consecutive
     };
     std::vector<Part> parts;
-    std::uint32_t points = 0;  // of all parts: the numbers in the unit are 0 .. points - 1
+    std::uint32_t points = 0;            // of all parts: the numbers in the unit are 0 .. points - 1
+    std::optional<std::uint16_t> level;  // the precision that the unit is computed with
     // At a level, for each number: the computed point, by number, that it takes its values from; itself where it is
     // computed. Complete when end() is called. Empty without a level.
     std::vector<std::uint32_t> source;

@@ -62,12 +62,13 @@ UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOp
 {
 }
 
-void UnitWorker::run(const Box3i& box)
+void UnitWorker::run(const Box3i& box, const std::optional<std::uint16_t>& level)
 {
     if (!margin_) margin_ = first_margin(box);
     points_ = gather_unit(cache_, box, std::min(*margin_, options_.max_distance), options_.columns);
     unit_ = std::move(points_.unit);
     if (unit_.points == 0) return;
+    unit_.level = level;
     choose_points();
     visitor_.begin(unit_);
     distances_.clear();
@@ -80,7 +81,7 @@ void UnitWorker::run(const Box3i& box)
     hand_over();
     computed_ += chosen_ ? chosen_->size() : unit_.points;
     learn_margin();
-    if (options_.level) find_sources();
+    if (unit_.level) find_sources();
     visitor_.end(unit_);
 }
 
@@ -88,9 +89,9 @@ void UnitWorker::run(const Box3i& box)
 void UnitWorker::choose_points()
 {
     chosen_.reset();
-    if (!options_.level) return;
+    if (!unit_.level) return;
     const Tree& tree = cache_.tree();
-    std::size_t level = *options_.level;
+    std::size_t level = *unit_.level;
     if (std::none_of(unit_.parts.begin(), unit_.parts.end(),
                      [&](const auto& part) { return part.indices[0] < tree.node(part.node).points_to_level(level); })) {
         level = tree.info().levels;

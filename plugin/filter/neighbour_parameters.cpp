@@ -104,7 +104,7 @@ void run_attribute_filter(const FilterRun& run, NeighbourAttributeOptions option
             " of them computed, peak memory " + bytes_text(report.peak_memory_bytes) + ".");
     if (options.wanted.normal)
         run.log("Neighbours on a line: " + grouped(report.lines) + " points; in a blob: " + grouped(report.blobs) +
-                "; too few: " + grouped(report.too_few) + ".");
+                "; too few: " + grouped(report.too_few) + "; on two surfaces: " + grouped(report.two_surfaces) + ".");
     if (report.used_known_normals) run.log("Radii were measured across the normals that the cloud has.");
     show_result(run, tree, target_of(run.parameters));
     show_afterwards(run, [&] { show_as_discs(run, target.path()); });

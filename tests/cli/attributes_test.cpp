@@ -54,6 +54,8 @@ TEST_F(AttributesCliTest, NormalsAndRadiiInOnePass)
     EXPECT_EQ(radii["points_checked"], 1000);
     EXPECT_EQ(radii["errors"][0]["of"], "radii");
     EXPECT_GT(radii["errors"][0]["p95"], radii["errors"][0]["median"]);
+    EXPECT_LT(radii["errors"][0]["p95_interval"][0], radii["errors"][0]["p95"]);
+    EXPECT_GT(radii["errors"][0]["p95_interval"][1], radii["errors"][0]["p95"]);
     EXPECT_EQ(radii["used_known_normals"], true);
     EXPECT_LT(radii["points_computed"], 30000);
     const Result text = pcmlab("radii " + path("scene.pct") + " -o " + path("r.pct") + " --error-target 1000");
@@ -105,6 +107,17 @@ TEST_F(AttributesCliTest, RefusesWhatMakesNoSense)
     EXPECT_EQ(pcmlab("outliers " + tree + " --in-place --radius 1").code, 2);
     EXPECT_EQ(pcmlab("outliers " + tree + " --in-place --method other").code, 2);
     EXPECT_EQ(pcmlab("outliers " + tree + " --in-place -a nan").code, 1);
+    for (const char* factor : {"-1", "0"}) {
+        const Result refused = pcmlab("outliers " + tree + " --in-place -a " + factor);
+        EXPECT_EQ(refused.code, 1);
+        EXPECT_NE(refused.err.find("about half of the points or more"), std::string::npos) << refused.err;
+        EXPECT_NE(refused.err.find("give a positive factor"), std::string::npos) << refused.err;
+    }
+    for (const char* command : {"radii", "normals", "outliers"}) {
+        const Result small = pcmlab(command + (" " + tree) + " --in-place -m 63M");
+        EXPECT_EQ(small.code, 1) << command;
+        EXPECT_NE(small.err.find("give -m 64M or more"), std::string::npos) << small.err;
+    }
     EXPECT_EQ(json("info --json " + tree)["generation"], 1);
 }
 

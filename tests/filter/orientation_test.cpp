@@ -58,6 +58,9 @@ TEST(PieceSums, PreferTheClearerOfOutwardAndUp)
     EXPECT_NEAR(turned.outward_or_up(), -1, 0.01);
 }
 
+// So little memory, and units so small, that there are many and one at a time.
+constexpr std::uint64_t little = 1 << 20;
+
 class Orientation : public testing::Test {
 protected:
     // Estimates normals and returns those of all points, with their positions.
@@ -71,6 +74,7 @@ protected:
         options.neighbours = 10;
         options.threads = threads;
         options.memory_bytes = memory;
+        if (memory == little) options.unit_points = 3000;
         options.level = level_;
         report_ = compute_neighbour_attributes(tree_, options);
         const Oracle oracle(tree_);
@@ -90,9 +94,6 @@ Vec3d on_sphere(double u, double v)
     const double z = 2 * u - 1, r = std::sqrt(1 - z * z), a = 2 * pi * v;
     return {r * std::cos(a), r * std::sin(a), z};
 }
-
-// So little memory that there are many units.
-constexpr std::uint64_t little = 1 << 20;
 
 TEST_F(Orientation, ClosedSurfacesPointOutwardAcrossUnits)
 {
@@ -174,6 +175,104 @@ TEST_F(Orientation, DoesNotDependOnTheThreads)
     const auto hash = Tree::open(tree_)->info().content_hash;
     normals(scene, little, 4);
     EXPECT_EQ(Tree::open(tree_)->info().content_hash, hash);
+}
+
+// The sides of a plate that is thinner than its points are apart: their normals cannot be told apart, and are marked.
+TEST_F(Orientation, ThinPlatesAreMarked)
+{
+    std::mt19937_64 random(3);
+    std::normal_distribution<double> noise(0, 0.001);
+    for (const double thick : {0.02, 0.06}) {  // points are 0.14 apart on a side
+        const auto plate = cloud_of(20000, 61, [&](double u, double v, double w) {
+            return Vec3d{14 * u, 14 * v, (w < 0.5 ? 0 : thick) + noise(random)};
+        });
+        for (const std::uint64_t memory : {little, std::uint64_t(64) << 20}) {
+            std::size_t wrong = 0, marked = 0;
+            for (const auto& [p, n] : normals(plate, memory)) wrong += (n[2] > 0) != (p[2] > thick / 2);
+            const Oracle oracle(tree_);
+            for (const OraclePoint& p : oracle.points) marked += oracle.value(p, "normal_confidence") == 4;
+            EXPECT_GT(wrong, 4000u) << "nothing to mark: all sides are right";
+            EXPECT_GT(marked, 16000u) << thick << " " << memory;
+            EXPECT_EQ(report_.two_surfaces, marked);
+            ASSERT_EQ(report_.notes.size(), 1u);
+            EXPECT_NE(report_.notes[0].find(std::to_string(marked) + " points"), std::string::npos) << report_.notes[0];
+        }
+    }
+    // Nothing of that on one surface, even with as much noise, and at steps.
+    const auto sheet = cloud_of(20000, 62, [&](double u, double v, double) {
+        return Vec3d{14 * u, 14 * v, (u < 0.5 ? 0 : 0.1) + 20 * noise(random)};
+    });
+    normals(sheet);
+    EXPECT_LT(report_.two_surfaces, 40u);
+    EXPECT_TRUE(report_.notes.empty());
+}
+
+// Where two closed surfaces nearly touch, the side of one does not become that of the other.
+TEST_F(Orientation, SurfacesThatNearlyTouchDoNotTurnEachOtherAround)
+{
+    const auto cubes = cloud_of(24000, 63, [](double u, double v, double w) {
+        const bool upper = w < 0.5;
+        const double f = (upper ? 2 * w : 2 * w - 1) * 6;
+        const int face = static_cast<int>(f);
+        const double low = face % 2;
+        Vec3d p = face < 2 ? Vec3d{low, u, v} : face < 4 ? Vec3d{u, low, v} : Vec3d{u, v, low};
+        if (upper) p[2] += 1.006;  // points are 0.02 apart
+        return p;
+    });
+    std::size_t wrong = 0;
+    const auto all = normals(cubes);
+    for (const auto& [p, n] : all) {
+        const Vec3d centre{0.5, 0.5, p[2] > 1.003 ? 1.506 : 0.5};
+        wrong += dot(n, p - centre) < 0;
+    }
+    EXPECT_LT(wrong, all.size() / 100);
+    EXPECT_GT(report_.two_surfaces, 2000u);
+}
+
+// Not one bit of any column depends on the threads and the memory, where all distances are ties, and places too.
+TEST_F(Orientation, ColumnsAreTheSameForAnyThreadsAndMemory)
+{
+    std::size_t number = 0;
+    const std::vector<MemoryCloud> clouds{
+        cloud_of(12000, 64,
+                 [&](double, double, double) {
+                     const std::size_t i = number++ % 12000;
+                     return Vec3d{500000 + 0.01 * double(i % 100), 4800000 + 0.01 * double(i / 100), 0};
+                 }),
+        cloud_of(9000, 65,
+                 [&](double u, double v, double w) {
+                     return Vec3d{500000 + std::floor(12 * u), 4800000 + std::floor(12 * v), std::floor(9 * w)};
+                 }),
+        cloud_of(12000, 66, [](double u, double v, double w) {
+            return w < 0.5 ? Vec3d{u, v, 0.2 * std::sin(9 * u)} : Vec3d{u, v, w};
+        })};
+    for (const MemoryCloud& cloud : clouds) {
+        fs::remove_all(tree_);
+        build_small(cloud, tree_);
+        std::vector<std::vector<double>> first;
+        for (const unsigned threads : {1u, 2u, 5u})
+            for (const std::uint64_t memory : {least_filter_memory, std::uint64_t(1) << 30, little}) {
+                fs::remove_all(folder_ / "copy.pct");
+                fs::copy(tree_, folder_ / "copy.pct", fs::copy_options::recursive);
+                NeighbourAttributeOptions options;
+                options.wanted = all_values();
+                options.threads = threads;
+                options.memory_bytes = memory;
+                options.unit_points = 1000;
+                compute_neighbour_attributes(folder_ / "copy.pct", options);
+                const Oracle oracle(folder_ / "copy.pct");
+                std::vector<std::vector<double>> columns(7);
+                for (const OraclePoint& p : oracle.points) {
+                    std::size_t c = 0;
+                    for (const char* name : {"radius", "curvature", "normal_confidence", "mean_distance"})
+                        columns[c++].push_back(oracle.value(p, name));
+                    for (std::uint32_t a = 0; a < 3; ++a) columns[c++].push_back(oracle.value(p, "normal", a));
+                }
+                if (first.empty()) first = columns;
+                for (std::size_t c = 0; c < columns.size(); ++c)
+                    ASSERT_TRUE(columns[c] == first[c]) << c << " " << threads;
+            }
+    }
 }
 
 TEST_F(Orientation, OfPointsWithoutNormals)

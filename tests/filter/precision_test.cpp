@@ -1,6 +1,7 @@
 #include "pcm/filter/precision.h"
 
 #include "pcm/cache/l2_cache.h"
+#include "pcm/filter/level_clock.h"
 #include "tests/filter/oracle.h"
 
 #include <map>
@@ -84,6 +85,10 @@ TEST_F(Precision, PointsOfTheLevelAreExactAndTheErrorOfOthersIsReported)
     EXPECT_NEAR(report.errors[0].median, percentile(of_sample, 0.5), 1e-4);
     EXPECT_NEAR(report.errors[0].p95, percentile(of_sample, 0.95), 1e-4);
     EXPECT_EQ(report.outcome.error, report.errors[0].p95);
+    std::sort(of_sample.begin(), of_sample.end());
+    EXPECT_NEAR(report.errors[0].p95_low, of_sample[ranks_around_p95(1000).first], 1e-4);
+    EXPECT_NEAR(report.errors[0].p95_high, of_sample[ranks_around_p95(1000).second], 1e-4);
+    EXPECT_LT(report.errors[0].p95_low, report.errors[0].p95);
     EXPECT_NE(outcome_text("radii", report).find("radii at level " + std::to_string(*options.level) + ": "),
               std::string::npos);
     EXPECT_NE(outcome_text("radii", report).find(" (1000 points checked)"), std::string::npos);
@@ -100,13 +105,58 @@ TEST_F(Precision, TextsOfOutcomes)
     EXPECT_EQ(outcome_text("radii", report), "radii: 3.1 s, exact");
     report.level = 6;
     report.points_checked = 1000;
-    report.errors = {{"radii", "%", 2.41, 7.9}};
+    report.errors = {{"radii", "%", 2.41, 7.9, 7.12, 8.8}};
     EXPECT_EQ(outcome_text("radii", report),
-              "radii at level 6: 3.1 s, median error 2.4 %, p95 7.9 % (1000 points checked)");
-    report.errors.push_back({"normals", "degrees", 0.034, 12.3});
+              "radii at level 6: 3.1 s, median error 2.4 %, p95 7.9 % [7.1 to 8.8] (1000 points checked)");
+    report.errors.push_back({"normals", "degrees", 0.034, 12.3, 11, 13.4});
     EXPECT_EQ(outcome_text("normals and radii", report),
-              "normals and radii at level 6: 3.1 s, radii median error 2.4 %, p95 7.9 %; normals median error 0.034 "
-              "degrees, p95 12 degrees (1000 points checked)");
+              "normals and radii at level 6: 3.1 s, radii median error 2.4 %, p95 7.9 % [7.1 to 8.8]; normals "
+              "median error 0.034 degrees, p95 12 degrees [11 to 13] (1000 points checked)");
+}
+
+// Of numbers drawn evenly from 0..1 the interval holds 0.95 in about 95 of 100 draws, and in not many fewer.
+TEST_F(Precision, TheIntervalOfThePercentileHoldsIt)
+{
+    EXPECT_EQ(ranks_around_p95(1000), (std::pair<std::size_t, std::size_t>{935, 963}));
+    std::mt19937_64 random(9);
+    for (const std::size_t count : {200u, 1000u}) {
+        const auto [low, high] = ranks_around_p95(count);
+        int held = 0;
+        std::vector<double> values(count);
+        for (int draw = 0; draw < 2000; ++draw) {
+            for (double& v : values) v = static_cast<double>(random() >> 11) * 0x1p-53;
+            std::sort(values.begin(), values.end());
+            held += values[low] <= 0.95 && values[high] >= 0.95;
+        }
+        EXPECT_GE(held, 1880) << count;
+        EXPECT_LE(held, 1970) << count;
+    }
+    EXPECT_EQ(ranks_around_p95(5), (std::pair<std::size_t, std::size_t>{0, 4}));
+    EXPECT_EQ(ranks_around_p95(1), (std::pair<std::size_t, std::size_t>{0, 0}));
+}
+
+// A pass that is slower than predicted goes on at coarser levels, unit by unit, and ends.
+TEST_F(Precision, APassWhoseTimeIsOverEndsAtTheCoarsestLevel)
+{
+    NeighbourAttributeOptions options = options_of(true, false);
+    options.unit_points = 500;
+    options.threads = 1;
+    const auto tree = Tree::open(tree_);
+    const std::size_t levels = tree->info().levels;
+    for (const double seconds : {1e-9, 1e9}) {
+        L2Cache cache(tree);
+        LevelClock clock(std::vector<double>(levels, 1.0), levels - 1, seconds);
+        NeighbourAttributeReport report;
+        const auto pass = run_attribute_pass(cache, options, {}, nullptr, 1, report, &clock);
+        EXPECT_GT(pass.units, 5u);
+        EXPECT_EQ(clock.units(), pass.units);
+        EXPECT_EQ(clock.coarser_units(), seconds < 1 ? pass.units : 0);
+        EXPECT_EQ(clock.coarsest(), seconds < 1 ? 0 : levels - 1);
+        if (seconds < 1)
+            EXPECT_LT(pass.outcome.points_out, 3000u);
+        else
+            EXPECT_EQ(pass.outcome.points_out, 6000u);
+    }
 }
 
 TEST_F(Precision, RandomPointsAreOfAllPointsAlike)

@@ -454,6 +454,28 @@ TEST_F(NeighbourhoodsOf, TiesAreOrderedByPlaceWhateverTheUnitsAndThreads)
     }
 }
 
+TEST_F(NeighbourhoodsOf, UnitsMayHaveLevelsOfTheirOwn)
+{
+    const auto opened = tree(cloud_of(9000, millimetres, [](std::mt19937_64& random, std::size_t) {
+        return Vec3d{500000 + 9 * uniform(random), 4800000 + 9 * uniform(random), 100};
+    }));
+    L2Cache cache(opened);
+    NeighbourhoodOptions options;
+    options.unit_points = 1000;
+    options.threads = 1;
+    std::size_t calls = 0;
+    options.level_of_unit = [&](double done, std::size_t units) -> std::optional<std::uint16_t> {
+        EXPECT_DOUBLE_EQ(done, double(calls) / double(units));
+        if (calls++ % 2) return {};
+        return std::uint16_t(0);
+    };
+    const All some = all_of(cache, options, &report_);
+    EXPECT_EQ(calls, report_.units);
+    EXPECT_GT(some.size(), 3000u);
+    EXPECT_LT(some.size(), 6500u);
+    expect_right(*opened, some, options);
+}
+
 TEST_F(NeighbourhoodsOf, CancelsAndRefuses)
 {
     const auto opened = tree(cloud_of(25000, millimetres, [](std::mt19937_64& random, std::size_t) {
