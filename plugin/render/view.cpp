@@ -20,6 +20,7 @@
 
 #include <QElapsedTimer>
 #include <QEvent>
+#include <QMainWindow>
 #include <QMouseEvent>
 #include <QPointer>
 #include <QThread>
@@ -416,6 +417,8 @@ void View::hide_native_after_edit()
         area_->makeCurrent();
         for (const auto& [mesh_id, layer] : layers_)
             if (layer.native_hidden) show_native(mesh_id, false);
+        if (QMainWindow* window = window_of(*area_))
+            QMetaObject::invokeMethod(window, "updateLayerDialog", Qt::QueuedConnection);
     }
 }
 
