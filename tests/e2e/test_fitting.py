@@ -131,6 +131,7 @@ class Fitting(MeshLabTest):
             show-layer 3 off
             press Export
             pick {out / "all.dxf"}
+            press OK
             wait-label {MESSAGE} wrote 2 primitives
             press Export
             pick {out / "all.scr"}
@@ -309,7 +310,7 @@ class Fitting(MeshLabTest):
             quit
             """)
         self.assertDriven(run)
-        self.assertEqual(run.fields(), ["Sphere", "0.008"], "the settings are kept")
+        self.assertEqual(run.fields(), ["Sphere", ""], "choices are kept, numbers belong to the cloud")
 
     def test_escape_and_further_clicks(self):
         """What runs is cancelled by Esc, and replaced by a further click; the camera moves meanwhile."""

@@ -71,6 +71,8 @@ void SelectTool::press(SelectPanel::Button button)
         case Button::stop:
             cancel();
             return;
+        case Button::defaults:
+            return panel_->show_defaults();
         case Button::colour:
             return choose_colour();
         case Button::to_layer:
