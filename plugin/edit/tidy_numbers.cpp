@@ -39,6 +39,19 @@ double decimal(double value, double step)
 
 QString decimal_text(double value, double step) { return QString::fromStdString(exact(decimal(value, step))); }
 
+QString on_grid_text(double value, double step)
+{
+    constexpr double noise = 1e-6;  // of a step
+    constexpr int most_decimals = 17;
+    const QString all = QString::fromStdString(exact(value));
+    for (int decimals = 0; step > 0 && decimals < most_decimals; ++decimals) {
+        const QString shorter = QString::number(value, 'f', decimals);
+        if (!(std::abs(shorter.toDouble() - value) <= noise * step)) continue;
+        return shorter.size() < all.size() ? shorter : all;
+    }
+    return all;
+}
+
 ClipBox tidied(const ClipBox& box, double step, bool contains)
 {
     if (!(step > 0) || !std::isfinite(step)) return box;

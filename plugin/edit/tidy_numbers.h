@@ -12,6 +12,9 @@ namespace pcm::host {
 double decimal(double value, double step);
 // As text, without zeros at the end.
 QString decimal_text(double value, double step);
+// A coordinate of a point on a grid, without the noise that the grid's steps have in double: 636798.2 of 63679820 *
+// 0.01.
+QString on_grid_text(double value, double step);
 
 // The box with a centre and sizes of few digits: sizes to `step`, the centre to a tenth of it. With `contains` its
 // sizes are rounded up, so that what an upright box contains stays inside.

@@ -397,6 +397,10 @@ class Fitting(MeshLabTest):
             print-label {FOUND}
             key Return
             wait-rows {LIST} 1
+            {self.click("0.5 0.55")}
+            wait-label {MESSAGE} the same as 'Plane 1' of the list
+            escape-in-view
+            wait-label {MESSAGE} discarded
             wait-status complete
             screen {self.result("field.png")}
             press Export

@@ -326,7 +326,7 @@ class Measuring(MeshLabTest):
             trigger Save Project As...
             pick {project}
             pause 500
-            press Defaults
+            press Panel defaults
             {self.clicks((0.40, 0.50), (0.60, 0.50))}
             key Return
             wait-rows {LIST} 2

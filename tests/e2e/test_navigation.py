@@ -91,8 +91,9 @@ class Navigation(MeshLabTest):
             wait-status complete
             print-camera orbited
             picture {pictures["orbited"]}
+            trigger Reset Trackball
             trigger First Person Navigation
-            wheel 18
+            wheel 10
             key-down Q
             pause 4000
             print-camera above-ground

@@ -183,8 +183,11 @@ class Selecting(MeshLabTest):
             wait-label PointCloudSelectMessage grown
             print-label PointCloudSelectCount
             print-label PointCloudSelectMessage
+            press Select none
+            wait-label PointCloudSelectMessage none
             set Not farther than = 30
             click 0.35 0.49
+            wait-label PointCloudSelectMessage grown
             wait-label PointCloudSelectCount class
             print-label PointCloudSelectCount
             set Normals within = 91
@@ -193,18 +196,22 @@ class Selecting(MeshLabTest):
             set Normals within = 20
             click 0.35 0.49
             wait-label PointCloudSelectMessage the cloud has no normals
-            press Defaults
+            press Panel defaults
             set Select by = Grow
             print-field Grow distance
             print-field Normals within
+            press Select none
+            wait-label PointCloudSelectMessage none
             click 0.35 0.49
             wait-label PointCloudSelectMessage grown
             print-label PointCloudSelectMessage
             set Grow distance = none
             click 0.35 0.49
             wait-label PointCloudSelectMessage is no grow distance
-            press Defaults
+            press Panel defaults
             set Select by = Brush
+            press Select none
+            wait-label PointCloudSelectMessage none
             click 0.35 0.49
             wait-label PointCloudSelectMessage brush of radius
             wait-label PointCloudSelectCount class

@@ -72,7 +72,7 @@ void FitPanel::add_draft(QVBoxLayout& column)
     add_button(*buttons, 0, 0, Button::accept, "Accept", "Puts the found shape into the list. Enter in the view.");
     add_button(*buttons, 0, 1, Button::discard, "Discard",
                "Discards the found shape, or stops what runs. Esc in the view.");
-    add_button(*buttons, 0, 2, Button::defaults, "Defaults",
+    add_button(*buttons, 0, 2, Button::defaults, "Panel defaults",
                "Puts the fields above back to what they are at first; the list stays.");
     column.addLayout(buttons);
     progress_ = new QProgressBar;

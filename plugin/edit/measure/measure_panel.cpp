@@ -132,7 +132,7 @@ void MeasurePanel::add_fields(QVBoxLayout& column)
                "Ends the line or polygon. Enter, a double click or the right button in the view.");
     add_button(*buttons, 0, 2, Button::cancel, "Cancel",
                "Discards the points clicked so far, or stops what runs. Esc.");
-    add_button(*buttons, 0, 4, Button::defaults, "Defaults",
+    add_button(*buttons, 0, 4, Button::defaults, "Panel defaults",
                "Empties the fields above, which then have their default values; the list stays.");
     column.addLayout(buttons);
     progress_ = new QProgressBar;

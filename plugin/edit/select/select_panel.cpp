@@ -202,7 +202,7 @@ void SelectPanel::add_uses(QGridLayout& rows)
     add_button(*buttons, 3, 0, Button::save, "Save as attribute",
                "Saves the selection in the tree: an attribute that is 1 for selected points and 0 for all others. The "
                "condition NAME=1 selects them again.");
-    add_button(*buttons, 3, 1, Button::defaults, "Defaults",
+    add_button(*buttons, 3, 1, Button::defaults, "Panel defaults",
                "Puts all fields of this panel back to what they are in a new project; the selection stays.");
     show_steps({}, {});
 }
