@@ -21,6 +21,8 @@ public:
     std::size_t add(Primitive primitive);
     void add_all(std::vector<Primitive> primitives);  // one step; none for no primitives
     std::vector<Primitive> all() const;
+    // The list as it is becomes the one before all steps, as one that was read from a file.
+    using UndoList::forget_steps;
 };
 
 // For one that is added: of eight colours that differ, the first that the list has least often.

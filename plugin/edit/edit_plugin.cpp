@@ -2,8 +2,11 @@
 
 #include "plugin/edit/clip/clip_text.h"
 #include "plugin/edit/measure/measure_book.h"
+#include "plugin/edit/tool_switch.h"
 #include "plugin/edit/tools.h"
 #include "plugin/host/primitive_book.h"
+#include "plugin/host/project_unit.h"
+#include "plugin/host/registry.h"
 
 using namespace pcm::host;
 
@@ -12,13 +15,17 @@ PointCloudTools::PointCloudTools()
     keep_clip_boxes_in_projects();
     keep_measures_in_projects();
     keep_primitives_in_projects();
+    keep_units_in_projects();
     for (const Tool& tool : tools()) {
         auto* action = new QAction(tool.icon(), tool.name, this);
         action->setCheckable(true);
         // MeshLab shows the tooltip of the action, but not the description.
         action->setToolTip(QString("<b>%1</b><br>%2").arg(tool.name, tool.description));
+        make_switchable(*action);
         actions_ << action;
     }
+    // With the first cloud: a window without any has no use for them.
+    connect(&Registry::instance(), &Registry::attached, this, [this] { show_tool_bar(actions_); });
 }
 
 MeshEditInterface* PointCloudTools::getMeshEditInterface(QAction* action)

@@ -52,4 +52,17 @@ Box3d bounds_in_picture(GLArea& view)
     return bounds;
 }
 
+double grid_step_of_shown(const GLArea& view)
+{
+    double step = 0;
+    for (const MeshModel* layer : const_cast<GLArea&>(view).md()->meshList) {
+        const auto tree = layer && view.meshVisibilityMap.value(layer->id(), true) ? Registry::instance().drawn(*layer)
+                                                                                   : std::nullopt;
+        if (!tree) continue;
+        for (const double scale : tree->cloud->info().grid.scale)
+            if (scale > 0 && (step == 0 || scale < step)) step = scale;
+    }
+    return step;
+}
+
 }  // namespace pcm::host

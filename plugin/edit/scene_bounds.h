@@ -15,5 +15,7 @@ Box3d bounds_of(const MeshModel& layer);
 Box3d bounds_of_shown(GLArea& view);
 // Around the parts of clouds that the picture of the view has, about as close as the size of a chunk.
 Box3d bounds_in_picture(GLArea& view);
+// The finest step of the grids of the clouds that the view shows, source units; 0: it shows none.
+double grid_step_of_shown(const GLArea& view);
 
 }  // namespace pcm::host

@@ -27,7 +27,8 @@ const std::vector<Tool>& tools()
         {"First Person Navigation",
          "Walk through the scene: W A S D and E Q move, Shift moves faster, dragging looks around, the wheel changes "
          "the "
-         "speed. The speed is proportional to the distance of the nearest points.",
+         "speed. The speed is proportional to the distance of the nearest points. The eye stays above the ground; G "
+         "lets it through.",
          first_person_icon, make<FirstPersonTool>},
         {"Pick Point",
          "A click shows all that a cloud knows about the visible point under the cursor, at full resolution: source "

@@ -5,6 +5,7 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/primitive_parameters.h"
 #include "plugin/host/primitive_book.h"
+#include "plugin/host/project_unit.h"
 
 #include <algorithm>
 
@@ -24,8 +25,8 @@ void add_parameters(RichParameterList& parameters)
     add_drawing_parameters(parameters, true);
 }
 
-// The unit that all clouds of the primitives state; empty where they differ or are not shown.
-std::string unit_of(const PrimitiveBook& book)
+// The unit that all clouds of the primitives state, or the project's where they state none; empty where they differ.
+std::string unit_of(const MeshDocument& document, const PrimitiveBook& book)
 {
     std::vector<std::string> units;
     for (std::size_t i = 0; i < book.list().size(); ++i) {
@@ -34,7 +35,9 @@ std::string unit_of(const PrimitiveBook& book)
         units.push_back(tree ? length_unit(*tree->cloud) : std::string());
     }
     const bool same = std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
-    return same && !units.empty() ? units.front() : std::string();
+    if (!same) return {};
+    const std::string stated = units.empty() ? std::string() : units.front();
+    return stated.empty() ? chosen_unit(document).value_or("") : stated;
 }
 
 void run(const FilterRun& run)
@@ -52,7 +55,7 @@ void run(const FilterRun& run)
     for (std::size_t i = 0; i < book.list().size(); ++i) moved = moved || book.placement_of(book.list()[i]).has_value();
     const bool applied = run.parameters.getBool("ApplyMatrix");
     const bool everything = lower_extension(drawing_of(run.parameters)) == ".json";  // hidden ones too
-    write_drawing(run, applied ? book.placed(everything) : book.list().all(), unit_of(book));
+    write_drawing(run, applied ? book.placed(everything) : book.list().all(), unit_of(run.document, book));
     if (moved)
         run.log(applied ? "The primitives are where the matrices of their layers move the clouds."
                         : "The matrices of layers were not applied.");

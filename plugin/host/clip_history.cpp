@@ -48,6 +48,13 @@ void ClipHistory::keep(const std::optional<ClipBox>& box)
     set(box);
 }
 
+void ClipHistory::begin_with(const std::optional<ClipBox>& box)
+{
+    set(box);
+    boxes_ = {box};
+    done_ = 0;
+}
+
 void ClipHistory::undo()
 {
     if (can_undo()) set(boxes_[--done_]);

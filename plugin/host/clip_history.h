@@ -12,7 +12,7 @@ namespace pcm::host {
 
 bool same(const std::optional<ClipBox>& a, const std::optional<ClipBox>& b);
 
-// One for each document. Changes by others, such as a project that was opened, are steps too.
+// One for each document. Changes by others, such as a filter, are steps too.
 class ClipHistory : public QObject {
     Q_OBJECT
 
@@ -22,6 +22,8 @@ public:
     // Shows a box without a step, as while one is dragged; the next keep() makes the step.
     void show(const std::optional<ClipBox>& box);
     void keep(const std::optional<ClipBox>& box);
+    // The box that a project was opened with: there is nothing before it to go back to.
+    void begin_with(const std::optional<ClipBox>& box);
     bool can_undo() const { return done_ > 0; }
     bool can_redo() const { return done_ + 1 < boxes_.size(); }
     void undo();

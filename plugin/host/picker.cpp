@@ -3,6 +3,7 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/pick/describe_point.h"
 #include "pcm/pick/point_picker.h"
+#include "pcm/query/local_spacing.h"
 #include "pcm/system/error.h"
 #include "plugin/host/mesh_occlusion.h"
 #include "plugin/host/placement.h"
@@ -18,6 +19,7 @@
 #include <QThreadPool>
 
 #include <atomic>
+#include <cmath>
 #include <map>
 #include <utility>
 
@@ -108,6 +110,7 @@ Picked picked_of(const Target& target, const PickHit& hit)
     picked.position = hit.position;
     picked.shown_at = target.placement ? (*target.placement)(hit.position) : hit.position;
     picked.spacing = hit.size;
+    if (target.placement) picked.scale = std::cbrt(std::abs(target.placement->determinant()));
     const Vec3d& step = target.tree.cloud->info().grid.scale;
     picked.grid_step = std::max({step[0], step[1], step[2]});
     return picked;
@@ -119,6 +122,7 @@ void describe(const Target& target, Picked& picked)
         describe_point(target.tree.cloud->cache(), target.picker->sizes(), picked.node, picked.point);
     for (const DescribedAttribute& attribute : description.attributes)
         picked.attributes.push_back({attribute.name, attribute.text()});
+    picked.spacing_around = local_spacing(target.tree.cloud->cache(), picked.position);
 }
 
 // The nearest hit of all clouds: with `known`, hits of the same targets, exactly; else of what is in memory.

@@ -30,9 +30,13 @@ struct Picked {
     NodeId node = no_node;              // of the tree
     std::uint32_t point = 0;            // its number in the node's chunk
     Vec3d position{};                   // source coordinates, as the file has them
-    Vec3d shown_at{};      // where the view shows it: `position` moved by the layer's matrix; coordinates of the scene
-    double spacing = 0;    // about the distance to its neighbours, source units; 0: not known
-    double grid_step = 0;  // the largest step of the grid that positions are on, source units
+    Vec3d shown_at{};    // where the view shows it: `position` moved by the layer's matrix; coordinates of the scene
+    double spacing = 0;  // about the distance to its neighbours, source units; 0: not known
+    // The same of several points around it (query/local_spacing.h): for defaults, which one point's may mislead. 0: not
+    // known, as while the answer is not final.
+    double spacing_around = 0;
+    double scale = 1;                     // of the layer's matrix: a length in the scene for a length of 1 in the cloud
+    double grid_step = 0;                 // the largest step of the grid that positions are on, source units
     std::vector<PickedValue> attributes;  // all of them; none while the answer is not final
 };
 

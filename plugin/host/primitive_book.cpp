@@ -205,6 +205,7 @@ void keep_primitives_in_projects()
                       [](MeshDocument& document, const QString& text) {
                           PrimitiveList list;
                           list.add_all(parse_primitives(text.toStdString()));
+                          list.forget_steps();  // undo does not take the opening of a project back
                           PrimitiveBook::of(document).replace(std::move(list));
                       }});
     add_project_part(

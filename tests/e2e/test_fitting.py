@@ -132,6 +132,7 @@ class Fitting(MeshLabTest):
             show-layer 0 on
             press Export
             pick {out / "all.dxf"}
+            press OK
             wait-label {MESSAGE} wrote 2 primitives
             press Export
             pick {out / "all.scr"}
@@ -310,7 +311,7 @@ class Fitting(MeshLabTest):
             quit
             """)
         self.assertDriven(run)
-        self.assertEqual(run.fields(), ["Sphere", "0.008"], "the settings are kept")
+        self.assertEqual(run.fields(), ["Sphere", ""], "choices are kept, numbers belong to the cloud")
 
     def test_escape_and_further_clicks(self):
         """What runs is cancelled by Esc, and replaced by a further click; the camera moves meanwhile."""
@@ -397,6 +398,10 @@ class Fitting(MeshLabTest):
             print-label {FOUND}
             key Return
             wait-rows {LIST} 1
+            {self.click("0.5 0.55")}
+            wait-label {MESSAGE} the same as 'Plane 1' of the list
+            escape-in-view
+            wait-label {MESSAGE} discarded
             wait-status complete
             screen {self.result("field.png")}
             press Export

@@ -326,11 +326,18 @@ class Measuring(MeshLabTest):
             trigger Save Project As...
             pick {project}
             pause 500
+            press Panel defaults
+            {self.clicks((0.40, 0.50), (0.60, 0.50))}
+            key Return
+            wait-rows {LIST} 2
+            print-table {VALUES}
             quit
             """)
         self.assertDriven(run)
         (measure,) = kept_in(project)
         self.assertEqual((measure["kind"], measure["width"]), ("profile", 20))
+        (usual,) = [row[1] for row in run.tables(VALUES)[1] if row[0] == "width"]
+        self.assertRegex(usual, r"^[125]0* ft$")
         a, b = (p[:2] for p in positions(measure))
         length = math.dist(a, b)
         u = [(y - x) / length for x, y in zip(a, b)]

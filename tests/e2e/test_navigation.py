@@ -91,6 +91,23 @@ class Navigation(MeshLabTest):
             wait-status complete
             print-camera orbited
             picture {pictures["orbited"]}
+            trigger Reset Trackball
+            trigger First Person Navigation
+            wheel 10
+            key-down Q
+            pause 4000
+            print-camera above-ground
+            print-property pcm_first_person
+            key-up Q
+            wait-standing
+            key-down G
+            key-up G
+            key-down Q
+            pause 4000
+            key-up Q
+            wait-standing
+            print-camera below-ground
+            print-property pcm_first_person
             quit
             """, tree)
         self.assertDriven(run)
@@ -101,6 +118,12 @@ class Navigation(MeshLabTest):
                 self.assertEqual(c[before][key], c[after][key], f"{key} {after}")
         self.assertEqual(different(pictures["before"], pictures["inside"]), 0)
         self.assertEqual(different(self.result("left-behind.png"), pictures["outside"]), 0)
+        # Straight down, the eye stops above the ground (tests/view has where that is), until G lets it through.
+        above, below = run.properties("pcm_first_person")
+        self.assertEqual((above["stays_above"], below["stays_above"]), (True, False))
+        self.assertGreater(c["above-ground"]["eye"][2], above["ground"])
+        self.assertLess(c["above-ground"]["eye"][2], above["ground"] + 10)
+        self.assertLess(c["below-ground"]["eye"][2], above["ground"])
         # W walks along the view direction, per second by the distance of the nearest points; auto-repeat changes nothing.
         ahead = direction(c["inside"])
         way = [b - a for a, b in zip(c["inside"]["eye"], c["walked"]["eye"])]

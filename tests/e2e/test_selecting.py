@@ -182,9 +182,40 @@ class Selecting(MeshLabTest):
             click 0.35 0.49
             wait-label PointCloudSelectMessage grown
             print-label PointCloudSelectCount
+            print-label PointCloudSelectMessage
+            press Select none
+            wait-label PointCloudSelectMessage none
+            set Not farther than = 30
+            click 0.35 0.49
+            wait-label PointCloudSelectMessage grown
+            wait-label PointCloudSelectCount class
+            print-label PointCloudSelectCount
+            set Normals within = 91
+            click 0.35 0.49
+            wait-label PointCloudSelectMessage from 0 to 90
+            set Normals within = 20
+            click 0.35 0.49
+            wait-label PointCloudSelectMessage the cloud has no normals
+            press Panel defaults
+            set Select by = Grow
+            print-field Grow distance
+            print-field Normals within
+            press Select none
+            wait-label PointCloudSelectMessage none
+            click 0.35 0.49
+            wait-label PointCloudSelectMessage grown
+            print-label PointCloudSelectMessage
             set Grow distance = none
             click 0.35 0.49
             wait-label PointCloudSelectMessage is no grow distance
+            press Panel defaults
+            set Select by = Brush
+            press Select none
+            wait-label PointCloudSelectMessage none
+            click 0.35 0.49
+            wait-label PointCloudSelectMessage brush of radius
+            wait-label PointCloudSelectCount class
+            print-label PointCloudSelectCount
             set Select by = Brush
             set Brush radius = 12
             draw 0.02 0.02 0.05 0.05
@@ -194,7 +225,7 @@ class Selecting(MeshLabTest):
             """, tree)
         self.assertDriven(run)
         camera = Camera(run.properties("pcm_camera")[0])
-        through, front, brush, grown, unchanged = self.counts(run)
+        through, front, brush, grown, near, plain, unchanged = self.counts(run)
         self.assertLess(front, through)
         self.assertGreater(front, through / 20)
         self.assertGreater(brush, 20)
@@ -206,12 +237,20 @@ class Selecting(MeshLabTest):
         self.assertLess(abs((at[0] + 1) / 2 - 0.35) + abs((1 - at[1]) / 2 - 0.49), 0.06)
         self.assertGreater(max(size), 20)
         self.assertGreater(grown, brush)
-        self.assertEqual(unchanged, grown)
+        self.assertGreater(near, 5)
+        self.assertLess(near, grown / 5)
+        # One click of the brush takes a patch, not a handful, and a round number is the step.
+        self.assertGreater(plain, 20)
+        self.assertEqual(unchanged, plain)
+        self.assertEqual(run.fields(), ["", ""])
+        first, second = run.labels("PointCloudSelectMessage")
+        self.assertIn("points of the cloud: take a shorter step", first)
+        self.assertRegex(second, r"grown by steps of 0*\.?0*[125]0* source units")
 
     def test_clip_box(self):
         """Typed, dragged, undone, kept in a project, and only what it shows can be selected."""
         tree, points = self.scan()
-        project = self.folder / "clipped.mlp"
+        project, kept = self.folder / "clipped.mlp", self.folder / "kept.pct"
         wanted = {"Centre x": 636500.25, "Centre y": 849200.5, "Centre z": 430, "Size x": 300.5, "Size y": 200, "Size z": 40,
                   "Turn": 30}
         typed = "".join(f"\nset {name} = {value}" for name, value in wanted.items())
@@ -232,14 +271,16 @@ class Selecting(MeshLabTest):
             set Size x = nothing
             wait-label PointCloudClipBoxMessage is no size
             print-field Size x
-            key-down Ctrl+Z
+            key-in PointCloudClipBoxAxis Ctrl+Z
             print-field Turn
-            key-down Ctrl+Shift+Z
+            key-in PointCloudClipBoxAxis Ctrl+Shift+Z
             trigger Save Project As...
             pick {project}
             pause 300
-            trigger Clip Box
-            pause 200
+            press Keep the box's points
+            pick {kept}
+            wait-label PointCloudClipBoxMessage extracted
+            wait-layers 2
             trigger Select Points
             wait-log the left button selects
             press Select shown
@@ -265,6 +306,9 @@ class Selecting(MeshLabTest):
         self.assertGreater(inside_box, 1000)
         self.assertLess(inside_box, len(points) / 2)
         self.assertEqual(self.counts(run), [inside_box])
+        self.assertEqual(pcmlab("info", kept)["points"], inside_box)
+        for text in fields[:6]:  # around what is seen: the digits of the file, and one more for the centre
+            self.assertLessEqual(len(text.partition(".")[2]), 3, text)
         self.assertIn("<PointCloudClipBox>", project.read_text())
 
         # Reopened, a face is dragged by a third of the box's width; with the same camera as before.
@@ -278,6 +322,7 @@ class Selecting(MeshLabTest):
             {VIEW}
             trigger Clip Box
             wait-log drag a coloured cross
+            key-down Ctrl+Z
             {shown}
             hover {words(places[:1])}
             screen {self.result("hovered.png")}
@@ -305,7 +350,7 @@ class Selecting(MeshLabTest):
         self.assertEqual(fields[count + 4:count + 6], [200, 40])
         opposite = [fields[count + a] - axis * fields[count + 3] / 2 for a, axis in enumerate((c, s))]
         for a, axis in enumerate((c, s)):
-            self.assertAlmostEqual(opposite[a], centre[a] - axis * half[0], delta=1e-6)
+            self.assertAlmostEqual(opposite[a], centre[a] - axis * half[0], delta=0.02)  # of the grid's 0.01
         self.assertEqual(fields[2 * count + 5], 5)
         self.assertAlmostEqual(fields[2 * count + 2], 435, delta=1e-9)
 

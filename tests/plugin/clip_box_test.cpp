@@ -217,8 +217,10 @@ TEST(ClipText, ProjectsKeepTheBox)
         EXPECT_TRUE(part.text(before).isEmpty());
         const ClipBox box = box_at(far_place, 12);
         SceneState::of(before).set_clip(box);
+        const ClipHistory& history = ClipHistory::of(after);
         part.take(after, part.text(before));
         EXPECT_TRUE(same(SceneState::of(after).clip(), box));
+        EXPECT_FALSE(history.can_undo()) << "undo would take the opening of a project back";
         EXPECT_THROW(part.take(after, "?"), Error);
         EXPECT_TRUE(same(SceneState::of(after).clip(), box));
     }

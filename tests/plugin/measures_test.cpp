@@ -2,6 +2,7 @@
 #include "plugin/edit/measure/drawn_measures.h"
 #include "plugin/edit/measure/length_unit.h"
 #include "plugin/edit/measure/measure_text.h"
+#include "plugin/host/project_unit.h"
 
 #include <gtest/gtest.h>
 
@@ -83,6 +84,11 @@ CoordinateSystem projected(double plan, double up)
 TEST(LengthUnits, AreSaidWhereTheyMeanSomething)
 {
     EXPECT_EQ(common_unit({}).symbol, "");
+    MeshDocument document;  // whose clouds state none
+    EXPECT_EQ(length_unit_of(document).symbol, "");
+    choose_unit(document, "ft");
+    EXPECT_EQ(length_unit_of(document).symbol, "ft");
+    EXPECT_FALSE(length_unit_of(document).is_stated);
     EXPECT_EQ(common_unit({projected(1, 0), projected(1, 1)}).symbol, "m");
     EXPECT_EQ(common_unit({projected(0.3048, 0)}).symbol, "ft");
     EXPECT_EQ(common_unit({projected(1200.0 / 3937, 0)}).symbol, "ftUS");

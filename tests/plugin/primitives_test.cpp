@@ -176,6 +176,7 @@ TEST_F(PrimitiveBooks, AreKeptInProjects)
     EXPECT_EQ(back.fit.errors.radius, odd.fit.errors.radius);
     EXPECT_EQ(back.bounds.to, odd.bounds.to);
     EXPECT_EQ(book().layer_of(back), layer_);
+    EXPECT_FALSE(book().list().can_undo()) << "undo would empty a project that was opened";
     // What cannot be read changes nothing.
     take_parts(QByteArray(file).replace("cylinder", "potato"), document_);
     EXPECT_EQ(book().list().size(), 1u);
@@ -311,7 +312,12 @@ TEST(FitSettings, AreTypedAndKept)
     type("Iterations", "123");
     type("LargestRadius", "7");
     keep(settings);
-    const FitAtOptions options = options_of(kept_fit_settings());
+    const FitSettings kept = kept_fit_settings();
+    ASSERT_EQ(kept.numbers.size(), fit_numbers().size());
+    for (const QString& number : kept.numbers) EXPECT_EQ(number, "") << "the next cloud has other ones";
+    EXPECT_EQ(kept.kind, settings.kind);
+    EXPECT_TRUE(kept.by_radius);
+    const FitAtOptions options = options_of(settings);
     EXPECT_TRUE(options.kinds.empty());
     EXPECT_EQ(options.fit.kind, ShapeKind::torus);
     EXPECT_EQ(options.fit.estimator, Estimator::prosac);

@@ -2,6 +2,7 @@
 #include "plugin/host/project_parts.h"
 
 #include "pcm/system/error.h"
+#include "plugin/host/project_unit.h"
 
 #include <gtest/gtest.h>
 
@@ -69,6 +70,26 @@ TEST_F(ProjectParts, AProjectWithoutPartsStaysAsItIs)
     EXPECT_EQ(with_parts(project, document), project);
     kept()["TestPartOne"] = "text";
     EXPECT_EQ(with_parts("v 1 2 3\n", document), "v 1 2 3\n");
+}
+
+TEST_F(ProjectParts, TheUnitOfLengths)
+{
+    keep_units_in_projects();
+    keep_units_in_projects();  // once
+    EXPECT_EQ(chosen_unit(document), std::nullopt);
+    EXPECT_EQ(with_parts(project, document), project);
+    for (const char* symbol : {"ftUS", ""}) {
+        choose_unit(document, symbol);
+        const QByteArray file = with_parts(project, document);
+        EXPECT_EQ(file.count("<PointCloudLengthUnit>"), 1) << file.toStdString();
+        MeshDocument other;
+        take_parts(file, other);
+        EXPECT_EQ(chosen_unit(other), std::string(symbol));
+    }
+    EXPECT_THROW(choose_unit(document, "yard"), Error);
+    MeshDocument other;
+    take_parts(QByteArray(with_parts(project, document)).replace("unknown", "yard"), other);
+    EXPECT_EQ(chosen_unit(other), std::nullopt);
 }
 
 TEST_F(ProjectParts, AnElementOfTheProject)

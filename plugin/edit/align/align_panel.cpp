@@ -2,6 +2,8 @@
 
 #include "pcm/system/text.h"
 #include "plugin/edit/align/write_moved.h"
+#include "plugin/edit/message_area.h"
+#include "plugin/edit/tool_dock.h"
 #include "plugin/host/layer_matrix.h"
 #include "plugin/host/layer_visibility.h"
 #include "plugin/host/text.h"
@@ -16,7 +18,6 @@
 #include <QLabel>
 #include <QMainWindow>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QTableWidget>
 
 #include <utility>
@@ -26,16 +27,14 @@ namespace pcm::host {
 namespace {
 
 const char* const object_name = "PointCloudAlignDock";
+constexpr int message_lines = 4, summary_lines = 7;
 const char* const pair_files = "Pairs of points (*.txt);;All files (*)";
 
-// Short enough for a panel; the tooltip has all digits.
 QTableWidgetItem* cell_of(const std::optional<PickedEnd>& end)
 {
     if (!end) return new QTableWidgetItem("pick it in the view");
-    QStringList numbers;
-    for (const double x : end->position) numbers << QString::number(x, 'f', 2);
-    auto* cell = new QTableWidgetItem(numbers.join(" "));
-    cell->setToolTip(QString::fromStdString(exact(end->position)));
+    auto* cell = new QTableWidgetItem(QString::fromStdString(exact(end->position)));
+    cell->setToolTip(cell->text());  // where the column is too narrow
     return cell;
 }
 
@@ -56,12 +55,7 @@ AlignPanel::AlignPanel(QWidget* window) : QDockWidget("Align by Picked Pairs", w
     add_layers(*rows);
     add_pairs(*rows);
     add_result(*rows);
-    auto* scroll = new QScrollArea;
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setWidget(form);
-    scroll->setMinimumWidth(form->sizeHint().width() + 24);
-    setWidget(scroll);
+    fill_dock(*this, form);
     refresh();
 }
 
@@ -103,11 +97,10 @@ void AlignPanel::add_layers(QGridLayout& rows)
 
 void AlignPanel::add_pairs(QGridLayout& rows)
 {
-    message_ = new QLabel(
+    message_ = new MessageArea("PointCloudAlignMessage", message_lines);
+    message_->say(
         "Click on a point of the moving layer, then on the same place in the fixed one: three pairs or "
         "more, far apart. Dragging turns the view.");
-    message_->setObjectName("PointCloudAlignMessage");
-    message_->setWordWrap(true);
     rows.addWidget(message_, rows.rowCount(), 0, 1, 3);
     table_ = new QTableWidget(0, 3);
     table_->setObjectName("PointCloudAlignPairs");
@@ -144,18 +137,15 @@ void AlignPanel::add_pairs(QGridLayout& rows)
 
 void AlignPanel::add_result(QGridLayout& rows)
 {
-    summary_ = new QLabel;
-    summary_->setObjectName("PointCloudAlignSummary");
-    summary_->setWordWrap(true);
-    summary_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    summary_ = new MessageArea("PointCloudAlignSummary", summary_lines);
     int row = rows.rowCount();
     rows.addWidget(summary_, row++, 0, 1, 3);
     apply_ = add_button(rows, row, 0, "Apply Alignment",
                         "Sets the moving layer's matrix, which the views show at once. MeshLab keeps it in single "
                         "precision.",
                         &AlignPanel::apply);
-    undo_ = add_button(rows, row, 1, "Undo Alignment", "Gives the moving layer the matrix that it had before.",
-                       &AlignPanel::undo);
+    undo_ = add_button(rows, row, 1, "Undo Alignment",
+                       "Gives the moving layer the matrix that it had before. Ctrl+Z in the view.", &AlignPanel::undo);
     redo_ = add_button(rows, row, 2, "Redo Alignment", "Repeats what was undone.", &AlignPanel::redo);
     write_ = add_button(rows, ++row, 0, "Write Moved Tree...",
                         "Writes the moving layer's tree, moved in double, as a new tree, and shows that instead. Esc "
@@ -176,7 +166,12 @@ void AlignPanel::show_session(AlignSession* session)
     refresh();
 }
 
-void AlignPanel::say(const QString& text) { message_->setText(text); }
+void AlignPanel::say(const QString& text) { message_->say(text); }
+
+void AlignPanel::step(bool again)
+{
+    guarded([this, again] { again ? redo() : undo(); });
+}
 
 void AlignPanel::guarded(const std::function<void()>& work)
 {
@@ -228,7 +223,7 @@ void AlignPanel::refresh()
     fill_layers();
     fill_table();
     scale_->setChecked(session_->with_scale());
-    summary_->setText(summary_of(*session_));
+    summary_->say(summary_of(*session_));
     const MeshModel* moving = session_->moving();
     const LayerMatrices& matrices = LayerMatrices::of(session_->document());
     apply_->setEnabled(session_->fit().has_value());

@@ -13,11 +13,12 @@ class GLArea;
 class QCheckBox;
 class QComboBox;
 class QGridLayout;
-class QLabel;
 class QPushButton;
 class QTableWidget;
 
 namespace pcm::host {
+
+class MessageArea;
 
 // One for each window. GUI thread.
 class AlignPanel : public QDockWidget {
@@ -30,6 +31,8 @@ public:
     void show_session(AlignSession* session);
     // One line about the last pick, or what went wrong.
     void say(const QString& text);
+    // Undoes the last change of the moving layer's matrix, or repeats it.
+    void step(bool again);
 
 private:
     explicit AlignPanel(QWidget* window);
@@ -60,7 +63,7 @@ private:
     QComboBox *moving_ = nullptr, *fixed_ = nullptr, *shown_ = nullptr;
     QTableWidget* table_ = nullptr;
     QCheckBox* scale_ = nullptr;
-    QLabel *message_ = nullptr, *summary_ = nullptr;
+    MessageArea *message_ = nullptr, *summary_ = nullptr;
     QPushButton *apply_ = nullptr, *undo_ = nullptr, *redo_ = nullptr, *write_ = nullptr;
     bool filling_ = false;
 };

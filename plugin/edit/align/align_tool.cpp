@@ -38,7 +38,14 @@ void AlignTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDat
 
 void AlignTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
 {
-    if (view != view_ || !view->md() || event->key() != Qt::Key_Delete) return;
+    if (view != view_ || !view->md()) return;
+    const bool undo = event->matches(QKeySequence::Undo);
+    if (undo || event->matches(QKeySequence::Redo)) {
+        event->accept();
+        if (panel_) panel_->step(!undo);
+        return;
+    }
+    if (event->key() != Qt::Key_Delete) return;
     event->accept();
     AlignSession& session = AlignSession::of(*view->md());
     session.remove(session.selected() >= 0 ? session.selected() : int(session.pairs().size()) - 1);

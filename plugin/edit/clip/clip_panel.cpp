@@ -3,6 +3,9 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/system/text.h"
 #include "plugin/edit/clip/box_handles.h"
+#include "plugin/edit/message_area.h"
+#include "plugin/edit/tidy_numbers.h"
+#include "plugin/edit/tool_dock.h"
 
 #include <QAction>
 #include <QCheckBox>
@@ -11,7 +14,6 @@
 #include <QLabel>
 #include <QLineEdit>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QSignalBlocker>
 #include <QSlider>
 
@@ -23,6 +25,7 @@ namespace pcm::host {
 namespace {
 
 constexpr int most_steps = 100000;  // of the slider
+constexpr int message_lines = 4;
 
 // Of the bounds' corners along an axis of the box.
 std::array<double, 2> range_along(const Box3d& bounds, const Vec3d& axis)
@@ -58,29 +61,31 @@ ClipPanel::ClipPanel(QWidget* window) : QDockWidget("Clip Box", window)
     connect(side_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &ClipPanel::choose);
     add_box_fields(*rows);
     add_slab_fields(*rows);
-    words_ = new QLabel;
-    words_->setObjectName("PointCloudClipBoxMessage");
-    words_->setWordWrap(true);
+    words_ = new MessageArea("PointCloudClipBoxMessage", message_lines);
     const int end = rows->rowCount();
     add_button(*rows, end, 0, Button::undo, "Undo box", "Takes the last change of the box back. Ctrl+Z in the view.");
     add_button(*rows, end, 1, Button::redo, "Redo box", "Repeats what was undone. Ctrl+Shift+Z in the view.");
     add_button(*rows, end, 2, Button::remove, "Remove box", "Removes the box; Undo brings it back.");
-    rows->addWidget(words_, end + 1, 0, 1, 3);
-    rows->setRowStretch(end + 2, 1);
-    auto* scroll = new QScrollArea;
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setWidget(form);
-    scroll->setMinimumWidth(form->sizeHint().width() + 24);
-    setWidget(scroll);
+    add_button(
+        *rows, end + 1, 0, Button::keep_layer, "Keep the box's points",
+        "Makes a new tree of the points of the current layer that the box shows, at full resolution and with all "
+        "attributes, and shows it in a layer. The cloud itself is not changed. Hidden classes and conditions hold "
+        "too.",
+        2);
+    add_button(*rows, end + 1, 2, Button::keep_file, "Points to a file",
+               "Writes the same points to a file; the extension chooses the format.");
+    rows->addWidget(words_, end + 2, 0, 1, 3);
+    rows->setRowStretch(end + 3, 1);
+    fill_dock(*this, form);
 }
 
-void ClipPanel::add_button(QGridLayout& rows, int row, int column, Button button, const char* text, const char* tooltip)
+void ClipPanel::add_button(QGridLayout& rows, int row, int column, Button button, const char* text, const char* tooltip,
+                           int span)
 {
     auto* widget = buttons_[button] = new QPushButton(text);
     widget->setToolTip(tooltip);
     connect(widget, &QPushButton::clicked, this, [this, button] { emit pressed(button); });
-    rows.addWidget(widget, row, column);
+    rows.addWidget(widget, row, column, 1, span);
 }
 
 QLineEdit* ClipPanel::add_field(QGridLayout& rows, Field field, const char* label, const char* tooltip)
@@ -159,9 +164,10 @@ std::optional<double> ClipPanel::thickness() const
     return good && std::isfinite(number) && number > 0 ? std::optional(number) : std::nullopt;
 }
 
-void ClipPanel::show_box(const std::optional<ClipBox>& box, const Box3d& bounds)
+void ClipPanel::show_box(const std::optional<ClipBox>& box, const Box3d& bounds, double step)
 {
     box_ = box;
+    step_ = step;
     bounds_ = bounds;
     const QSignalBlocker enabled(enabled_), side(side_);
     enabled_->setChecked(box && box->enabled);
@@ -180,7 +186,8 @@ void ClipPanel::show_box(const std::optional<ClipBox>& box, const Box3d& bounds)
     put(turn, degrees ? degrees_text(*degrees) : box ? "tilted" : "");
     enabled_->setEnabled(box.has_value());
     side_->setEnabled(box.has_value());
-    for (const Button button : {Button::make_slab, Button::step_back, Button::step_ahead, Button::remove})
+    for (const Button button : {Button::make_slab, Button::step_back, Button::step_ahead, Button::remove,
+                                Button::keep_layer, Button::keep_file})
         buttons_[button]->setEnabled(box.has_value());
     show_slab(bounds);
 }
@@ -206,7 +213,7 @@ void ClipPanel::show_steps(bool can_undo, bool can_redo)
     buttons_[Button::redo]->setEnabled(can_redo);
 }
 
-void ClipPanel::say(const QString& text) { words_->setText(text); }
+void ClipPanel::say(const QString& text) { words_->say(text); }
 
 // A number that was not edited keeps all of its digits.
 void ClipPanel::take(Field field)
@@ -253,6 +260,7 @@ void ClipPanel::slide(int step)
     const double to = range_along(bounds_, axis)[0] + (step + 0.5) * 2 * box_->half[slab_axis()];
     ClipBox box = *box_;
     box.centre = box.centre + (to - dot(box.centre, axis)) * axis;
+    for (double& c : box.centre) c = decimal(c, step_ / 10);
     emit edited(box);
 }
 

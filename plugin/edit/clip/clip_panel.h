@@ -12,12 +12,13 @@
 class QCheckBox;
 class QComboBox;
 class QGridLayout;
-class QLabel;
 class QLineEdit;
 class QPushButton;
 class QSlider;
 
 namespace pcm::host {
+
+class MessageArea;
 
 class ClipPanel : public QDockWidget {
     Q_OBJECT
@@ -34,13 +35,16 @@ public:
         undo,
         redo,
         remove,
+        keep_layer,
+        keep_file,
     };
     Q_ENUM(Button)
 
     explicit ClipPanel(QWidget* window);
 
-    // `bounds` are those of the clouds, in the scene; the slider moves the slab through them.
-    void show_box(const std::optional<ClipBox>& box, const Box3d& bounds);
+    // `bounds` are those of the clouds, in the scene; the slider moves the slab through them. `step` is the finest one
+    // of their grids: numbers that a slider makes have no more digits.
+    void show_box(const std::optional<ClipBox>& box, const Box3d& bounds, double step);
     void show_steps(bool can_undo, bool can_redo);
     void say(const QString& text);
     std::size_t slab_axis() const;
@@ -54,7 +58,8 @@ signals:
 private:
     enum Field { centre_x, centre_y, centre_z, size_x, size_y, size_z, turn, thickness_field };
     QLineEdit* add_field(QGridLayout& rows, Field field, const char* label, const char* tooltip);
-    void add_button(QGridLayout& rows, int row, int column, Button button, const char* text, const char* tooltip);
+    void add_button(QGridLayout& rows, int row, int column, Button button, const char* text, const char* tooltip,
+                    int span = 1);
     void add_box_fields(QGridLayout& rows);
     void add_slab_fields(QGridLayout& rows);
     void take(Field field);
@@ -64,10 +69,11 @@ private:
 
     std::optional<ClipBox> box_;
     Box3d bounds_;
+    double step_ = 0;
     QCheckBox* enabled_;
     QComboBox *side_, *axis_;
     QSlider* slider_;
-    QLabel* words_;
+    MessageArea* words_;
     std::map<Field, QLineEdit*> fields_;
     std::map<Field, QString> shown_;
     std::map<Button, QPushButton*> buttons_;

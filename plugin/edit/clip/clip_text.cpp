@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
+#include "plugin/host/clip_history.h"
 #include "plugin/host/project_parts.h"
 
 #include <QJsonArray>
@@ -78,7 +79,7 @@ void keep_clip_boxes_in_projects()
                       },
                       [](MeshDocument& document, const QString& text) {
                           const ClipBox box = clip_box_of(text);
-                          SceneState::of(document).set_clip(box);
+                          ClipHistory::of(document).begin_with(box);
                       }});
 }
 

@@ -2,13 +2,17 @@
 
 #include "plugin/edit/clip/clip_drawing.h"
 #include "plugin/edit/scene_bounds.h"
+#include "plugin/edit/tidy_numbers.h"
 #include "plugin/edit/tool_dock.h"
 #include "plugin/edit/view_events.h"
 #include "plugin/host/clip_history.h"
 #include "plugin/host/picker.h"
+#include "plugin/host/registry.h"
+#include "plugin/host/shown_points.h"
 #include "plugin/host/text.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/system/error.h"
 
 #include <meshlab/glarea.h>
 
@@ -102,14 +106,14 @@ void ClipTool::show()
         .set(owner, box() ? drawing_of(*box(), dragged_ ? dragged_ : hovered_) : std::vector<Annotation>());
     publish_camera(*view_);
     if (!panel_) return;
-    panel_->show_box(box(), bounds_of_shown(*view_));
+    panel_->show_box(box(), bounds_of_shown(*view_), grid_step_of_shown(*view_));
     panel_->show_steps(history().can_undo(), history().can_redo());
 }
 
 void ClipTool::take_box(const Box3d& bounds)
 {
     if (bounds.empty()) return say("no point of a cloud is there, so the box stays as it is");
-    ClipBox made = box_around(bounds);
+    ClipBox made = tidied(box_around(bounds), grid_step_of_shown(*view_), true);
     if (box()) made.outside = box()->outside;
     history().keep(made);
 }
@@ -149,7 +153,27 @@ void ClipTool::press(ClipPanel::Button button)
             return show();
         case Button::remove:
             return history().keep(std::nullopt);
+        case Button::keep_layer:
+        case Button::keep_file:
+            return keep_points(button == ClipPanel::Button::keep_layer ? SelectionUse::to_layer
+                                                                       : SelectionUse::to_file);
     }
+}
+
+// Of the current layer, or of the only one.
+void ClipTool::keep_points(SelectionUse what)
+{
+    MeshModel* layer = view_->md()->mm();
+    if (!layer || !Registry::instance().drawn(*layer)) {
+        const auto shown = shown_layers(*view_);
+        if (shown.size() != 1)
+            throw Error(ErrorCode::invalid_argument, {}, "the current layer is not shown as a point cloud",
+                        "click a cloud in the layer panel");
+        layer = shown.front();
+    }
+    const QPointer<GLArea> alive(view_);
+    const QString done = use_shown(*view_, *layer, what);
+    if (alive && view_) say(done);
 }
 
 void ClipTool::begin_picking(Picking what)
@@ -192,6 +216,7 @@ void ClipTool::take_point(const Vec3d& place)
     } else {
         made = box_between(a, place, height);
     }
+    made = tidied(made, grid_step_of_shown(*view_), what == Picking::box);
     if (box()) made.outside = box()->outside;
     say({});
     history().keep(made);
@@ -250,7 +275,7 @@ void ClipTool::mouseReleaseEvent(QMouseEvent* event, MeshModel&, GLArea* view)
         }
         dragged_.reset();
         view->setCursor(Qt::ArrowCursor);
-        history().keep(box());
+        if (box()) history().keep(tidied(*box(), grid_step_of_shown(*view)));
         hover(event->pos());
         show();
     });

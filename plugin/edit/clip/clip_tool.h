@@ -5,6 +5,7 @@
 
 #include "plugin/edit/clip/box_handles.h"
 #include "plugin/edit/clip/clip_panel.h"
+#include "plugin/edit/select/selection_uses.h"
 
 #include "plugin/edit/view_tool.h"
 
@@ -48,6 +49,7 @@ private:
     void show();  // in the panel and in the view
     void press(ClipPanel::Button button);
     void take_box(const Box3d& bounds);
+    void keep_points(SelectionUse what);
     void step(double steps);
     void begin_picking(Picking what);
     void pick_at(const QPoint& place);

@@ -148,6 +148,15 @@ void FitFields::show(const FitSettings& settings)
     showing_ = false;
 }
 
+void FitFields::show_defaults()
+{
+    showing_ = true;
+    FitSettings usual;
+    usual.numbers.resize(fit_numbers().size());
+    show(usual);
+    report();
+}
+
 FitSettings FitFields::settings() const
 {
     FitSettings settings;

@@ -22,6 +22,7 @@ public:
     FitFields();  // with what the user's settings have kept
 
     FitSettings settings() const;
+    void show_defaults();  // counts as a change by the user
 
 signals:
     void changed();  // by the user; the settings are kept already

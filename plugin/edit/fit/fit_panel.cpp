@@ -2,16 +2,16 @@
 
 #include "pcm/system/text.h"
 #include "plugin/edit/fit/fit_fields.h"
+#include "plugin/edit/message_area.h"
 #include "plugin/edit/named_list.h"
+#include "plugin/edit/tool_dock.h"
 #include "plugin/host/drawn_primitives.h"
 
 #include <QGridLayout>
-#include <QLabel>
 #include <QMenu>
 #include <QPixmap>
 #include <QProgressBar>
 #include <QPushButton>
-#include <QScrollArea>
 #include <QVBoxLayout>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ namespace pcm::host {
 namespace {
 
 constexpr int progress_steps = 1000;
-constexpr int least_width = 280;  // pixels
+constexpr int found_lines = 4, message_lines = 5;
 constexpr int residual_digits = 3;
 const char* const how_to =
     "Click a point of a surface. Ctrl+click adds a place that belongs to it; Shift+click or Alt+click one that does "
@@ -46,17 +46,13 @@ FitPanel::FitPanel(QWidget* window) : QDockWidget("Fit Primitives", window)
     connect(fields_, &FitFields::changed, this, &FitPanel::settings_changed);
     add_draft(*column);
     add_list(*column);
-    auto* scroll = new QScrollArea;
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
-    scroll->setWidget(form);
-    scroll->setMinimumWidth(std::max(least_width, form->minimumSizeHint().width() + 16));
-    setWidget(scroll);
+    fill_dock(*this, form);
     show_found({}, false);
 }
 
 FitSettings FitPanel::settings() const { return fields_->settings(); }
+
+void FitPanel::show_defaults() { fields_->show_defaults(); }
 
 void FitPanel::add_button(QGridLayout& rows, int row, int column, Button button, const char* text, const char* tooltip)
 {
@@ -70,24 +66,22 @@ void FitPanel::add_button(QGridLayout& rows, int row, int column, Button button,
 
 void FitPanel::add_draft(QVBoxLayout& column)
 {
-    found_ = new QLabel;
-    found_->setObjectName("PointCloudFitFound");
-    found_->setWordWrap(true);
-    found_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    found_ = new MessageArea("PointCloudFitFound", found_lines);
     column.addWidget(found_);
     auto* buttons = new QGridLayout;
     add_button(*buttons, 0, 0, Button::accept, "Accept", "Puts the found shape into the list. Enter in the view.");
     add_button(*buttons, 0, 1, Button::discard, "Discard",
                "Discards the found shape, or stops what runs. Esc in the view.");
+    add_button(*buttons, 0, 2, Button::defaults, "Panel defaults",
+               "Puts the fields above back to what they are at first; the list stays.");
     column.addLayout(buttons);
     progress_ = new QProgressBar;
     progress_->setObjectName("PointCloudFitProgress");
     progress_->setRange(0, progress_steps);
+    keep_place(*progress_);
     progress_->hide();
     column.addWidget(progress_);
-    words_ = new QLabel;
-    words_->setObjectName("PointCloudFitMessage");
-    words_->setWordWrap(true);
+    words_ = new MessageArea("PointCloudFitMessage", message_lines);
     column.addWidget(words_);
 }
 
@@ -183,11 +177,11 @@ void FitPanel::show_values(const Primitive* primitive, const std::string& unit)
 
 void FitPanel::show_found(const QString& text, bool some)
 {
-    found_->setText(text.isEmpty() ? QString(how_to) : text);
+    found_->say(text.isEmpty() ? QString(how_to) : text);
     buttons_[Button::accept]->setEnabled(some);
 }
 
-void FitPanel::say(const QString& text) { words_->setText(text); }
+void FitPanel::say(const QString& text) { words_->say(text); }
 
 void FitPanel::show_progress(const std::optional<std::pair<QString, double>>& progress)
 {

@@ -15,7 +15,6 @@
 
 class QAction;
 class QGridLayout;
-class QLabel;
 class QProgressBar;
 class QPushButton;
 class QVBoxLayout;
@@ -23,6 +22,7 @@ class QVBoxLayout;
 namespace pcm::host {
 
 class FitFields;
+class MessageArea;
 class NamedList;
 class ValueTable;
 
@@ -46,12 +46,14 @@ public:
         to_file,
         remove_points,
         save_attribute,
+        defaults,
     };
     Q_ENUM(Button)
 
     explicit FitPanel(QWidget* window);
 
     FitSettings settings() const;
+    void show_defaults();  // of the fields
     void show_list(const PrimitiveList& list, std::optional<std::size_t> selected, const std::string& unit);
     void show_found(const QString& text, bool some);  // what the clicks have found so far; whether it can be accepted
     void say(const QString& text);                    // what happened
@@ -73,7 +75,7 @@ private:
     void show_values(const Primitive* primitive, const std::string& unit);
 
     FitFields* fields_ = nullptr;
-    QLabel *found_ = nullptr, *words_ = nullptr;
+    MessageArea *found_ = nullptr, *words_ = nullptr;
     QProgressBar* progress_ = nullptr;
     NamedList* list_ = nullptr;
     ValueTable* values_ = nullptr;

@@ -135,7 +135,7 @@ FitSettings kept_fit_settings()
     settings.outline = outline_kind(text("Outline").toStdString()).value_or(settings.outline);
     settings.by_radius = kept.value(QString(group) + "ByRadius", settings.by_radius).toBool();
     settings.grow = kept.value(QString(group) + "Grow", settings.grow).toBool();
-    for (const FitNumber& row : fit_numbers()) settings.numbers.push_back(text(row.key));
+    settings.numbers.resize(fit_numbers().size());
     return settings;
 }
 
@@ -149,8 +149,7 @@ void keep(const FitSettings& settings)
     set("Outline", name_of(settings.outline));
     set("ByRadius", settings.by_radius);
     set("Grow", settings.grow);
-    for (std::size_t i = 0; i < fit_numbers().size() && i < settings.numbers.size(); ++i)
-        set(fit_numbers()[i].key, settings.numbers[i]);
+    for (const FitNumber& row : fit_numbers()) kept.remove(QString(group) + row.key);  // earlier versions kept them
 }
 
 }  // namespace pcm::host

@@ -38,7 +38,8 @@ const std::vector<FitNumber>& fit_numbers();
 // the best is asked for.
 FitAtOptions options_of(const FitSettings& settings);
 
-// The user's settings (QSettings); what cannot be read is at its default.
+// The user's settings (QSettings): choices, and no numbers, which belong to the cloud that they were typed for. What
+// cannot be read is at its default.
 FitSettings kept_fit_settings();
 void keep(const FitSettings& settings);
 

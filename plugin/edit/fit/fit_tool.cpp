@@ -1,6 +1,7 @@
 #include "plugin/edit/fit/fit_tool.h"
 
 #include "pcm/system/error.h"
+#include "plugin/edit/fit/same_shape.h"
 #include "plugin/edit/look_at.h"
 #include "plugin/edit/measure/length_unit.h"
 #include "plugin/edit/tool_dock.h"
@@ -245,6 +246,9 @@ void FitTool::keep_draft(const FitPlaces& places, FittedPrimitive& found)
     show_draft();
     const ShapeFit& fit = draft_->primitive.fit;
     QStringList words;
+    if (const auto same = same_shape(book().list(), draft_->primitive))
+        words << QString("the same as '%1' of the list: Enter would add it once more")
+                     .arg(QString::fromStdString(book().list()[*same].name));
     if (fit.verdict == FitVerdict::doubtful)
         words << QString("doubtful (%1): %2").arg(name_of(fit.issue), QString::fromStdString(fit.message));
     for (const std::string& note : found.notes) words << QString::fromStdString(note);
@@ -378,6 +382,8 @@ void FitTool::press(FitPanel::Button button)
             return say("copied");
         case Button::save:
             return write();
+        case Button::defaults:
+            return panel_->show_defaults();
         default:
             return use_points(button);
     }

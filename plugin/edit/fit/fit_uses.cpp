@@ -7,8 +7,10 @@
 #include "pcm/system/error.h"
 #include "plugin/edit/fit/fit_tool.h"
 #include "plugin/edit/measure/length_unit.h"
+#include "plugin/edit/measure/measure_book.h"
 #include "plugin/host/drawn_primitives.h"
 #include "plugin/host/primitive_book.h"
+#include "plugin/host/project_unit.h"
 #include "plugin/host/scene_state.h"
 #include "plugin/host/text.h"
 
@@ -73,10 +75,20 @@ void FitTool::write()
                                      filter, &kind, QFileDialog::DontUseNativeDialog);
     if (file.isEmpty()) return;
     CadOptions options;
-    options.unit = unit_of(length_unit_of(*view_->md()).symbol);
     // The dialog asks before it replaces the file that was typed, and no other.
     options.overwrite = !QFileInfo(file).suffix().isEmpty();
     if (!options.overwrite) file += kind.mid(kind.indexOf("*.") + 1).remove(')');
+    LengthUnit unit = length_unit_of(*view_->md());
+    // The only one of the files that says what its numbers are.
+    if (!unit.is_stated && QFileInfo(file).suffix().toLower() == "dxf") {
+        const QPointer<GLArea> alive(view_);
+        const auto said = ask_unit(*view_->md(), panel_);
+        if (!said || !alive || !view_) return;
+        unit.symbol = *said;
+        MeasureBook::of(*view_->md()).refresh_unit();
+        show_panel();
+    }
+    options.unit = unit_of(unit.symbol);
     const bool everything = QFileInfo(file).suffix().toLower() == "json";  // hidden ones too
     const CadReport report = write_primitives(file.toStdString(), book().placed(everything), options);
     QStringList words{QString("wrote %1 primitives to %2").arg(report.written).arg(file)};

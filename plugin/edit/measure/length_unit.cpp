@@ -1,5 +1,6 @@
 #include "plugin/edit/measure/length_unit.h"
 
+#include "plugin/host/project_unit.h"
 #include "plugin/host/registry.h"
 
 #include <cmath>
@@ -65,7 +66,10 @@ LengthUnit length_unit_of(const MeshDocument& document)
                                      : std::nullopt;
         if (system) systems.push_back(*system);
     }
-    return common_unit(systems);
+    LengthUnit unit = common_unit(systems);
+    unit.is_stated = !unit.symbol.empty() || !unit.warning.isEmpty();
+    if (!unit.is_stated) unit.symbol = chosen_unit(document).value_or("");
+    return unit;
 }
 
 }  // namespace pcm::host

@@ -60,7 +60,7 @@ void MeasureBook::select(std::optional<std::size_t> index)
 void MeasureBook::refresh_unit()
 {
     LengthUnit unit = length_unit_of(document_);
-    if (unit.symbol == unit_.symbol && unit.warning == unit_.warning) return;
+    if (unit.symbol == unit_.symbol && unit.warning == unit_.warning && unit.is_stated == unit_.is_stated) return;
     unit_ = std::move(unit);
     show();
 }

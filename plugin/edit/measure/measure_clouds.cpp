@@ -1,10 +1,13 @@
 // Profiles and volumes of the tool Measure: what needs a pass over clouds.
+#include "pcm/cloud/vector.h"
 #include "pcm/measure/volume.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
+#include "plugin/edit/measure/default_width.h"
 #include "plugin/edit/measure/measure_book.h"
 #include "plugin/edit/measure/measure_tool.h"
 #include "plugin/edit/measure/profile_window.h"
+#include "plugin/edit/view_events.h"
 #include "plugin/host/placement.h"
 #include "plugin/host/registry.h"
 #include "plugin/host/shown_points.h"
@@ -22,8 +25,7 @@ namespace pcm::host {
 
 namespace {
 
-constexpr std::size_t most_plotted = 2'000'000;         // about 100 MB, and half a second to draw
-constexpr double default_width = 10;                    // times the spacing
+constexpr std::size_t most_plotted = 2'000'000;  // about 100 MB, and half a second to draw
 
 TreeLayer drawn_tree(const MeshModel& layer)
 {
@@ -61,10 +63,23 @@ MeshModel& MeasureTool::layer_of(const Measure& measure) const
 double MeasureTool::width_for(const Measure& measure) const
 {
     if (const auto typed = panel_->width()) return *typed;
-    const double spacing = measure.points.front().spacing;
-    if (spacing > 0) return default_width * spacing;
+    if (const double usual = usual_width(measure.points); usual > 0) return usual;
     throw Error(ErrorCode::invalid_argument, {}, "the distance between the points at the line is not known",
                 "Type a width.");
+}
+
+double MeasureTool::usual_width(const std::vector<MeasuredPoint>& line) const
+{
+    ProfileLine known;
+    known.spacings = spacings_;
+    const auto map = map_of(*view_);
+    for (std::size_t i = 0; i < line.size(); ++i) {
+        if (map) known.pixel = std::max(known.pixel, map->pixel_size(line[i].position));
+        if (i == 0) continue;
+        const Vec3d step = line[i].position - line[i - 1].position;
+        known.length += std::hypot(step[0], step[1]);
+    }
+    return default_width(known);
 }
 
 void MeasureTool::measure_cloud(std::size_t index)

@@ -4,7 +4,11 @@
 #include "pcm/system/text.h"
 #include "plugin/edit/measure/draft.h"
 #include "plugin/edit/measure/measure_text.h"
+#include "plugin/edit/message_area.h"
 #include "plugin/edit/named_list.h"
+#include "plugin/edit/tidy_numbers.h"
+#include "plugin/edit/tool_dock.h"
+#include "plugin/host/project_unit.h"
 #include "plugin/host/text.h"
 
 #include <QComboBox>
@@ -26,6 +30,7 @@ namespace {
 constexpr MeasureKind kinds[] = {MeasureKind::distance, MeasureKind::height, MeasureKind::angle,   MeasureKind::area,
                                  MeasureKind::plane,    MeasureKind::point,  MeasureKind::profile, MeasureKind::volume};
 constexpr int progress_steps = 1000;
+constexpr int hint_lines = 4, message_lines = 4;
 
 std::optional<double> number_in(const QLineEdit& field, const char* label, bool above_zero)
 {
@@ -49,11 +54,9 @@ MeasurePanel::MeasurePanel(QWidget* window) : QDockWidget("Measure", window)
     auto* column = new QVBoxLayout(form);
     add_fields(*column);
     add_list(*column);
-    words_ = new QLabel;
-    words_->setObjectName("PointCloudMeasureMessage");
-    words_->setWordWrap(true);
+    words_ = new MessageArea("PointCloudMeasureMessage", message_lines);
     column->addWidget(words_);
-    setWidget(form);
+    fill_dock(*this, form);
     show_fields();
     show_values(nullptr, {});
 }
@@ -104,7 +107,7 @@ void MeasurePanel::add_fields(QVBoxLayout& column)
                         "point is clicked on.");
     width_ = add_field(*rows, "PointCloudMeasureWidth", "Width",
                        "The width of the profile across its line, half of it on each side, in source units. Default: "
-                       "10 times the distance between neighbouring points at the line's first point.");
+                       "from the spacing of the points at the line and from its length, a round number.");
     compared_ = add_choice(*rows, "PointCloudMeasureCompared", "Against",
                            "What the volume is measured against: a level, or the points of another layer. Default: a "
                            "level.");
@@ -114,20 +117,28 @@ void MeasurePanel::add_fields(QVBoxLayout& column)
     cell_ = add_field(*rows, "PointCloudMeasureCell", "Cell",
                       "The side of the cells whose heights are compared, in source units. Default: so that cells that "
                       "have points have about 9, as for the filter and the command; the values show it.");
+    unit_ =
+        add_choice(*rows, "PointCloudMeasureUnit", "Unit",
+                   "What one unit of the coordinates is, where the clouds do not state it. It is kept in the project, "
+                   "and also stands in drawings of primitives; numbers are never converted. Default: not known.");
+    for (const UnitChoice& choice : unit_choices) unit_->addItem(choice.words, choice.symbol);
+    connect(unit_, QOverload<int>::of(&QComboBox::activated), this,
+            [this] { emit unit_chosen(unit_->currentData().toString()); });
     column.addWidget(fields_);
-    hint_ = new QLabel;
-    hint_->setObjectName("PointCloudMeasureHint");
-    hint_->setWordWrap(true);
+    hint_ = new MessageArea("PointCloudMeasureHint", hint_lines);
     column.addWidget(hint_);
     auto* buttons = new QGridLayout;
     add_button(*buttons, 0, 0, Button::end, "End measure",
                "Ends the line or polygon. Enter, a double click or the right button in the view.");
     add_button(*buttons, 0, 2, Button::cancel, "Cancel",
                "Discards the points clicked so far, or stops what runs. Esc.");
+    add_button(*buttons, 0, 4, Button::defaults, "Panel defaults",
+               "Empties the fields above, which then have their default values; the list stays.");
     column.addLayout(buttons);
     progress_ = new QProgressBar;
     progress_->setObjectName("PointCloudMeasureProgress");
     progress_->setRange(0, progress_steps);
+    keep_place(*progress_);
     progress_->hide();
     column.addWidget(progress_);
 }
@@ -223,11 +234,20 @@ void MeasurePanel::show_values(const Measure* measure, const std::string& unit)
         } catch (...) {
             lines.emplace_back("no value", QString::fromStdString(current_error()));
         }
-        if (measure->width > 0) lines.emplace_back("width", QString::fromStdString(exact(measure->width) + " " + unit));
+        if (measure->width > 0)
+            lines.emplace_back("width", decimal_text(measure->width, measure->points.front().grid_step / 10) + " " +
+                                            QString::fromStdString(unit));
         for (std::size_t i = 0; i < measure->points.size(); ++i)
             lines.emplace_back(QString("point %1").arg(i + 1), coordinates_of(measure->points[i]));
     }
     values_->show_values(lines);
+}
+
+void MeasurePanel::show_unit(const LengthUnit& unit)
+{
+    for (QWidget* part : rows_[unit_]) part->setVisible(!unit.is_stated);
+    const QSignalBlocker silent(unit_);
+    unit_->setCurrentIndex(std::max(0, unit_->findData(QString::fromStdString(unit.symbol))));
 }
 
 void MeasurePanel::show_clouds(const std::vector<Cloud>& clouds)
@@ -242,9 +262,9 @@ void MeasurePanel::show_clouds(const std::vector<Cloud>& clouds)
     }
 }
 
-void MeasurePanel::show_hint(const QString& text) { hint_->setText(text); }
+void MeasurePanel::show_hint(const QString& text) { hint_->say(text); }
 
-void MeasurePanel::say(const QString& text) { words_->setText(text); }
+void MeasurePanel::say(const QString& text) { words_->say(text); }
 
 void MeasurePanel::show_progress(const std::optional<std::pair<QString, double>>& progress)
 {
@@ -261,6 +281,12 @@ std::optional<double> MeasurePanel::level() const { return number_in(*level_, "L
 std::optional<double> MeasurePanel::cell() const { return number_in(*cell_, "Cell", true); }
 
 void MeasurePanel::propose_width(const QString& text) { width_->setPlaceholderText(text); }
+
+void MeasurePanel::show_defaults()
+{
+    for (QComboBox* choice : {cloud_, compared_}) choice->setCurrentIndex(0);
+    for (QLineEdit* field : {width_, level_, cell_}) field->clear();
+}
 
 void MeasurePanel::propose_cell(const QString& text) { cell_->setPlaceholderText(text); }
 

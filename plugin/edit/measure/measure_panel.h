@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pcm/measure/measure_list.h"
+#include "plugin/edit/measure/length_unit.h"
 
 #include <QDockWidget>
 
@@ -13,7 +14,6 @@
 
 class QComboBox;
 class QGridLayout;
-class QLabel;
 class QLineEdit;
 class QProgressBar;
 class QPushButton;
@@ -21,6 +21,7 @@ class QVBoxLayout;
 
 namespace pcm::host {
 
+class MessageArea;
 class NamedList;
 class ValueTable;
 
@@ -28,7 +29,7 @@ class MeasurePanel : public QDockWidget {
     Q_OBJECT
 
 public:
-    enum class Button { look_at, remove, clear, undo, redo, copy, save, plot, end, cancel };
+    enum class Button { look_at, remove, clear, undo, redo, copy, save, plot, end, cancel, defaults };
     Q_ENUM(Button)
 
     // A layer whose cloud profiles and volumes may be taken from.
@@ -42,6 +43,7 @@ public:
     MeasureKind kind() const;
     void choose_kind(MeasureKind kind);
     void show_list(const MeasureList& list, std::optional<std::size_t> selected, const std::string& unit);
+    void show_unit(const LengthUnit& unit);
     void show_clouds(const std::vector<Cloud>& clouds);
     void show_hint(const QString& text);  // what to do next
     void say(const QString& text);        // what happened
@@ -55,11 +57,13 @@ public:
     std::optional<double> cell() const;
     void propose_width(const QString& text);  // shown where nothing is typed
     void propose_cell(const QString& text);
+    void show_defaults();
     std::optional<int> cloud() const;           // that is measured; nothing: the one that the points were picked on
     std::optional<int> compared_cloud() const;  // of a volume; nothing: a level
 
 signals:
     void kind_chosen();
+    void unit_chosen(const QString& symbol);
     void pressed(MeasurePanel::Button button);
     void renamed(int index, const QString& name);
     void hidden(int index, bool hidden);
@@ -75,11 +79,11 @@ private:
     void show_fields();
     void show_values(const Measure* measure, const std::string& unit);
 
-    QComboBox *kind_ = nullptr, *cloud_ = nullptr, *compared_ = nullptr;
+    QComboBox *kind_ = nullptr, *cloud_ = nullptr, *compared_ = nullptr, *unit_ = nullptr;
     QLineEdit *width_ = nullptr, *level_ = nullptr, *cell_ = nullptr;
     NamedList* list_ = nullptr;
     ValueTable* values_ = nullptr;
-    QLabel *hint_ = nullptr, *words_ = nullptr;
+    MessageArea *hint_ = nullptr, *words_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QWidget* fields_ = nullptr;
     std::map<Button, QPushButton*> buttons_;

@@ -1,10 +1,8 @@
 #include "plugin/edit/measure/measure_text.h"
 
-#include "pcm/system/text.h"
+#include "plugin/edit/tidy_numbers.h"
 
 #include <QStringList>
-
-#include <cmath>
 
 namespace pcm::host {
 
@@ -20,19 +18,8 @@ QString text_of(const Measure& measure, const std::string& unit)
 
 QString coordinates_of(const MeasuredPoint& point)
 {
-    constexpr double noise = 1e-6;  // of a step
-    constexpr int most_decimals = 17;
     QStringList texts;
-    for (const double value : point.position) {
-        QString text = QString::fromStdString(exact(value));
-        for (int decimals = 0; point.grid_step > 0 && decimals < most_decimals; ++decimals) {
-            const QString shorter = QString::number(value, 'f', decimals);
-            if (!(std::abs(shorter.toDouble() - value) <= noise * point.grid_step)) continue;
-            if (shorter.size() < text.size()) text = shorter;
-            break;
-        }
-        texts << text;
-    }
+    for (const double value : point.position) texts << on_grid_text(value, point.grid_step);
     return texts.join(' ');
 }
 

@@ -13,6 +13,7 @@
 #include "plugin/edit/view_events.h"
 #include "plugin/host/annotations.h"
 #include "plugin/host/placement.h"
+#include "plugin/host/project_unit.h"
 #include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
@@ -124,6 +125,13 @@ void MeasureTool::make_panel()
     connect(panel_, &MeasurePanel::kind_chosen, this, [this] {
         if (view_) guarded([&] { change_kind(); });
     });
+    connect(panel_, &MeasurePanel::unit_chosen, this, [this](const QString& symbol) {
+        if (!view_) return;
+        guarded([&] {
+            choose_unit(*view_->md(), symbol.toStdString());
+            book().refresh_unit();
+        });
+    });
     connect(panel_, &MeasurePanel::pressed, this, [this](MeasurePanel::Button button) {
         if (view_) guarded([&] { press(button); });
     });
@@ -148,6 +156,7 @@ void MeasureTool::show_panel()
 {
     if (!view_ || !panel_) return;
     panel_->show_list(book().list(), book().selected(), book().unit().symbol);
+    panel_->show_unit(book().unit());
     std::vector<MeasurePanel::Cloud> clouds;
     for (const MeshModel* layer : view_->md()->meshList)
         if (layer && Registry::instance().drawn(*layer)) clouds.push_back({layer->id(), layer->label()});
@@ -171,8 +180,9 @@ void MeasureTool::show_draft()
     if (!panel_) return;
     panel_->show_hint(hint_of(draft_.kind()) + so_far(draft_, book().unit().symbol));
     if (points.empty()) return;
-    const std::string number = brief(10 * points.front().spacing), cell = brief(4 * points.front().spacing);
-    panel_->propose_width(points.front().spacing > 0 ? QString::fromStdString(number) : QString());
+    const std::string cell = brief(4 * points.front().spacing);
+    const double width = usual_width(points);
+    panel_->propose_width(points.size() > 1 && width > 0 ? QString::fromStdString(exact(width)) : QString());
     panel_->propose_cell(points.front().spacing > 0 ? QString::fromStdString(cell) : QString());
 }
 
@@ -194,6 +204,7 @@ void MeasureTool::take(int click, const PickAnswer& answer)
     if (answer.point) {
         draft_.answer(click, measured(*answer.point, *view_->md()), answer.final);
         if (!first_layer_) first_layer_ = answer.point->mesh_id;
+        if (answer.final) spacings_.push_back(answer.point->spacing_around * answer.point->scale);
     } else if (answer.final) {
         draft_.miss(click);
         say(answer.message);
@@ -230,6 +241,7 @@ void MeasureTool::clear_draft()
 {
     draft_.clear();
     first_layer_.reset();
+    spacings_.clear();
     if (view_) show_draft();
 }
 
@@ -323,6 +335,8 @@ void MeasureTool::press(MeasurePanel::Button button)
         case Button::plot:
             if (selected) measure_cloud(*selected);
             return;
+        case Button::defaults:
+            return panel_->show_defaults();
     }
 }
 

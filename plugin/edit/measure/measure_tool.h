@@ -15,6 +15,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <vector>
 
 class QMouseEvent;
 
@@ -72,7 +73,8 @@ private:
     // In measure_clouds.cpp.
     MeshModel& layer_of(const Measure& measure) const;
     double width_for(const Measure& measure) const;
-    void measure_cloud(std::size_t index);  // plots a profile, finds a volume
+    double usual_width(const std::vector<MeasuredPoint>& line) const;  // 0: not known
+    void measure_cloud(std::size_t index);                             // plots a profile, finds a volume
     void plot(const Measure& measure);
     void write_points(const std::shared_ptr<const ProfileData>& data, const QString& extension, ProfileWindow& window);
     void find_volume(const Measure& measure);
@@ -84,6 +86,7 @@ private:
     Draft draft_;
     std::unique_ptr<QObject> picks_;  // parent of the contexts of picks that are not answered
     std::optional<int> first_layer_;  // that the draft's first point was picked on
+    std::vector<double> spacings_;    // of the points around the draft's points, in the scene
     CloudWork work_;
     QPoint mouse_;
     bool tracked_mouse_ = false;

@@ -1,7 +1,9 @@
 #include "plugin/edit/pick/pick_panel.h"
 
+#include "plugin/edit/message_area.h"
+#include "plugin/edit/tool_dock.h"
+
 #include <QHeaderView>
-#include <QLabel>
 #include <QPushButton>
 #include <QShortcut>
 #include <QTableWidget>
@@ -9,14 +11,19 @@
 
 namespace pcm::host {
 
+namespace {
+
+constexpr int message_lines = 4;
+
+}  // namespace
+
 PickPanel::PickPanel(QWidget* window) : QDockWidget("Picked Point", window)
 {
     setObjectName("PickPointDock");
     auto* content = new QWidget(this);
     auto* layout = new QVBoxLayout(content);
-    message_ = new QLabel("Click a point in the view.", content);
-    message_->setObjectName("PickPointMessage");
-    message_->setWordWrap(true);
+    message_ = new MessageArea("PickPointMessage", message_lines);
+    message_->say("Click a point in the view.");
     table_ = new QTableWidget(0, 2, content);
     table_->setObjectName("PickPointTable");
     table_->setHorizontalHeaderLabels({"Name", "Value"});
@@ -33,7 +40,7 @@ PickPanel::PickPanel(QWidget* window) : QDockWidget("Picked Point", window)
     layout->addWidget(message_);
     layout->addWidget(table_);
     layout->addWidget(copy_);
-    setWidget(content);
+    fill_dock(*this, content);
     connect(copy_, &QPushButton::clicked, this, &PickPanel::copy_asked);
     auto* shortcut = new QShortcut(QKeySequence::Copy, this);
     shortcut->setContext(Qt::WidgetWithChildrenShortcut);
@@ -54,6 +61,6 @@ void PickPanel::show_point(const std::vector<PickedLine>& lines, bool complete)
     copy_->setEnabled(complete);
 }
 
-void PickPanel::say(const QString& text) { message_->setText(text); }
+void PickPanel::say(const QString& text) { message_->say(text); }
 
 }  // namespace pcm::host

@@ -7,11 +7,12 @@
 
 #include <vector>
 
-class QLabel;
 class QPushButton;
 class QTableWidget;
 
 namespace pcm::host {
+
+class MessageArea;
 
 class PickPanel : public QDockWidget {
     Q_OBJECT
@@ -27,7 +28,7 @@ signals:
 
 private:
     QTableWidget* table_;
-    QLabel* message_;
+    MessageArea* message_;
     QPushButton* copy_;
 };
 

@@ -2,7 +2,6 @@
 
 #include "pcm/cloud/region.h"
 #include "pcm/select/front_points.h"
-#include "pcm/select/grow.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/select/select_points.h"
 
@@ -67,14 +66,13 @@ PointSet points_in_front(PointCloud& cloud, const Query& shown, const Camera& ca
     return front_points(cloud.tree(), camera, polygon, options);
 }
 
-PointSet points_around(PointCloud& cloud, const Query& shown, NodeId node, std::uint32_t point, double distance)
+PointSet points_around(PointCloud& cloud, const Query& shown, NodeId node, std::uint32_t point, double distance,
+                       const SeedLimits& limits)
 {
-    PointSet seeds(cloud.tree());
-    seeds.set(node, {point});
     GrowOptions options;
     options.limit = shown.selection();
     options.progress = shown.progress;
-    return grow(seeds, distance, options);
+    return grow_from(cloud.tree(), node, point, distance, limits, options);
 }
 
 }  // namespace pcm::host

@@ -4,6 +4,7 @@
 #include "pcm/cloud/polygon.h"
 #include "pcm/point_cloud.h"
 #include "pcm/query/point_set.h"
+#include "pcm/select/grow_from.h"
 #include "pcm/view/camera.h"
 
 #include <vector>
@@ -26,7 +27,9 @@ PointSet points_in_balls(PointCloud& cloud, const Query& shown, const std::vecto
 PointSet points_in_front(PointCloud& cloud, const Query& shown, const Camera& camera,
                          const std::vector<Vec2d>& polygon);
 
-// Those that steps no longer than `distance` reach from a point of the cloud (select/grow.h), through shown points.
-PointSet points_around(PointCloud& cloud, const Query& shown, NodeId node, std::uint32_t point, double distance);
+// Those that steps no longer than `distance` reach from a point of the cloud (select/grow_from.h), through shown points
+// that are like it.
+PointSet points_around(PointCloud& cloud, const Query& shown, NodeId node, std::uint32_t point, double distance,
+                       const SeedLimits& limits);
 
 }  // namespace pcm::host

@@ -4,6 +4,7 @@
 #include "pcm/cloud/condition.h"
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
+#include "plugin/edit/tidy_numbers.h"
 #include "plugin/host/scene_state.h"
 #include "plugin/host/selected_colour.h"
 #include "plugin/host/text.h"
@@ -71,6 +72,8 @@ void SelectTool::press(SelectPanel::Button button)
         case Button::stop:
             cancel();
             return;
+        case Button::defaults:
+            return panel_->show_defaults();
         case Button::colour:
             return choose_colour();
         case Button::to_layer:
@@ -147,12 +150,13 @@ void SelectTool::count()
             if (!now || SceneState::of(*view_->md()).selection(*now) != set) return count();
             guarded([&] {
                 if (failure) std::rethrow_exception(failure);
-                const auto text = [](double v) { return QString::fromStdString(exact(v)); };
+                const Vec3d& step = set->tree().info().grid.scale;
                 QStringList lines;
                 for (std::size_t a = 0; a < 3; ++a)
                     lines << QString("%1 from %2 to %3")
                                  .arg("xyz"[a])
-                                 .arg(text(found->box.min[a]), text(found->box.max[a]));
+                                 .arg(on_grid_text(found->box.min[a], step[a]),
+                                      on_grid_text(found->box.max[a], step[a]));
                 for (const auto& [number, points] : found->classes)
                     lines << QString("class %1: %2").arg(number).arg(QString::fromStdString(grouped(points)));
                 statistics_ = lines.join('\n');

@@ -1,6 +1,10 @@
 #include "plugin/edit/select/select_panel.h"
 
+#include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "plugin/edit/message_area.h"
+#include "plugin/edit/tool_dock.h"
 
 #include <QAction>
 #include <QComboBox>
@@ -9,7 +13,6 @@
 #include <QLineEdit>
 #include <QProgressBar>
 #include <QPushButton>
-#include <QScrollArea>
 
 #include <algorithm>
 #include <cmath>
@@ -20,13 +23,16 @@ namespace {
 
 constexpr double least_brush_px = 1, largest_brush_px = 1000;
 
-double positive(const QString& text, const char* what)
+constexpr int count_lines = 4, message_lines = 4;
+const char* const automatic = "automatic";
+
+double number_in(const QString& text, const char* what, bool may_be_zero)
 {
     bool good = false;
     const double number = text.trimmed().toDouble(&good);
-    if (good && std::isfinite(number) && number > 0) return number;
+    if (good && std::isfinite(number) && (number > 0 || (may_be_zero && number == 0))) return number;
     throw Error(ErrorCode::invalid_argument, {}, "'" + text.toStdString() + "' is no " + what,
-                "write a number above 0, as in 0.25");
+                may_be_zero ? "write a number from 0 on, as in 20" : "write a number above 0, as in 0.25");
 }
 
 }  // namespace
@@ -38,17 +44,11 @@ SelectPanel::SelectPanel(QWidget* window) : QDockWidget("Select Points", window)
     auto* rows = new QGridLayout(form);
     add_ways(*rows);
     add_uses(*rows);
-    words_ = new QLabel;
-    words_->setObjectName("PointCloudSelectMessage");
-    words_->setWordWrap(true);
+    words_ = new MessageArea("PointCloudSelectMessage", message_lines);
     rows->addWidget(words_, rows->rowCount(), 0, 1, 3);
     rows->setRowStretch(rows->rowCount(), 1);
-    auto* scroll = new QScrollArea;
-    scroll->setWidgetResizable(true);
-    scroll->setFrameShape(QFrame::NoFrame);
-    scroll->setWidget(form);
-    scroll->setMinimumWidth(form->sizeHint().width() + 24);
-    setWidget(scroll);
+    fill_dock(*this, form);
+    show_fields();
 }
 
 QComboBox* SelectPanel::add_choice(QGridLayout& rows, const char* label, const QStringList& choices,
@@ -62,18 +62,21 @@ QComboBox* SelectPanel::add_choice(QGridLayout& rows, const char* label, const Q
     const int row = rows.rowCount();
     rows.addWidget(words, row, 0);
     rows.addWidget(box, row, 1, 1, 2);
+    parts_[box] = {words, box};
     return box;
 }
 
-QLineEdit* SelectPanel::add_field(QGridLayout& rows, const char* label, const char* text, const char* tooltip)
+QLineEdit* SelectPanel::add_field(QGridLayout& rows, const char* label, const char* usual, const char* tooltip)
 {
-    auto* edit = new QLineEdit(text);
+    auto* edit = new QLineEdit;
+    edit->setPlaceholderText(usual);
     edit->setToolTip(tooltip);
     auto* words = new QLabel(label);
     words->setToolTip(tooltip);
     const int row = rows.rowCount();
     rows.addWidget(words, row, 0);
     rows.addWidget(edit, row, 1, 1, 2);
+    parts_[edit] = {words, edit};
     return edit;
 }
 
@@ -104,16 +107,16 @@ void SelectPanel::add_ways(QGridLayout& rows)
                    "Which clouds a selection is made in: the current layer (for a brush, those that it meets), or "
                    "all that the view shows and that are not locked. Growing stays in the cloud that is clicked. "
                    "Default Current layer.");
-    brush_ = add_field(rows, "Brush radius", "15",
+    brush_ = add_field(rows, "Brush radius", automatic,
                        "Pixels of the screen: points within a ball of this radius around the surface under the cursor "
-                       "are selected. 1 to 1000, default 15.");
-    distance_ = add_field(rows, "Grow distance", "",
-                          "The longest step from point to point, in source units. Default: empty, three times the "
-                          "spacing of the points at the one that is clicked.");
-    where_ = add_field(rows, "Condition", "",
+                       "are selected. 1 to 1000. Default: automatic, 15, and more where the points are so far apart "
+                       "that it would hold few of them; the ring in the view shows it.");
+    add_growing(rows);
+    where_ = add_field(rows, "Condition", "none",
                        "Points whose attributes meet conditions, separated by ; as in classification=2,6; "
                        "intensity>=100; z=400..450. Default: none.");
     attributes_ = new QComboBox;
+    attributes_->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
     attributes_->setToolTip("The attributes of the cloud; a chosen one is added to the condition.");
     const int row = rows.rowCount();
     rows.addWidget(attributes_, row, 1);
@@ -125,41 +128,82 @@ void SelectPanel::add_ways(QGridLayout& rows)
         attributes_->setCurrentIndex(0);
     });
     add_button(rows, row, 2, Button::where, "By condition", "Selects the shown points that meet the condition.");
-    add_button(rows, row + 1, 0, Button::all, "Select shown", "Selects all points that the view shows.");
-    add_button(rows, row + 1, 1, Button::none, "Select none", "Selects nothing. Undo brings the selection back.");
-    add_button(rows, row + 1, 2, Button::invert, "Invert selection",
-               "Selects the shown points that were not selected.");
-    connect(shape_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &SelectPanel::shape_changed);
+    // Two columns: a panel is narrow.
+    auto* buttons = new QGridLayout;
+    rows.addLayout(buttons, row + 1, 0, 1, 3);
+    add_button(*buttons, 0, 0, Button::all, "Select shown", "Selects all points that the view shows.");
+    add_button(*buttons, 0, 1, Button::none, "Select none", "Selects nothing. Undo brings the selection back.");
+    add_button(*buttons, 1, 0, Button::invert, "Invert selection", "Selects the shown points that were not selected.");
+    add_button(*buttons, 1, 1, Button::colour, "Colour...",
+               "The colour in which views show selected points. It is kept for later sessions. Default #ff400d.");
+    connect(shape_, QOverload<int>::of(&QComboBox::currentIndexChanged), this, [this] {
+        show_fields();
+        emit shape_changed();
+    });
+}
+
+void SelectPanel::add_growing(QGridLayout& rows)
+{
+    distance_ = add_field(rows, "Grow distance", automatic,
+                          "The longest step from point to point, in source units. Default: automatic, about three "
+                          "times the spacing of the points around the one that is clicked.");
+    angle_ = add_field(rows, "Normals within", "not compared",
+                       "Only points whose normal is within this angle of the clicked point's, of either sign, "
+                       "degrees: 20 keeps to a roof's side. Default: not compared. Needs normals in the cloud.");
+    difference_ = add_field(rows, "Colours within", "not compared",
+                            "Only points whose colour is this near to the clicked point's: the distance between red, "
+                            "green and blue of 0 to 255 each, 0 to 441.7. Default: not compared.");
+    within_ = add_field(rows, "Not farther than", "no limit",
+                        "Only points this near to the clicked one, in source units. Default: no limit.");
+}
+
+void SelectPanel::show_fields()
+{
+    const Shape now = shape();
+    const bool is_drawn = now == Shape::rectangle || now == Shape::lasso, grows = now == Shape::grow;
+    const std::map<QWidget*, bool> shown{{reach_, is_drawn}, {layers_, !grows}, {brush_, now == Shape::brush},
+                                         {distance_, grows}, {angle_, grows},   {difference_, grows},
+                                         {within_, grows}};
+    for (const auto& [field, is_shown] : shown)
+        for (QWidget* part : parts_[field]) part->setVisible(is_shown);
+}
+
+void SelectPanel::show_defaults()
+{
+    for (QComboBox* choice : {shape_, operation_, reach_, layers_}) choice->setCurrentIndex(0);
+    for (QLineEdit* field : {brush_, distance_, angle_, difference_, within_, where_}) field->clear();
 }
 
 void SelectPanel::add_uses(QGridLayout& rows)
 {
-    count_ = new QLabel("Nothing is selected");
-    count_->setObjectName("PointCloudSelectCount");
-    count_->setWordWrap(true);
-    count_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    count_ = new MessageArea("PointCloudSelectCount", count_lines);
+    count_->say("Nothing is selected");
     int row = rows.rowCount();
     rows.addWidget(count_, row++, 0, 1, 3);
     progress_ = new QProgressBar;
     progress_->setRange(0, 1000);
     progress_->hide();
+    keep_place(*progress_);
     rows.addWidget(progress_, row, 0, 1, 2);
     add_button(rows, row++, 2, Button::stop, "Stop", "Ends what is running; the selection stays as it was. Key: Esc.");
+    keep_place(*buttons_[Button::stop]);
     buttons_[Button::stop]->hide();
-    add_button(rows, row, 0, Button::undo, "Undo selection", "Takes the last change back. Ctrl+Z in the view.");
-    add_button(rows, row, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z in the view.");
-    add_button(rows, row++, 2, Button::colour, "Colour...",
-               "The colour in which views show selected points. It is kept for later sessions. Default #ff400d.");
-    add_button(rows, row, 0, Button::to_layer, "To a layer",
+    auto* buttons = new QGridLayout;
+    rows.addLayout(buttons, row, 0, 1, 3);
+    add_button(*buttons, 0, 0, Button::undo, "Undo selection", "Takes the last change back. Ctrl+Z.");
+    add_button(*buttons, 0, 1, Button::redo, "Redo selection", "Repeats what was undone. Ctrl+Shift+Z.");
+    add_button(*buttons, 1, 0, Button::to_layer, "To a layer",
                "Makes a new tree of the selected points, with all attributes, and shows it in a layer.");
-    add_button(rows, row, 1, Button::to_file, "To a file",
+    add_button(*buttons, 1, 1, Button::to_file, "To a file",
                "Writes the selected points to a file; the extension chooses the format.");
-    add_button(rows, row++, 2, Button::remove, "Delete points",
+    add_button(*buttons, 2, 0, Button::remove, "Delete points",
                "Deletes the selected points: makes a copy of the tree without them, or changes the tree in place.");
-    add_button(rows, row, 0, Button::classify, "Classify", "Gives the selected points a class.");
-    add_button(rows, row++, 1, Button::save, "Save as attribute",
+    add_button(*buttons, 2, 1, Button::classify, "Classify", "Gives the selected points a class.");
+    add_button(*buttons, 3, 0, Button::save, "Save as attribute",
                "Saves the selection in the tree: an attribute that is 1 for selected points and 0 for all others. The "
                "condition NAME=1 selects them again.");
+    add_button(*buttons, 3, 1, Button::defaults, "Panel defaults",
+               "Puts all fields of this panel back to what they are in a new project; the selection stays.");
     show_steps({}, {});
 }
 
@@ -174,15 +218,38 @@ bool SelectPanel::front_only() const { return reach_->currentIndex() == 1; }
 
 bool SelectPanel::all_layers() const { return layers_->currentIndex() == 1; }
 
-double SelectPanel::brush_px() const
+std::optional<double> SelectPanel::brush_px() const
 {
-    return std::clamp(positive(brush_->text(), "brush radius"), least_brush_px, largest_brush_px);
+    if (brush_->text().trimmed().isEmpty()) return std::nullopt;
+    return std::clamp(number_in(brush_->text(), "brush radius", false), least_brush_px, largest_brush_px);
 }
 
 std::optional<double> SelectPanel::distance() const
 {
     if (distance_->text().trimmed().isEmpty()) return std::nullopt;
-    return positive(distance_->text(), "grow distance");
+    return number_in(distance_->text(), "grow distance", false);
+}
+
+SeedLimits SelectPanel::seed_limits() const
+{
+    SeedLimits limits;
+    const auto typed = [](const QLineEdit& field, const char* what) {
+        return field.text().trimmed().isEmpty() ? std::nullopt
+                                                : std::make_optional(number_in(field.text(), what, true));
+    };
+    limits.normal_angle = typed(*angle_, "angle between normals");
+    if (limits.normal_angle && *limits.normal_angle > 90)
+        throw Error(ErrorCode::invalid_argument, {}, "normals within " + exact(*limits.normal_angle) + " degrees",
+                    "write an angle from 0 to 90, as in 20, or empty the field");
+    if (limits.normal_angle) *limits.normal_angle *= pi / 180;
+    limits.colour_difference = typed(*difference_, "difference of colours");
+    limits.within = typed(*within_, "distance");
+    return limits;
+}
+
+void SelectPanel::propose_distance(const QString& text)
+{
+    distance_->setPlaceholderText(text.isEmpty() ? automatic : text);
 }
 
 QString SelectPanel::where() const { return where_->text().trimmed(); }
@@ -195,7 +262,7 @@ void SelectPanel::show_colour(const QColor& colour)
     buttons_[Button::colour]->setIconSize(sample.size());
 }
 
-void SelectPanel::show_count(const QString& text) { count_->setText(text); }
+void SelectPanel::show_count(const QString& text) { count_->say(text); }
 
 void SelectPanel::show_attributes(const QStringList& names)
 {
@@ -211,9 +278,8 @@ void SelectPanel::show_steps(const QString& undo, const QString& redo)
 {
     buttons_[Button::undo]->setEnabled(!undo.isNull());
     buttons_[Button::redo]->setEnabled(!redo.isNull());
-    buttons_[Button::undo]->setToolTip("Takes back: " + (undo.isNull() ? "nothing" : undo) + ". Ctrl+Z in the view.");
-    buttons_[Button::redo]->setToolTip("Repeats: " + (redo.isNull() ? "nothing" : redo) +
-                                       ". Ctrl+Shift+Z in the view.");
+    buttons_[Button::undo]->setToolTip("Takes back: " + (undo.isNull() ? "nothing" : undo) + ". Ctrl+Z.");
+    buttons_[Button::redo]->setToolTip("Repeats: " + (redo.isNull() ? "nothing" : redo) + ". Ctrl+Shift+Z.");
 }
 
 void SelectPanel::show_progress(double fraction, const QString& stage)
@@ -230,6 +296,6 @@ void SelectPanel::end_progress()
     buttons_[Button::stop]->hide();
 }
 
-void SelectPanel::say(const QString& text) { words_->setText(text); }
+void SelectPanel::say(const QString& text) { words_->say(text); }
 
 }  // namespace pcm::host

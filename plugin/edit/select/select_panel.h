@@ -3,21 +3,24 @@
 #pragma once
 
 #include "pcm/query/point_set.h"
+#include "pcm/select/grow_from.h"
 
 #include <QColor>
 #include <QDockWidget>
 
 #include <map>
 #include <optional>
+#include <vector>
 
 class QComboBox;
 class QGridLayout;
-class QLabel;
 class QLineEdit;
 class QProgressBar;
 class QPushButton;
 
 namespace pcm::host {
+
+class MessageArea;
 
 class SelectPanel : public QDockWidget {
     Q_OBJECT
@@ -32,6 +35,7 @@ public:
         undo,
         redo,
         stop,
+        defaults,
         colour,
         to_layer,
         to_file,
@@ -43,13 +47,16 @@ public:
 
     explicit SelectPanel(QWidget* window);
 
-    // brush_px() and distance() throw Error(invalid_argument) for text that is no such number.
+    // Those of a number throw Error(invalid_argument) for text that is no such number.
     Shape shape() const;
     SetOperation operation() const;
     bool front_only() const;
     bool all_layers() const;
-    double brush_px() const;
+    std::optional<double> brush_px() const;  // nothing: from the points' spacing
     std::optional<double> distance() const;  // of growing, source units; nothing: from the points' spacing
+    SeedLimits seed_limits() const;
+    void propose_distance(const QString& text);  // shown where nothing is typed
+    void show_defaults();
     QString where() const;
 
     void show_colour(const QColor& colour);  // of selected points
@@ -66,16 +73,19 @@ signals:
 
 private:
     QComboBox* add_choice(QGridLayout& rows, const char* label, const QStringList& choices, const char* tooltip);
-    QLineEdit* add_field(QGridLayout& rows, const char* label, const char* text, const char* tooltip);
+    QLineEdit* add_field(QGridLayout& rows, const char* label, const char* usual, const char* tooltip);
     void add_button(QGridLayout& rows, int row, int column, Button button, const char* text, const char* tooltip);
     void add_ways(QGridLayout& rows);
+    void add_growing(QGridLayout& rows);
+    void show_fields();  // of the chosen shape alone
     void add_uses(QGridLayout& rows);
 
     QComboBox *shape_, *operation_, *reach_, *layers_, *attributes_;
-    QLineEdit *brush_, *distance_, *where_;
-    QLabel *count_, *words_;
+    QLineEdit *brush_, *distance_, *angle_, *difference_, *within_, *where_;
+    MessageArea *count_, *words_;
     QProgressBar* progress_;
     std::map<Button, QPushButton*> buttons_;
+    std::map<QWidget*, std::vector<QWidget*>> parts_;  // of each field: its label too
 };
 
 }  // namespace pcm::host

@@ -3,6 +3,7 @@
 
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
+#include "pcm/system/round_number.h"
 #include "plugin/edit/view_events.h"
 #include "plugin/host/layer_matrix.h"
 #include "plugin/host/placement.h"
@@ -21,6 +22,8 @@ namespace {
 
 constexpr double stroke_share = 0.5;  // of the brush's radius, between places of a stroke
 constexpr double usual_steps = 3;     // of growing, in spacings
+constexpr double usual_brush_px = 15, most_brush_px = 300;
+constexpr double brush_steps = 4;  // of the brush's radius, in spacings: some 50 points of a surface
 
 QString words_of(SetOperation operation)
 {
@@ -38,7 +41,33 @@ QString words_of(SetOperation operation)
 
 }  // namespace
 
-double SelectTool::stroke_step() const { return std::max(1.0, stroke_share * panel_->brush_px()); }
+double SelectTool::brush_px() const
+{
+    const auto typed = panel_->brush_px();
+    return typed ? *typed : std::clamp(needed_px_, usual_brush_px, most_brush_px);
+}
+
+double SelectTool::stroke_step() const { return std::max(1.0, stroke_share * brush_px()); }
+
+void SelectTool::look_at_brush()
+{
+    const bool looks = hover_ && !left_down_ && !picking_ && waiting_.empty() && !panel_->brush_px();
+    if (!looks) return;
+    pick(*view_, hover_->toPoint(), brush_picks_, [this](const PickAnswer& answer) {
+        if (!view_ || !answer.final || !answer.point) return;
+        guarded([&] {
+            take_brush_place(*answer.point);
+            draw();
+        });
+    });
+}
+
+void SelectTool::take_brush_place(const Picked& picked)
+{
+    const auto map = map_of(*view_);
+    const double pixel = map ? map->pixel_size(picked.shown_at) : 0;
+    if (pixel > 0) needed_px_ = brush_steps * picked.spacing_around * picked.scale / pixel;
+}
 
 std::vector<MeshModel*> SelectTool::layers_for_shapes() const
 {
@@ -58,7 +87,7 @@ std::vector<MeshModel*> SelectTool::layers_for_shapes() const
 }
 
 void SelectTool::select(const std::vector<MeshModel*>& layers, const QString& words,
-                        const std::function<Choose(const MeshModel&)>& choice)
+                        const std::function<Choose(const MeshModel&)>& choice, bool grows)
 {
     const SceneState& state = SceneState::of(*view_->md());
     std::vector<SelectionTask> tasks;
@@ -79,18 +108,18 @@ void SelectTool::select(const std::vector<MeshModel*>& layers, const QString& wo
     counter_.cancel();
     worker_.start([tasks = std::move(tasks),
                    results](const ProgressFunction& progress) { *results = run_tasks(tasks, progress); },
-                  [this, what, results](std::exception_ptr failure) {
+                  [this, what, results, grows](std::exception_ptr failure) {
                       if (panel_) panel_->end_progress();
                       publish("idle");
                       guarded([&] {
                           if (failure) std::rethrow_exception(failure);
-                          if (view_) take(*results, what);
+                          if (view_) take(*results, what, grows);
                       });
                   });
     publish("selecting");
 }
 
-void SelectTool::take(const std::vector<SelectionResult>& results, const QString& words)
+void SelectTool::take(const std::vector<SelectionResult>& results, const QString& words, bool grown)
 {
     SceneState& state = SceneState::of(*view_->md());
     std::vector<int> changed;
@@ -105,7 +134,12 @@ void SelectTool::take(const std::vector<SelectionResult>& results, const QString
     steps_.push_back(changed);
     undone_.clear();
     show();
-    say(state.undo_words(*view_->md()->getMesh(changed.front())));
+    QString done = state.undo_words(*view_->md()->getMesh(changed.front()));
+    for (const SelectionResult& result : results)
+        if (grown && result.points)
+            if (const std::string note = note_on_growth(*result.points); !note.empty())
+                done += "\n" + QString::fromStdString(note);
+    say(done);
 }
 
 void SelectTool::finish_shape()
@@ -170,9 +204,11 @@ void SelectTool::take_picked(const PickAnswer& answer)
         return grow(*answer.point);
     }
     const auto map = map_of(*view_);
-    if (answer.point && map)
-        stroke_.push_back({answer.point->mesh_id,
-                           {answer.point->shown_at, panel_->brush_px() * map->pixel_size(answer.point->shown_at)}});
+    if (answer.point && map) {
+        take_brush_place(*answer.point);
+        stroke_.push_back(
+            {answer.point->mesh_id, {answer.point->shown_at, brush_px() * map->pixel_size(answer.point->shown_at)}});
+    }
     if (!waiting_.empty()) return pick_next();
     if (!left_down_) finish_stroke();
 }
@@ -212,16 +248,22 @@ void SelectTool::grow(const Picked& seed)
 {
     MeshModel* const layer = view_->md()->getMesh(seed.mesh_id);
     if (!layer) return;
-    const double distance = panel_->distance().value_or(usual_steps * seed.spacing);
+    const double spacing = seed.spacing_around > 0 ? seed.spacing_around : seed.spacing;
+    const double usual = round_number(usual_steps * spacing), distance = panel_->distance().value_or(usual);
+    panel_->propose_distance(usual > 0 ? QString::fromStdString(brief(usual)) : QString());
+    const SeedLimits limits = panel_->seed_limits();
     if (!(distance > 0))
         throw Error(ErrorCode::invalid_argument, {}, "the spacing of the points is not known here",
                     "write a grow distance in source units");
     const auto words = "grown by steps of " + QString::fromStdString(brief(distance)) + " source units";
-    select({layer}, words, [&](const MeshModel&) -> Choose {
-        return [seed, distance](PointCloud& cloud, const Query& shown) {
-            return points_around(cloud, shown, seed.node, seed.point, distance);
-        };
-    });
+    select(
+        {layer}, words,
+        [&](const MeshModel&) -> Choose {
+            return [seed, distance, limits](PointCloud& cloud, const Query& shown) {
+                return points_around(cloud, shown, seed.node, seed.point, distance, limits);
+            };
+        },
+        true);
 }
 
 }  // namespace pcm::host

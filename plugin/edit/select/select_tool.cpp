@@ -27,6 +27,7 @@ namespace {
 const char* const owner = "select";
 constexpr int click_px = 3;        // a click does not move farther
 constexpr double corner_px = 1.5;  // between corners drawn free-hand
+constexpr int rest_ms = 120;       // of the mouse, before the brush looks at the points under it
 
 SetOperation operation_of(Qt::KeyboardModifiers modifiers, SetOperation chosen)
 {
@@ -60,6 +61,11 @@ SelectTool::SelectTool() : ViewTool("Select Points")
 {
     connect(&worker_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
         if (panel_) panel_->show_progress(fraction, stage);
+    });
+    rest_.setSingleShot(true);
+    rest_.setInterval(rest_ms);
+    connect(&rest_, &QTimer::timeout, this, [this] {
+        if (view_) guarded([&] { look_at_brush(); });
     });
 }
 
@@ -112,6 +118,7 @@ void SelectTool::EndEdit(MeshDocument& document, GLArea* view, MLSceneGLSharedDa
     view->removeEventFilter(this);
     view->setMouseTracking(tracked_mouse_);
     hover_.reset();
+    rest_.stop();
     Annotations::of(document).set(owner, {});
     if (panel_) panel_->hide();
     publish({});
@@ -153,7 +160,7 @@ ScreenShape SelectTool::brush_ring() const
 {
     if (!hover_ || panel_->shape() != SelectPanel::Shape::brush) return {};
     try {
-        return circle_of(*hover_, panel_->brush_px());
+        return circle_of(*hover_, brush_px());
     } catch (const Error&) {  // what is typed is no radius; a click says so
         return {};
     }
@@ -306,6 +313,10 @@ void SelectTool::hover_at(std::optional<QPointF> place)
     if (panel_->shape() != SelectPanel::Shape::brush) place.reset();
     if (place == hover_) return;
     hover_ = place;
+    if (place)
+        rest_.start();
+    else
+        rest_.stop();
     draw();
 }
 

@@ -15,6 +15,7 @@
 #include "plugin/edit/view_tool.h"
 
 #include <QPointer>
+#include <QTimer>
 
 #include <deque>
 #include <functional>
@@ -53,6 +54,9 @@ private:
     void draw();
     void hover_at(std::optional<QPointF> place);
     ScreenShape brush_ring() const;  // around the cursor; empty: none is shown
+    double brush_px() const;         // what is typed, or what the points under the cursor need
+    void look_at_brush();            // finds that out where the mouse rests
+    void take_brush_place(const Picked& picked);
     void publish(const QString& state);
     void press(SelectPanel::Button button);
     void undo(bool again);
@@ -69,8 +73,8 @@ private:
     void grow(const Picked& seed);
     // `choice` makes the function for each layer.
     void select(const std::vector<MeshModel*>& layers, const QString& words,
-                const std::function<Choose(const MeshModel&)>& choice);
-    void take(const std::vector<SelectionResult>& results, const QString& words);
+                const std::function<Choose(const MeshModel&)>& choice, bool grows = false);
+    void take(const std::vector<SelectionResult>& results, const QString& words, bool grown);
     void count();
     void choose_colour();
     void use(SelectionUse what);
@@ -84,6 +88,9 @@ private:
     ScreenShape shape_;              // being drawn
     std::optional<QPointF> cursor_;  // the corner that follows the mouse
     std::optional<QPointF> hover_;   // where the mouse is, while it does not move the camera
+    QTimer rest_;                    // since the mouse has moved with the brush
+    QObject brush_picks_;            // the context of the brush's looks
+    double needed_px_ = 0;           // radius of a brush that holds enough points, at the last place
     bool left_down_ = false, dragged_ = false, camera_turns_ = false;
     QPoint pressed_at_;
     SetOperation operation_ = SetOperation::replace;  // when the shape was begun

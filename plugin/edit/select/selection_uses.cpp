@@ -1,6 +1,7 @@
 #include "plugin/edit/select/selection_uses.h"
 
 #include "pcm/cloud/las_class.h"
+#include "pcm/select/select_points.h"
 #include "pcm/select/set_changes.h"
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
@@ -9,6 +10,7 @@
 #include "plugin/host/proposed_output.h"
 #include "plugin/host/result_layer.h"
 #include "plugin/host/scene_state.h"
+#include "plugin/host/shown_points.h"
 #include "plugin/host/text.h"
 
 #include <meshlab/glarea.h>
@@ -227,6 +229,32 @@ QString change(GLArea& view, const PointSet& set, SelectionUse use)
     return words + (target->in_place ? "in place" : "into " + QString::fromStdString(changed.string()));
 }
 
+TreeLayer tree_to_use(const MeshModel& layer)
+{
+    const auto tree = Registry::instance().drawn(layer);
+    if (!tree)
+        throw Error(ErrorCode::invalid_argument, {}, layer.label().toStdString() + " is not shown as a point cloud");
+    if (tree->is_copy())
+        throw Error(
+            ErrorCode::invalid_argument, {},
+            layer.label().toStdString() + " is an ordinary layer: what is drawn is a temporary copy of its points",
+            "save the layer as a point cloud tree (.pct) and open that");
+    return *tree;
+}
+
+QString ask_and_extract(GLArea& view, MeshModel& layer, const PointSet& set, SelectionUse use)
+{
+    QWidget* const window = window_of(view);
+    if (use == SelectionUse::to_layer) {
+        const fs::path output = ask_tree(window, "Extract to a layer", set.tree().folder(), "-part");
+        return output.empty() ? QString() : extract(view, layer, set, output, true);
+    }
+    const QString name = QFileDialog::getSaveFileName(
+        window, "Extract to a file", QString::fromStdString((set.tree().folder().parent_path()).string()),
+        "Point clouds (*.las *.laz *.ply *.pcd *.e57 *.xyz *.txt *.csv *.pts *.ptx);;All files (*)");
+    return name.isEmpty() ? QString() : extract(view, layer, set, name.toStdString(), false);
+}
+
 }  // namespace
 
 QString use_selected(GLArea& view, MeshModel& layer, SelectionUse use)
@@ -237,21 +265,26 @@ QString use_selected(GLArea& view, MeshModel& layer, SelectionUse use)
     if (!tree || !set)
         throw Error(ErrorCode::invalid_argument, {}, "no point of " + layer.label().toStdString() + " is selected",
                     "select points first");
-    if (tree->is_copy())
-        throw Error(
-            ErrorCode::invalid_argument, {},
-            layer.label().toStdString() + " is an ordinary layer: what is drawn is a temporary copy of its points",
-            "save the layer as a point cloud tree (.pct) and open that");
+    tree_to_use(layer);
     if (use != SelectionUse::to_layer && use != SelectionUse::to_file) return change(view, *set, use);
-    QWidget* const window = window_of(view);
-    if (use == SelectionUse::to_layer) {
-        const fs::path output = ask_tree(window, "Extract to a layer", set->tree().folder(), "-part");
-        return output.empty() ? QString() : extract(view, layer, *set, output, true);
+    return ask_and_extract(view, layer, *set, use);
+}
+
+QString use_shown(GLArea& view, MeshModel& layer, SelectionUse use)
+{
+    Operation::refuse_second();
+    const TreeLayer tree = tree_to_use(layer);
+    std::optional<PointSet> set;
+    {
+        ShownOperation operation(window_of(view));
+        SelectOptions options;
+        options.progress = operation.progress();
+        set = select_points(tree.cloud->tree(), shown_points(view, layer).selection(), options);
     }
-    const QString name = QFileDialog::getSaveFileName(
-        window, "Extract to a file", QString::fromStdString((set->tree().folder().parent_path()).string()),
-        "Point clouds (*.las *.laz *.ply *.pcd *.e57 *.xyz *.txt *.csv *.pts *.ptx);;All files (*)");
-    return name.isEmpty() ? QString() : extract(view, layer, *set, name.toStdString(), false);
+    if (set->empty())
+        throw Error(ErrorCode::invalid_argument, {}, "no point of " + layer.label().toStdString() + " is shown",
+                    "move the clip box, or show hidden classes");
+    return ask_and_extract(view, layer, *set, use);
 }
 
 }  // namespace pcm::host

@@ -22,4 +22,8 @@ enum class SelectionUse {
 // whose points are MeshLab's, and what the functions of select/ throw.
 QString use_selected(GLArea& view, MeshModel& layer, SelectionUse use);
 
+// The same for all points of the layer that the view shows: clip box, hidden classes and conditions choose them. Only
+// to_layer and to_file. Throws Error(invalid_argument) also where none is shown.
+QString use_shown(GLArea& view, MeshModel& layer, SelectionUse use);
+
 }  // namespace pcm::host

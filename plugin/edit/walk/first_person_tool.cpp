@@ -24,6 +24,9 @@ constexpr int tick_ms = 16;
 constexpr double longest_step = 0.25;  // seconds: after a slow frame the eye does not jump
 constexpr int wheel_notch = 120;       // Qt's unit: eighths of a degree
 
+constexpr double eye_spacings = 3;     // of the points of the ground, that the eye stays above it
+constexpr double rise_seconds = 0.15;  // in which it rises by all but 1/e
+
 const char* const name = "First Person Navigation";
 
 unsigned walk_key(int key)
@@ -61,6 +64,12 @@ bool same(const vcg::Similarityf& a, const vcg::Similarityf& b)
     return a.tra == b.tra && a.sca == b.sca;
 }
 
+const char* words_of_ground(bool stays_above)
+{
+    return stays_above ? "the eye stays above the ground (G lets it through)"
+                       : "the eye goes through the ground (G keeps it above)";
+}
+
 const char* name_of(UpAxis axis) { return axis == UpAxis::z ? "z" : "y"; }
 
 }  // namespace
@@ -96,12 +105,13 @@ bool FirstPersonTool::StartEdit(MeshDocument& document, GLArea* view, MLSceneGLS
         GLLogStream::SYSTEM,
         qPrintable(
             QString("%1: W A S D or the arrow keys walk, E and Q move up and down, Shift moves faster; drag to look "
-                    "around; the wheel changes the speed (now x %2); U changes the up axis (now %3); Esc switches "
+                    "around; the wheel changes the speed (now x %2); U changes the up axis (now %3); %4; Esc switches "
                     "between this tool and the trackball. The speed is proportional to the distance of the nearest "
                     "points.")
                 .arg(name)
                 .arg(walk_->factor(), 0, 'g', 3)
-                .arg(name_of(walk_->up_axis()))));
+                .arg(name_of(walk_->up_axis()))
+                .arg(words_of_ground(stays_above_))));
     // MeshLab is about to mark the current layer as modified, though the tool does not change it.
     if (MeshModel* layer = document.mm())
         QTimer::singleShot(0, &document, [document = &document, id = layer->id(), changed = layer->meshModified()] {
@@ -126,6 +136,7 @@ void FirstPersonTool::read_camera()
 {
     if (same(view_->trackball.track, written_) && view_->fov == written_fov_) return;
     walk_->set_pose(pose_of(view_->trackball.track, view_->fov));
+    was_above_.reset();
     written_ = view_->trackball.track;
     written_fov_ = view_->fov;
 }
@@ -154,7 +165,11 @@ void FirstPersonTool::advance()
             const SceneReach reach = reach_from(*view_, walk_->pose().eye);
             reach_ = reach.distance;
             reach_error_ = reach.error;
-            if (walk_->step(seconds, keys_, reach_)) write_camera();
+            const Vec3d before = walk_->pose().eye;
+            if (walk_->step(seconds, keys_, reach_)) {
+                keep_above_ground(before, seconds);
+                write_camera();
+            }
         }
         if (keys_ == 0 && !walk_->moves(keys_)) timer_.stop();
     } catch (...) {  // Qt does not allow exceptions in event handlers
@@ -162,6 +177,28 @@ void FirstPersonTool::advance()
         if (view_->md()) view_->md()->Log.Log(GLLogStream::WARNING, current_error().c_str());
     }
     if (!timer_.isActive()) publish();
+}
+
+void FirstPersonTool::keep_above_ground(const Vec3d& before, double seconds)
+{
+    EyePose pose = walk_->pose();
+    if (!stays_above_ || pose.orthographic) return;
+    const std::size_t up = walk_->up_axis() == UpAxis::z ? 2 : 1;
+    if (!was_above_) {
+        const auto begun = ground_under(*view_, before, up);
+        if (!begun) return;
+        was_above_ = before[up] >= begun->height;  // who begins in a cellar stays there
+    }
+    const auto ground = *was_above_ ? ground_under(*view_, pose.eye, up) : std::nullopt;
+    if (!ground) return;
+    ground_ = ground->height;
+    const double wanted = ground->height + eye_spacings * ground->spacing;
+    double& eye = pose.eye[up];
+    if (!(eye < wanted)) return;
+    // Never nearer than half of it, and the rest smoothly: the ground is found from few points.
+    const double least = ground->height + eye_spacings / 2 * ground->spacing;
+    eye = std::max(eye + (wanted - eye) * (1 - std::exp(-seconds / rise_seconds)), least);
+    walk_->set_pose(pose);
 }
 
 void FirstPersonTool::hold(unsigned keys)
@@ -193,6 +230,16 @@ void FirstPersonTool::keyPressEvent(QKeyEvent* event, MeshModel&, GLArea* view)
                              qPrintable(QString("%1: %2 is up").arg(name, name_of(walk_->up_axis()))));
         view_->update();
         return;
+    }
+    if (event->key() == Qt::Key_G) {
+        event->accept();
+        if (event->isAutoRepeat()) return;
+        stays_above_ = !stays_above_;
+        was_above_.reset();
+        view_->md()->Log.Log(GLLogStream::SYSTEM,
+                             qPrintable(QString("%1: %2").arg(name, words_of_ground(stays_above_))));
+        view_->update();
+        return publish();
     }
     const unsigned key = walk_key(event->key());
     if (key == 0) return;
@@ -271,6 +318,7 @@ void FirstPersonTool::Decorate(MeshModel&, GLArea* view, QPainter*)
         text +=
             QString(": %1 per second; nearest points %2 away").arg(number(speed), from == to ? to : from + " to " + to);
     }
+    text += QString("; %1").arg(words_of_ground(stays_above_));
     view->md()->Log.RealTimeLog(name, "", text);
 }
 
@@ -294,6 +342,8 @@ void FirstPersonTool::publish()
     state["roll"] = walk_->roll();
     state["reach"] = reach_;
     state["reach_error"] = reach_error_;
+    state["stays_above"] = stays_above_;
+    if (ground_) state["ground"] = *ground_;
     view_->setProperty("pcm_first_person", state);
 }
 

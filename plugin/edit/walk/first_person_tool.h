@@ -5,6 +5,7 @@
 // is suspended). So starting and ending the tool does not move the picture, and nothing has to be restored. GUI thread.
 #pragma once
 
+#include "pcm/cloud/vector.h"
 #include "pcm/view/first_person.h"
 
 #include <common/interfaces.h>
@@ -51,6 +52,8 @@ private:
     void write_camera();
     // Moves for the time since the last call.
     void advance();
+    // Lifts the eye, which has moved from `before`, where it would go through the ground.
+    void keep_above_ground(const Vec3d& before, double seconds);
     void hold(unsigned keys);
     void start_timer();
     // For observers such as tests.
@@ -64,7 +67,10 @@ private:
     bool looking_ = false;
     QPoint looked_at_;
     double reach_ = 0, reach_error_ = 0;
-    QTimer timer_;  // runs while a key is held or something moves
+    bool stays_above_ = true;        // the ground; the user's choice
+    std::optional<double> ground_;   // under the eye, when it was looked for last
+    std::optional<bool> was_above_;  // where the camera was put by other means; nothing: not looked yet
+    QTimer timer_;                   // runs while a key is held or something moves
     QElapsedTimer clock_;
 };
 

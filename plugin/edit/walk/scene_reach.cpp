@@ -1,7 +1,9 @@
 #include "plugin/edit/walk/scene_reach.h"
 
 #include "pcm/cloud/box_distance.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/view/clearance.h"
+#include "pcm/view/ground.h"
 #include "plugin/host/registry.h"
 
 #include <meshlab/glarea.h>
@@ -55,6 +57,13 @@ struct Placement {
         }
         return p;
     }
+    // Whether what is above a point stays above it.
+    bool keeps_upright(std::size_t axis) const
+    {
+        const auto size = [](double a, double b) { return std::fabs(a) + std::fabs(b); };
+        const std::size_t u = (axis + 1) % 3, v = (axis + 2) % 3;
+        return m[axis][axis] > 0 && size(m[axis][u], m[axis][v]) + size(m[u][axis], m[v][axis]) <= 1e-5 * m[axis][axis];
+    }
     // Scale factor of lengths; exact if it is the same in all directions.
     double scale() const { return std::cbrt(std::fabs(determinant())); }
 };
@@ -102,6 +111,26 @@ SceneReach reach_from(GLArea& view, const Vec3d& place)
     }
     const double bounded = std::clamp(nearest.distance, least_share * diagonal, most_share * diagonal);
     return {bounded, std::min(nearest.error, bounded)};
+}
+
+std::optional<SceneGround> ground_under(GLArea& view, const Vec3d& place, std::size_t axis)
+{
+    std::optional<SceneGround> lowest;
+    if (!view.md()) return lowest;
+    for (const MeshModel* layer : view.md()->meshList) {
+        if (!layer || !view.meshVisibilityMap.value(layer->id(), true)) continue;
+        const auto tree = Registry::instance().drawn(*layer);
+        const Placement placement(*layer);
+        const auto local = tree && placement.keeps_upright(axis) ? placement.undo(place) : std::nullopt;
+        if (!local) continue;
+        const auto ground = pcm::ground_under(tree->cloud->cache(), *local + tree->origin, axis);
+        if (!ground) continue;
+        Vec3d there = *local;
+        there[axis] = ground->height - tree->origin[axis];
+        const double height = placement.apply(there)[axis];
+        if (!lowest || height < lowest->height) lowest = SceneGround{height, ground->spacing * placement.scale()};
+    }
+    return lowest;
 }
 
 bool shows_clouds(GLArea& view)

@@ -3,6 +3,9 @@
 
 #include "pcm/cloud/geometry.h"
 
+#include <cstddef>
+#include <optional>
+
 class GLArea;
 
 namespace pcm::host {
@@ -16,6 +19,16 @@ struct SceneReach {
 // boxes of nodes (view/clearance.h). Meshes: the bounding box, and inside it a twentieth of its diagonal. Reads nothing
 // from disk and does not block. GUI thread.
 SceneReach reach_from(GLArea& view, const Vec3d& place);
+
+struct SceneGround {
+    double height = 0;   // along the axis, document's coordinates
+    double spacing = 0;  // of the points that it was found from
+};
+
+// The lowest ground of the clouds that the view shows under (or over) a place, from the points in memory
+// (view/ground.h). `axis`: the vertical one. Clouds whose matrices tilt them have no part. Reads nothing from disk and
+// does not block. GUI thread.
+std::optional<SceneGround> ground_under(GLArea& view, const Vec3d& place, std::size_t axis);
 
 // Whether the view's document has point clouds. Their up axis is usually z; that of meshes in MeshLab is y.
 bool shows_clouds(GLArea& view);

@@ -125,6 +125,20 @@ Done dialog_key(TestDriver& driver, const QString& name)
     return Done::yes;
 }
 
+// key-in NAME KEY: as key, but a widget of a panel has the focus, as after a click on it
+Done key_in(TestDriver& driver, const QString& argument)
+{
+    auto* widget = named<QWidget>(driver, argument.section(' ', 0, 0));
+    const int pressed = QKeySequence::fromString(argument.section(' ', 1))[0];
+    const auto modifiers = Qt::KeyboardModifiers(pressed & int(Qt::KeyboardModifierMask));
+    const int code = pressed & ~int(Qt::KeyboardModifierMask);
+    widget->setFocus();
+    if (!widget->hasFocus()) driver.fail("'" + argument + "' takes no focus");
+    for (const auto type : {QEvent::KeyPress, QEvent::KeyRelease})
+        qt_handleKeyEvent(driver.window()->windowHandle(), type, code, modifiers, QString(QChar(code & 0x1f)), false, 1);
+    return Done::yes;
+}
+
 // window-picture NAME FILE: of a window that has a widget of this name
 Done window_picture(TestDriver& driver, const QString& argument)
 {
@@ -155,6 +169,7 @@ std::vector<Command> panel_commands()
         {"key", key},
         {"type", type},
         {"dialog-key", dialog_key},
+        {"key-in", key_in},
         {"window-picture", window_picture},
         {"expect-no-widget", expect_no_widget},
     };
