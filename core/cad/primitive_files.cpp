@@ -2,6 +2,7 @@
 
 #include "pcm/cad/drawing_list.h"
 #include "pcm/cad/dxf_file.h"
+#include "pcm/fit/outline_area.h"
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/output_file.h"
@@ -59,14 +60,24 @@ std::string arc_text(const Primitive& p)
     return about_axis && p.bounds.zero != Vec3d{} ? angle(p.bounds.end - p.bounds.begin) : "";
 }
 
+OutlineArea area_of(const Primitive& p)
+{
+    return p.fit.shape.kind == ShapeKind::plane ? outline_area(p.bounds.outline, p.points) : OutlineArea();
+}
 std::string area_text(const Primitive& p)
 {
-    const std::vector<Vec3d>& outline = p.bounds.outline;
-    if (p.fit.shape.kind != ShapeKind::plane || outline.empty()) return "";
-    double sum = 0;
-    for (std::size_t i = 1; i + 1 < outline.size(); ++i)
-        sum += dot(p.fit.shape.axis, cross(outline[i] - outline[0], outline[i + 1] - outline[0]));
-    return number(std::fabs(sum) / 2);
+    const OutlineArea found = area_of(p);
+    return found.form == OutlineForm::none ? "" : number(found.area);
+}
+std::string area_error_text(const Primitive& p)
+{
+    const OutlineArea found = area_of(p);
+    return found.uncertainty > 0 ? number(found.uncertainty) : "";
+}
+std::string outline_text(const Primitive& p)
+{
+    const OutlineArea found = area_of(p);
+    return found.form == OutlineForm::none ? "" : name_of(found.form);
 }
 
 std::string colour_text(const Primitive& p)
@@ -116,6 +127,8 @@ const std::vector<Column>& columns()
         {"to_z", length_unit, end_at<2, true>},
         {"arc", angle_unit, arc_text},
         {"area", plain, area_text},
+        {"sigma_area", plain, area_error_text},
+        {"outline", plain, outline_text},  // that the area is of
         {"label", plain, [](P p) { return p.label ? std::to_string(p.label) : ""; }},
         {"verdict", plain, [](P p) { return std::string(name_of(p.fit.verdict)); }},
         {"message", plain, [](P p) { return p.fit.message; }},
@@ -130,7 +143,7 @@ std::string heading(const Column& column, CadUnit unit)
     const std::string name = column.name, length = name_of(unit);
     if (column.unit == ColumnUnit::angle) return name + " [deg]";
     if (length.empty()) return name;
-    if (name == "area") return name + " [" + length + "^2]";
+    if (name == "area" || name == "sigma_area") return name + " [" + length + "^2]";
     return column.unit == ColumnUnit::length ? name + " [" + length + "]" : name;
 }
 

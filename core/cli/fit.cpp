@@ -21,7 +21,7 @@ struct Arguments {
     Common common;
     std::string tree;
     std::vector<std::string> at, not_at;
-    std::string shape = "any", estimator = "msac", backend = "own", outline = "rectangle";
+    std::string shape = "any", estimator = "msac", backend = "own", outline = "concave";
     std::optional<double> threshold, seconds, radius, step, normal_angle, least_radius, largest_radius, outline_edge;
     std::optional<std::uint64_t> count;
     double probability = 0.99;
@@ -268,7 +268,8 @@ void add_growth(Options& options, Arguments& a)
         .group(group);
     options
         .option("--outline", a.outline,
-                "Of a plane: rectangle (default), convex, concave, or box, where the cloud's box cuts it")
+                "Of a plane, and what its area is of: concave (default), which follows the points' edge and gaps, convex, "
+                "rectangle, the least around the points, or box, where the cloud's box cuts it")
         .one_of({"box", "rectangle", "convex", "concave"})
         .group(group);
     options

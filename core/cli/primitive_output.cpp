@@ -1,6 +1,7 @@
 #include "pcm/cli/primitive_output.h"
 
 #include "pcm/cad/primitive_files.h"
+#include "pcm/fit/outline_area.h"
 #include "pcm/primitives/primitive_list.h"
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
@@ -22,16 +23,27 @@ std::string with_error(double value, double error, const char* unit = "")
 }
 
 // An end of a shape is known as well as its points are.
-void print_bounds(const Shape& shape, const ShapeBounds& bounds, double noise)
+void print_bounds(const Primitive& primitive)
 {
+    const Shape& shape = primitive.fit.shape;
+    const ShapeBounds& bounds = primitive.bounds;
+    const double noise = primitive.fit.noise;
     if (!bounds.known(shape.kind)) return;
-    if (shape.kind == ShapeKind::plane) line("outline", std::to_string(bounds.outline.size()) + " corners");
+    if (shape.kind == ShapeKind::plane)
+        line("area", area_text(primitive) + ", " + std::to_string(bounds.outline.size()) + " corners");
     if (bounds.from < bounds.to) line("length", rounded_text(bounds.to - bounds.from, noise));
     if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone || shape.kind == ShapeKind::torus)
         line("arc", brief((bounds.end - bounds.begin) / degree) + " degrees");
 }
 
 }  // namespace
+
+std::string area_text(const Primitive& primitive)
+{
+    const OutlineArea found = outline_area(primitive.bounds.outline, primitive.points);
+    return (found.uncertainty > 0 ? with_error(found.area, found.uncertainty) : brief(found.area)) + " " +
+           words_of(found.form);
+}
 
 void print_primitive(const Primitive& primitive)
 {
@@ -52,7 +64,7 @@ void print_primitive(const Primitive& primitive)
     if (fit.shape.kind == ShapeKind::cone)
         line("half angle", with_error(fit.shape.second / degree, fit.errors.second / degree, " degrees"));
     if (fit.shape.kind == ShapeKind::torus) line("tube", with_error(fit.shape.second, fit.errors.second));
-    print_bounds(fit.shape, primitive.bounds, fit.noise);
+    print_bounds(primitive);
     line("noise",
          brief(fit.noise) + ", within " + brief(fit.threshold) + " of the surface; condition " + brief(fit.condition));
     line("search", grouped(fit.iterations) + " samples by " + primitive.estimator + ", fit and growth in " +
@@ -61,7 +73,16 @@ void print_primitive(const Primitive& primitive)
 
 Json json_of(const Primitive& primitive)
 {
-    if (primitive.fit.has_shape()) return Json::parse(pcm::json_of(std::vector<Primitive>{primitive}))["primitives"][0];
+    if (primitive.fit.has_shape()) {
+        Json json = Json::parse(pcm::json_of(std::vector<Primitive>{primitive}))["primitives"][0];
+        if (const OutlineArea found = outline_area(primitive.bounds.outline, primitive.points);
+            found.form != OutlineForm::none) {
+            json["area"] = found.area;
+            json["area_uncertainty"] = found.uncertainty > 0 ? Json(found.uncertainty) : Json();
+            json["area_of"] = name_of(found.form);
+        }
+        return json;
+    }
     return {{"kind", traits_of(primitive.fit.shape.kind).name},
             {"verdict", name_of(primitive.fit.verdict)},
             {"issue", name_of(primitive.fit.issue)},

@@ -2,6 +2,7 @@
 
 #include "pcm/cad/dxf_file.h"
 #include "pcm/cli/common.h"
+#include "pcm/cli/primitive_output.h"
 #include "pcm/fit/primitive_text.h"
 #include "pcm/measure/measure.h"
 #include "pcm/system/new_output.h"
@@ -48,7 +49,8 @@ void print(const Primitive& primitive, const std::string& unit)
         add(value_text("half angle", fit.shape.second / degree, fit.errors.second / degree, "deg"));
     if (primitive.bounds.from < primitive.bounds.to)
         add("length " + brief(primitive.bounds.to - primitive.bounds.from) + (unit.empty() ? "" : " " + unit));
-    if (!primitive.bounds.outline.empty()) add(grouped(primitive.bounds.outline.size()) + " corners");
+    if (!primitive.bounds.outline.empty())
+        add("area " + area_text(primitive) + ", " + grouped(primitive.bounds.outline.size()) + " corners");
     if (!sizes.empty()) std::printf("%s\n", sizes.c_str());
     if (fit.inliers)
         std::printf("  %s inliers, rms %s%s%s\n", grouped(fit.inliers).c_str(), brief(fit.rms).c_str(),

@@ -231,8 +231,10 @@ private:
     // A plane whose points are on one line has no outline: no reason to end a detection.
     void bound(Primitive& primitive, const std::vector<Vec3d>& ends)
     {
+        OutlineOptions outline;
+        outline.kind = OutlineKind::convex;  // all that the ends can tell
         try {
-            primitive.bounds = bounds_of(primitive.fit.shape, ends, {});
+            primitive.bounds = bounds_of(primitive.fit.shape, ends, outline);
         } catch (const Error& error) {
             if (error.code() != ErrorCode::invalid_argument) throw;
             ++result_.unbounded;

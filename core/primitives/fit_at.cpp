@@ -69,11 +69,14 @@ public:
         noise_ = local.noise / 3;
         if (result.local.has_shape()) add_points(local.close, result);
         primitive.points = result.points.size();
-        if (!result.points.empty())
-            primitive.bounds = bounds_of(
-                primitive.fit.shape,
-                cover_points(result.points, primitive.fit.shape, options_.threads, part_of(options_.progress, 0.9, 1)),
-                options_.outline, tree_->info().bounds());
+        if (!result.points.empty()) {
+            // A concave outline takes a triangulation of the points, and has as many corners as they need.
+            const std::size_t most = options_.outline.kind == OutlineKind::concave ? 100000 : 1000000;
+            primitive.bounds = bounds_of(primitive.fit.shape,
+                                         cover_points(result.points, primitive.fit.shape, options_.threads,
+                                                      part_of(options_.progress, 0.9, 1), most),
+                                         options_.outline, tree_->info().bounds());
+        }
         primitive.fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         return result;
     }

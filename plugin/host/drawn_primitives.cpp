@@ -1,5 +1,6 @@
 #include "plugin/host/drawn_primitives.h"
 
+#include "pcm/fit/outline_area.h"
 #include "pcm/fit/shape_lines.h"
 #include "pcm/measure/measure.h"
 #include "pcm/system/rounded_text.h"
@@ -25,13 +26,12 @@ QString text_with(double value, double uncertainty, const char* dimension, const
     return QString::fromStdString(text) + (std::isinf(uncertainty) ? " (not determined)" : "");
 }
 
-// Of the outline, which lies in one plane.
-double area_of(const std::vector<Vec3d>& outline)
+// "area" is that of the points' outline; a rectangle around them is called one.
+void add_area(const Primitive& primitive, const std::string& unit, Lines& lines)
 {
-    Vec3d sum{};
-    for (std::size_t i = 2; i < outline.size(); ++i)
-        sum = sum + cross(outline[i - 1] - outline[0], outline[i] - outline[0]);
-    return length(sum) / 2;
+    const OutlineArea found = outline_area(primitive.bounds.outline, primitive.points);
+    lines.emplace_back(found.form == OutlineForm::rectangle ? "rectangle" : "area",
+                       text_with(found.area, found.uncertainty, "^2", unit));
 }
 
 void add_sizes(const Primitive& primitive, const std::string& unit, Lines& lines)
@@ -46,7 +46,7 @@ void add_sizes(const Primitive& primitive, const std::string& unit, Lines& lines
     if (shape.kind == ShapeKind::torus)
         lines.emplace_back("tube's radius", text_with(shape.second, errors.second, "", unit));
     if (!bounds.known(shape.kind)) return;
-    if (shape.kind == ShapeKind::plane) lines.emplace_back("area", text_with(area_of(bounds.outline), 0, "^2", unit));
+    if (shape.kind == ShapeKind::plane) add_area(primitive, unit, lines);
     if (bounds.from < bounds.to) lines.emplace_back("length", text_with(bounds.to - bounds.from, 0, "", unit));
     if (traits.axis && shape.kind != ShapeKind::plane)
         lines.emplace_back("arc", text_with((bounds.end - bounds.begin) * degrees, 0, "deg", unit));

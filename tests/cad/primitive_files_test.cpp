@@ -93,7 +93,7 @@ TEST_F(PrimitiveFiles, ATableHasUnitsInItsHeader)
                              0),
               0u)
         << lines[0];
-    EXPECT_NE(lines[0].find(",arc [deg],area [mm^2],"), std::string::npos);
+    EXPECT_NE(lines[0].find(",arc [deg],area [mm^2],sigma_area [mm^2],outline,"), std::string::npos);
     EXPECT_EQ(lines[1].rfind("Pipe 1,cylinder,#ffc800,500000.25,4800000.5,100,0,0,1,0.3,,,0.001,1,0.0002,,,0.0015,0,0,"
                              "1234,2000,3,500000.25,4800000.5,99,500000.25,4800000.5,102,",
                              0),
@@ -103,7 +103,7 @@ TEST_F(PrimitiveFiles, ATableHasUnitsInItsHeader)
     EXPECT_NE(lines[2].find(",inf,0,,,0,"), std::string::npos) << lines[2];
     write_primitives(folder_ / "b.csv", {floor_of_room()});
     EXPECT_EQ(lines_of(folder_ / "b.csv")[0].find("[m"), std::string::npos);
-    EXPECT_NE(lines_of(folder_ / "b.csv")[1].find(",12,"), std::string::npos);  // its area
+    EXPECT_NE(lines_of(folder_ / "b.csv")[1].find(",12,,rectangle,"), std::string::npos);  // its area, and of what
 }
 
 TEST_F(PrimitiveFiles, ARowWithoutANameHasAllColumns)

@@ -91,7 +91,10 @@ TEST(DrawnPrimitives, NumbersAreRoundedToWhatIsKnown)
     floor.fit.shape = parse_shape("plane 0 0 0 0 0 1");
     floor.bounds = {};
     floor.bounds.outline = {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}};
-    EXPECT_EQ(size_of(floor, "m"), "area 6 m²");
+    EXPECT_EQ(size_of(floor, "m"), "rectangle 6 m²");  // not what its points cover
+    floor.bounds.outline = {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {1, 2, 0}, {1, 1, 0}, {0, 1, 0}};
+    floor.points = 500;
+    EXPECT_EQ(size_of(floor, "m"), "area 5.0 ± 0.5 m²");  // 10 around, 0.1 from point to point
 }
 
 class PrimitiveBooks : public testing::Test {

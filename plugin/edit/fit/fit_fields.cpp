@@ -109,9 +109,10 @@ void FitFields::add_choices()
         "again. Off: only those around the clicked places. Default on.",
         grow_);
     outline_ = add_choice("Outline", "Outline",
-                          "How a plane is bounded: by the rectangle of least area around its points, their convex "
-                          "hull, a concave outline that follows gaps, or the polygon in which the cloud's box cuts it. "
-                          "Cylinders and cones end where their points end, or at the cloud's box. Default Rectangle.");
+                          "How a plane is bounded, and what its area is of: the rectangle of least area around its "
+                          "points, their convex hull, a concave outline that follows their edge and gaps, or the "
+                          "polygon in which the cloud's box cuts it. Cylinders and cones end where their points end, "
+                          "or at the cloud's box. Default Concave.");
     outline_->addItem("Rectangle", name_of(OutlineKind::rectangle));
     outline_->addItem("Convex", name_of(OutlineKind::convex));
     outline_->addItem("Concave", name_of(OutlineKind::concave));

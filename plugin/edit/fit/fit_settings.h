@@ -14,7 +14,7 @@ struct FitSettings {
     std::optional<ShapeKind> kind;  // nothing: the one that fits best
     Estimator estimator = Estimator::msac;
     FitBackend backend = FitBackend::own;
-    OutlineKind outline = OutlineKind::rectangle;
+    OutlineKind outline = OutlineKind::concave;
     bool by_radius = false;  // the neighbourhood is a radius; else a number of points
     bool grow = true;
     // As typed; what is empty is the row's default (fit_numbers()).
