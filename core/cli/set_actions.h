@@ -17,10 +17,10 @@ struct SetDone {
     std::string what;  // "saved", ...; empty: nothing
     std::string output;
     std::uint64_t changed = 0;
-    std::optional<std::int64_t> number;  // the class, of what was classified
-    std::string subject;                 // "class 7 'low point (noise)' given to 2,167 points"; else empty
     Outcome outcome;
     std::vector<std::string> notes;
+    std::optional<std::int64_t> number = {};  // the class, of what was classified
+    std::string subject = {};                 // "class 7 'low point (noise)' given to 2,167 points"
 };
 
 // --save-attribute, --extract, --overwrite, --delete, --classify, --class-attribute, -o and --in-place.

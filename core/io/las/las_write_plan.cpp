@@ -194,7 +194,7 @@ private:
         const bool exact = description == exact_description && is_exact_name(name);
         // With room for the longest suffix of a component.
         const std::size_t suffix = one_descriptor ? 0 : component_name("", attribute.components - 1).size();
-        const std::string short_name = is_normal || exact && name.size() + suffix <= most_name_bytes
+        const std::string short_name = is_normal || (exact && name.size() + suffix <= most_name_bytes)
                                            ? name
                                            : free_name(name, most_name_bytes - suffix);
         if (short_name != name)
