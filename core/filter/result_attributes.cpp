@@ -70,21 +70,19 @@ constexpr std::array<std::string_view, 23> standard_names{"classification",
 
 void check_may_write(const Tree& tree, const Attribute& attribute, bool overwrite)
 {
-    const auto place = tree.info().schema.find(attribute.name);
-    if (place && !is_of_type(tree.info().schema[*place], attribute) && overwrite)
-        refuse_type(tree.folder(), tree.info().schema[*place], attribute);
+    const Schema& schema = tree.info().schema;
+    const auto place = schema.find(attribute.name);
+    if (place && !is_of_type(schema[*place], attribute)) refuse_type(tree.folder(), schema[*place], attribute);
     if (overwrite) return;
-    if (place && !is_described_as(tree.info().schema[*place], attribute.description))
+    const char* const advice = "choose another name, or overwrite it";
+    if (place && !is_described_as(schema[*place], attribute.description))
         throw Error(ErrorCode::invalid_argument, tree.folder(),
                     "the attribute '" + attribute.name +
                         "' exists already and was not made by this operation: its values would be lost",
-                    "choose another name, or overwrite it");
+                    advice);
     if (std::find(standard_names.begin(), standard_names.end(), attribute.name) != standard_names.end())
         throw Error(ErrorCode::invalid_argument, tree.folder(),
-                    "'" + attribute.name + "' is a standard name, whose values have another meaning",
-                    "choose another name, or overwrite it");
-    if (place && !is_of_type(tree.info().schema[*place], attribute))
-        refuse_type(tree.folder(), tree.info().schema[*place], attribute);
+                    "'" + attribute.name + "' is a standard name, whose values have another meaning", advice);
 }
 
 Attribute selection_attribute(const std::string& name)

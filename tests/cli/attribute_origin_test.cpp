@@ -47,7 +47,7 @@ TEST_F(Origin, ASelectionDoesNotReplaceClasses)
     const std::string save = "select " + path("t.pct") + " --where 'z > 0' --in-place --save-attribute ";
     const auto before = range("t.pct", "classification");
     refused(save + "classification", not_made);
-    refused(save + "intensity", not_made);
+    refused(save + "intensity", "another type");
     refused("select " + path("t.pct") + " --where 'z > 0' -o " + path("copy.pct") + " --save-attribute classification",
             not_made);
     EXPECT_FALSE(std::filesystem::exists(folder_ / "copy.pct"));

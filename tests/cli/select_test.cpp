@@ -193,7 +193,7 @@ TEST_F(SelectCommand, RefusesWhatMakesNoSense)
     refused(sphere_ + "--level 0 --grow --distance 3", 2, "--level");
     refused(sphere_ + "--classify 2.5 --in-place", 1, "no integer");
     refused(sphere_ + "--classify 300 --in-place", 1, "cannot be 300");
-    refused(sphere_ + "--save-attribute intensity --in-place", 1, "was not made by this operation");
+    refused(sphere_ + "--save-attribute intensity --in-place", 1, "another type");
     refused(sphere_ + "--extract " + path("in.las"), 1, "exists already");
     refused(sphere_ + "--extract " + path("in.pct") + " --overwrite", 1, "the tree itself");
     refused("--sphere 0 0 90000 1 --extract " + path("x.las"), 1, "no point is selected");

@@ -192,4 +192,48 @@ TEST(TransformedReader, ACoordinateSystemThatStaysIsNoted)
     EXPECT_NE(notes()[0].find(text), std::string::npos) << notes()[0];
 }
 
+// Lengths, areas and numbers per length by their descriptions: floats are multiplied, integers and what has an offset
+// get another scale and keep their raw values.
+TEST(Transformed, WhatHasAUnitOfLengthGrows)
+{
+    MemoryCloud cloud;
+    cloud.info.points = 3;
+    cloud.info.schema.add({"gap", ScalarType::f32, 2, 1, 0, "to the wall, source units"});
+    cloud.info.schema.add({"steps", ScalarType::i16, 1, 0.5, 10, "source units"});
+    cloud.info.schema.add({"area", ScalarType::f64, 1, 1, 0, "source units^2"});
+    cloud.info.schema.add({"bend", ScalarType::f64, 1, 1, 1, "source units^-1"});
+    cloud.info.schema.add({"mean_distance", ScalarType::f32});
+    cloud.info.schema.add({"plain", ScalarType::f32, 1, 1, 0, "of source units"});
+    cloud.points.reset(cloud.info.schema, false, 3);
+    std::mt19937_64 random(4);
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t a = 0; a < 3; ++a) cloud.points.xyz[a][i] = static_cast<double>(random() % 100);
+        for (std::size_t c = 0; c < 2; ++c)
+            cloud.points.attributes[0].as<float>()[2 * i + c] = static_cast<float>(i + c);
+        cloud.points.attributes[1].as<std::int16_t>()[i] = static_cast<std::int16_t>(i);
+        cloud.points.attributes[2].as<double>()[i] = static_cast<double>(i);
+        cloud.points.attributes[3].as<double>()[i] = static_cast<double>(i);
+        cloud.points.attributes[4].as<float>()[i] = static_cast<float>(i);
+        cloud.points.attributes[5].as<float>()[i] = static_cast<float>(i);
+    }
+    Affine map;
+    for (std::size_t a = 0; a < 3; ++a) map.linear[a][a] = 4;
+    TransformedReader reader(std::make_unique<MemoryReader>(cloud), map);
+    const Schema schema = reader.info().schema;
+    PointBatch batch;
+    ASSERT_TRUE(reader.read(batch, 3));
+    const double factors[] = {4, 4, 16, 0.25, 4, 1};
+    for (std::size_t k = 0; k < schema.size(); ++k)
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::uint32_t c = 0; c < schema[k].components; ++c) {
+                const auto shown = [&](const Schema& s, const Column& column) {
+                    return column.value(i, c) * s[k].scale + s[k].offset;
+                };
+                EXPECT_DOUBLE_EQ(shown(schema, batch.attributes[k]),
+                                 factors[k] * shown(cloud.info.schema, cloud.points.attributes[k]))
+                    << schema[k].name;
+            }
+    EXPECT_EQ(batch.attributes[1].as<std::int16_t>()[2], 2);
+}
+
 }  // namespace
