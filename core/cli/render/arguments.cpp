@@ -127,13 +127,13 @@ void add_tone(Options& options, RenderArguments& a, const char* group)
         .option("--brightness", a.style.brightness,
                 "Factor on the clouds' own colours (--colour rgb), for dark scans, such as 1.5")
         .show_default()
-        .between(0.01, 100)
+        .between(0.01, 100.0)
         .group(group);
     options
         .option("--gamma", a.style.gamma,
                 "After that, colours from 0 to 1 are raised to 1 / gamma: above 1 makes dark ones lighter, such as 1.8")
         .show_default()
-        .between(0.1, 10)
+        .between(0.1, 10.0)
         .group(group);
 }
 
