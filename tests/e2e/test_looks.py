@@ -49,34 +49,6 @@ class Looks(MeshLabTest):
                 self.assertAlmostEqual(a, b, delta=2e-3)
         self.assertLess(different(before, after), 0.05)
 
-    def test_a_moving_view_shows_the_cloud_on_a_slow_machine(self):
-        """Near the ground, where the coarsest points are far apart, and with no time for a frame: still no gaps."""
-        _, tree = self.generate("site", 400000, "--seed", 5, "--extent", 200)
-        moving, resting = self.result("moving.png"), self.result("resting.png")
-        drag = "\n".join(f"move-to {0.5 + 0.002 * step} 0.5\npause 60" for step in range(1, 12))
-        run = self.gui(f"""
-            wait-view
-            wait-layers 1
-            view-size 480 360
-            parameter {NAME}Colour = 6
-            parameter {NAME}EyeDomeLighting = 0
-            parameter {NAME}Background = 1
-            wait-status full resolution
-            wheel -20
-            pause 500
-            parameter {NAME}FrameBudget = 1
-            pause 500
-            press-at 0.5 0.5
-            {drag}
-            picture {moving}
-            release-at 0.522 0.5
-            wait-status full resolution
-            picture {resting}
-            quit
-            """, tree)
-        self.assertDriven(run)
-        self.assertLess(different(moving, resting), 0.1)
-
     def test_brightness_and_gamma(self):
         _, tree = self.generate("site", 40000, "--seed", 2, "--extent", 20)
         pictures = {name: self.result(f"{name}.png") for name in ("neutral", "bright", "gamma", "again")}
@@ -202,13 +174,10 @@ class Looks(MeshLabTest):
             wait-view
             wait-layers 1
             {NO_TIME_LIMIT}
-            wait-status pcmlab repair
-            print-boxes
+            wait-status pcmlab repair {tree}
             quit
             """, tree)
         self.assertDriven(run)
-        text = " ".join(box["text"] for box in run.boxes())
-        self.assertIn(f"pcmlab repair {tree}", text)
 
 
 if __name__ == "__main__":

@@ -43,7 +43,7 @@ class Results(MeshLabTest):
         layers, first = run.layers(), 0
         for number, (_, _, name) in enumerate(filters):
             self.assertEqual(pcmlab("verify", tree.parent / f"{name}.pct")["faults"], [])
-            self.assertShownAlone(layers[first:first + number + 2], f"{name}.pct")
+            self.assertShownAlone(layers[first:first + number + 2], name)
             first += number + 2
 
     def test_names_follow_the_cloud_and_what_exists(self):
@@ -113,7 +113,7 @@ class Results(MeshLabTest):
             quit
             """, tree)
         self.assertDriven(run)
-        self.assertShownAlone(run.layers(), "site-without.pct")
+        self.assertShownAlone(run.layers(), "site-without")
         self.assertGreater(different(before, after), 0.02)
         rest = pcmlab("info", self.folder / "site-without.pct")["points"]
         self.assertEqual(run.properties("pcm_state")[-1]["points"], rest)
@@ -138,7 +138,7 @@ class Results(MeshLabTest):
             pick
             wait-layers 2
             wait-label PointCloudSelectMessage extracted
-            show-layer 1 off
+            check-cell PointCloudLayers 1 2 off
             wait-status complete
             print-property pcm_state
             press Delete points
@@ -153,7 +153,7 @@ class Results(MeshLabTest):
             wait-label PointCloudSelectMessage no point is selected
             press By condition
             wait-label PointCloudSelectMessage x<500010
-            press None
+            press Select none
             wait-status complete
             picture {shown}
             trigger Select Points
@@ -163,7 +163,7 @@ class Results(MeshLabTest):
             quit
             """, tree)
         self.assertDriven(run)
-        self.assertShownAlone(run.layers(), "site-without.pct")
+        self.assertShownAlone(run.layers(), "site-without")
         part, rest = (pcmlab("info", self.folder / f"site-{name}.pct")["points"] for name in ("part", "without"))
         self.assertEqual(part + rest, 30000)
         extracted, deleted = run.properties("pcm_state")
@@ -180,7 +180,7 @@ class Results(MeshLabTest):
             press Into a copy
             pick {self.folder / f"{name}.pct"}
             wait-label PointCloudSelectMessage {name}.pct
-            press All
+            press Select shown
             wait-label PointCloudSelectMessage all shown
             """ for name, keys in (("enter", ""), ("number", "type 6"), ("list", "dialog-key Down"), ("other", "type 77")))
         run = self.gui(f"""
@@ -190,7 +190,7 @@ class Results(MeshLabTest):
             wait-status complete
             trigger Select Points
             wait-log the left button selects
-            press All
+            press Select shown
             wait-label PointCloudSelectMessage all shown
             {script}
             press Classify
