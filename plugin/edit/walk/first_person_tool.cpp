@@ -187,7 +187,7 @@ void FirstPersonTool::keep_above_ground(const Vec3d& before, double seconds)
     if (!was_above_) {
         const auto begun = ground_under(*view_, before, up);
         if (!begun) return;
-        was_above_ = before[up] >= begun->height;  // who begins in a cellar stays there
+        was_above_ = before[up] >= begun->height;  // an eye that begins in a cellar stays there
     }
     const auto ground = *was_above_ ? ground_under(*view_, pose.eye, up) : std::nullopt;
     if (!ground) return;

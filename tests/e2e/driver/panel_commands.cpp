@@ -135,7 +135,8 @@ Done key_in(TestDriver& driver, const QString& argument)
     widget->setFocus();
     if (!widget->hasFocus()) driver.fail("'" + argument + "' takes no focus");
     for (const auto type : {QEvent::KeyPress, QEvent::KeyRelease})
-        qt_handleKeyEvent(driver.window()->windowHandle(), type, code, modifiers, QString(QChar(code & 0x1f)), false, 1);
+        qt_handleKeyEvent(driver.window()->windowHandle(), type, code, modifiers, QString(QChar(code & 0x1f)), false,
+                          1);
     return Done::yes;
 }
 
