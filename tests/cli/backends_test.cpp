@@ -14,8 +14,8 @@ TEST_F(BackendsTest, HelpShowsWhatIsInstalledBesideTheCommand)
     // Somewhere else nothing is beside it.
     const fs::path alone = folder_ / "pcmlab";
     std::error_code other_disk;
-    fs::create_hard_link(paths::command, alone, other_disk);
-    if (other_disk) fs::copy_file(paths::command, alone);
+    fs::create_hard_link(pcm::paths::command, alone, other_disk);
+    if (other_disk) fs::copy_file(pcm::paths::command, alone);
     const auto help_of = [&](const std::string& command, const std::string& topic) {
         FILE* pipe = popen(("'" + command + "' help " + topic).c_str(), "r");
         std::string text;
@@ -24,10 +24,10 @@ TEST_F(BackendsTest, HelpShowsWhatIsInstalledBesideTheCommand)
         EXPECT_EQ(pclose(pipe), 0);
         return text;
     };
-    const fs::path beside = fs::path(paths::command).parent_path();
+    const fs::path beside = fs::path(pcm::paths::command).parent_path();
     for (const auto& [module, topic, option] : {std::array<const char*, 3>{"libpcm_flann.so", "normals", "--flann"},
                                                 std::array<const char*, 3>{"libpcm_pcl.so", "fit", "--backend"}}) {
-        EXPECT_EQ(help_of(paths::command, topic).find(option) != std::string::npos, fs::exists(beside / module));
+        EXPECT_EQ(help_of(pcm::paths::command, topic).find(option) != std::string::npos, fs::exists(beside / module));
         EXPECT_EQ(help_of(alone.string(), topic).find(option), std::string::npos) << topic;
     }
 }
@@ -36,8 +36,8 @@ TEST_F(BackendsTest, ABackendThatIsNotThereIsNamedWithWhatToInstall)
 {
     const fs::path alone = folder_ / "pcmlab";
     std::error_code other_disk;
-    fs::create_hard_link(paths::command, alone, other_disk);
-    if (other_disk) fs::copy_file(paths::command, alone);
+    fs::create_hard_link(pcm::paths::command, alone, other_disk);
+    if (other_disk) fs::copy_file(pcm::paths::command, alone);
     ASSERT_EQ(pcmlab("generate -n 3000 " + path("scene.las")).code, 0);
     ASSERT_EQ(pcmlab("build " + path("scene.las")).code, 0);
     const fs::path err = folder_ / "err.txt";

@@ -153,7 +153,7 @@ TEST(CommandLine, UsageErrorsAreExitCodeTwoAndNameTheOption)
         {{"w", "--box", "1"}, "one: --box takes 2 to 4 values, and got 1\n"},
         {{"w", "--box"}, "one: --box takes 2 to 4 values, and got 0\n"},
         {{"w", "--angle"}, "one: --angle needs a value\n"},
-        {{"w", "--overwrite", "--names", "--angle", "3"}, "one: --names needs a value\n"},
+        {{"w", "--angle", "3", "--names"}, "one: --names needs a value\n"},
         {{"w", "--box", "1", "x"}, "one: --box: 'x' is not a number\n"},
         {{"w", "--size", "0.4"}, "one: --size: '0.4' is not a number from 0.5 to 10\n"},
         {{"w", "--size", "abc"}, "one: --size: 'abc' is not a number from 0.5 to 10\n"},

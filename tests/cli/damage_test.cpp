@@ -131,7 +131,7 @@ TEST_F(DamageTest, AnyCommandThatMeetsADamagedChunkNamesTheRepair)
     const std::string tree = path("scene.pct"), way_out = "in a terminal: pcmlab repair " + tree_.string();
     for (const std::string& command :
          {"query " + tree + " --where 'intensity>3'", "convert " + tree + " " + path("o.las"),
-          "normals " + tree + " -o " + path("n.pct"), "select " + tree + " --where 'intensity>3'",
+          "normals --in-place " + tree, "select " + tree + " --where 'intensity>3'",
           "subsample " + tree + " -o " + path("s.pct") + " --points 100 --exact"}) {
         const Result result = pcmlab(command);
         EXPECT_EQ(result.code, 1) << command << result.out;

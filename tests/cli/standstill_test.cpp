@@ -13,7 +13,7 @@ namespace {
 
 // Looks every `step` seconds, for `seconds`, at what `change` makes of the progress. Returns the error, or nothing.
 template <class Change>
-std::string watched(double seconds, double step, const Change& change)
+std::string watched(double seconds, double step, Change change)
 {
     Standstill standstill;
     DrawingProgress progress;

@@ -147,7 +147,7 @@ TEST(MeasureList, UndoAndRedoOfEveryChange)
 TEST(MeasureList, TextKeepsEveryBit)
 {
     MeasureList list;
-    for (const double x : {1.0 / 3, 4800000.123456789, 1e-290, 1e290, 123456789.0123}) list.add(full_measure(x));
+    for (const double x : {1.0 / 3, 4800000.123456789, 1e-290, 1e140, 123456789.0123}) list.add(full_measure(x));
     Measure plain = distance({500000.1, 4800000.2, 0.3}, {1, 2, 3});
     list.add(plain);
     const MeasureList back = MeasureList::parse(list.text());

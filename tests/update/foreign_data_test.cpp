@@ -30,7 +30,7 @@ protected:
         append_points(path_, reader, {"more.las"}, options);
         build(surface(3000, 0, 0, 20, 3), alike_);
         MemoryCloud elsewhere = surface(3000, 0, 0, 20, 4);
-        elsewhere.info.grid.offset = {7, 8, 9};
+        elsewhere.info.grid->offset = {7, 8, 9};
         build(elsewhere, other_);
         rows_ = rows_of(*Tree::open(path_));
         fs::copy(path_, folder_ / "good.pct", fs::copy_options::recursive);
