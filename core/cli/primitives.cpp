@@ -1,6 +1,6 @@
 #include "pcm/cad/primitive_files.h"
-#include "pcm/cli/primitive_output.h"
 #include "pcm/cli/common.h"
+#include "pcm/cli/primitive_output.h"
 #include "pcm/fit/primitive_text.h"
 #include "pcm/measure/measure.h"
 

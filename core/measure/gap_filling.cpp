@@ -395,8 +395,7 @@ void GapErrors::complete(Curve& curve, const std::array<double, bins>& blocks, d
     for (std::size_t k = 0; k < known.front(); ++k) curve[k] = curve[known.front()];
     for (std::size_t i = 0; i + 1 < known.size(); ++i)
         for (std::size_t k = known[i] + 1; k < known[i + 1]; ++k) {
-            const double part =
-                static_cast<double>(k - known[i]) / static_cast<double>(known[i + 1] - known[i]);
+            const double part = static_cast<double>(k - known[i]) / static_cast<double>(known[i + 1] - known[i]);
             curve[k] = curve[known[i]] + part * (curve[known[i + 1]] - curve[known[i]]);
         }
     double power = least_power;  // of E by the width
@@ -431,7 +430,8 @@ GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t wid
     : reach_(reach)
 {
     const std::size_t extent = std::max(field.columns, field.rows());
-    // Of large grids wide blocks are hidden in coarser ones, so that all widths together take about as long as the first.
+    // Of large grids wide blocks are hidden in coarser ones, so that all widths together take about as long as the
+    // first.
     constexpr std::size_t large = 30000, fine = 4;
     Field seen = field;
     std::size_t scale = 1;
@@ -556,8 +556,8 @@ double gap_uncertainty(const FilledCells& cells, const std::vector<double>& weig
         const std::size_t w = cells.width[cell], column = cell % columns, row = cell / columns;
         const std::size_t left = column > w ? column - w : 0, right = std::min(columns, column + w + 1);
         const std::size_t low = row > w ? row - w : 0, high = std::min(rows, row + w + 1);
-        const double around = sums[high * line + right] - sums[low * line + right] - sums[high * line + left] +
-                              sums[low * line + left];
+        const double around =
+            sums[high * line + right] - sums[low * line + right] - sums[high * line + left] + sums[low * line + left];
         variance += own * std::max(own, around);
     }
     return std::sqrt(variance + step * step);

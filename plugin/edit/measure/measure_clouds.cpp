@@ -22,8 +22,8 @@ namespace pcm::host {
 
 namespace {
 
-constexpr std::size_t most_plotted = 2'000'000;         // about 100 MB, and half a second to draw
-constexpr double default_width = 10;                    // times the spacing
+constexpr std::size_t most_plotted = 2'000'000;  // about 100 MB, and half a second to draw
+constexpr double default_width = 10;             // times the spacing
 
 TreeLayer drawn_tree(const MeshModel& layer)
 {
