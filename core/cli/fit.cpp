@@ -267,9 +267,10 @@ void add_growth(Options& options, Arguments& a)
         .between(0, 100)
         .group(group);
     options
-        .option("--outline", a.outline,
-                "Of a plane, and what its area is of: concave (default), which follows the points' edge and gaps, convex, "
-                "rectangle, the least around the points, or box, where the cloud's box cuts it")
+        .option(
+            "--outline", a.outline,
+            "Of a plane, and what its area is of: concave (default), which follows the points' edge and gaps, convex, "
+            "rectangle, the least around the points, or box, where the cloud's box cuts it")
         .one_of({"box", "rectangle", "convex", "concave"})
         .group(group);
     options

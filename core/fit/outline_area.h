@@ -21,13 +21,13 @@ struct OutlineArea {
     OutlineForm form = OutlineForm::none;
     double area = 0;  // squared units of the corners
     // One standard deviation; 0: not known. The surface ends somewhere between its last points and where the next would
-    // be, so by half of the spacing on average: perimeter times spacing / 2, the spacing being the root of the area of a
-    // point. Of a rectangle it is not known: how much of it the points cover is no matter of their spacing.
+    // be, so by half of the spacing on average: perimeter times spacing / 2, the spacing being the root of the area of
+    // a point. Of a rectangle it is not known: how much of it the points cover is no matter of their spacing.
     double uncertainty = 0;
 };
 
-// `corners` in order, on one plane; `points`: how many lie within it, 0: not known. Whether angles are right is known to
-// 1e-6. Any thread.
+// `corners` in order, on one plane; `points`: how many lie within it, 0: not known. Whether angles are right is known
+// to 1e-6. Any thread.
 OutlineArea outline_area(const std::vector<Vec3d>& corners, std::uint64_t points);
 
 // "in the rectangle around its points", "in the convex outline of its points", ...; empty for none.

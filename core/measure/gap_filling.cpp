@@ -299,7 +299,7 @@ public:
 
 private:
     using Curve = std::array<double, bins>;
-    void hide(const Field& field, std::size_t w, std::size_t dx, std::size_t dy);
+    void hide(const Field& field, std::size_t w, std::size_t dx, std::size_t dy, std::size_t scale);
     static void complete(Curve& curve, const std::array<double, bins>& blocks, double least_power, double fallback);
     static double at(bool outer, std::uint32_t width, const std::array<Curve, 2>& curves);
 
@@ -321,7 +321,8 @@ double GapErrors::at(bool outer, std::uint32_t width, const std::array<Curve, 2>
     return std::exp(std::log(curve[low]) * (1 - part) + std::log(curve[low + 1]) * part);
 }
 
-void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::size_t dy)
+// `scale`: of the grid's cells in a row that one of the field's stands for.
+void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::size_t dy, std::size_t scale)
 {
     Field hidden = field;
     const std::size_t columns = field.columns;
@@ -345,7 +346,7 @@ void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::siz
         }
     }
     if (left < 2) return;
-    const Gaps gaps = look_around(hidden, reach_);
+    const Gaps gaps = look_around(hidden, reach_ / scale);
     fill(hidden);
     for (std::size_t cell = 0; cell < field.height.size(); ++cell) {
         const auto number = block_at(cell);
@@ -367,7 +368,7 @@ void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::siz
     for (const Block& block : blocks) {
         if (!(block.known > 0) || !(block.known >= 0.4 * largest)) continue;
         const bool outer = block.outer > block.inner;
-        const double error = block.error / block.known, width = block.width / block.known;
+        const double error = block.error / block.known, width = static_cast<double>(scale) * block.width / block.known;
         Learnt& entry = learnt_[outer][static_cast<std::size_t>(std::lround(bin_of(width)))];
         entry.squares += error * error;
         entry.blocks += 1;
@@ -394,8 +395,7 @@ void GapErrors::complete(Curve& curve, const std::array<double, bins>& blocks, d
     for (std::size_t k = 0; k < known.front(); ++k) curve[k] = curve[known.front()];
     for (std::size_t i = 0; i + 1 < known.size(); ++i)
         for (std::size_t k = known[i] + 1; k < known[i + 1]; ++k) {
-            const double part =
-                static_cast<double>(k - known[i]) / static_cast<double>(known[i + 1] - known[i]);
+            const double part = static_cast<double>(k - known[i]) / static_cast<double>(known[i + 1] - known[i]);
             curve[k] = curve[known[i]] + part * (curve[known[i + 1]] - curve[known[i]]);
         }
     double power = least_power;  // of E by the width
@@ -430,11 +430,19 @@ GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t wid
     : reach_(reach)
 {
     const std::size_t extent = std::max(field.columns, field.rows());
-    for (std::size_t w = 1; w <= std::max<std::size_t>(1, extent / 2) && w / 2 <= widest; w *= 2)
+    // Of large grids wide blocks are hidden in coarser ones, so that all widths together take about as long as the
+    // first.
+    constexpr std::size_t large = 30000, fine = 4;
+    Field seen = field;
+    std::size_t scale = 1;
+    for (std::size_t w = 1; w <= std::max<std::size_t>(1, extent / 2) && w / 2 <= widest; w *= 2) {
+        for (; w > fine * scale && seen.height.size() > large; scale *= 2) seen = coarser(seen);
+        const std::size_t own = w / scale;
         for (std::size_t k = 0; k < 4; ++k) {
             if (k > 0 && field.height.size() / (w * w) > 8000) break;  // enough blocks
-            hide(field, w, k % 2 * w, k / 2 * w);
+            hide(seen, own, k % 2 * own, k / 2 * own, scale);
         }
+    }
     double total = 0, mean = 0, squares = 0;
     for (std::size_t cell = 0; cell < field.height.size(); ++cell)
         if (field.known(cell)) {
@@ -548,8 +556,8 @@ double gap_uncertainty(const FilledCells& cells, const std::vector<double>& weig
         const std::size_t w = cells.width[cell], column = cell % columns, row = cell / columns;
         const std::size_t left = column > w ? column - w : 0, right = std::min(columns, column + w + 1);
         const std::size_t low = row > w ? row - w : 0, high = std::min(rows, row + w + 1);
-        const double around = sums[high * line + right] - sums[low * line + right] - sums[high * line + left] +
-                              sums[low * line + left];
+        const double around =
+            sums[high * line + right] - sums[low * line + right] - sums[high * line + left] + sums[low * line + left];
         variance += own * std::max(own, around);
     }
     return std::sqrt(variance + step * step);

@@ -1,9 +1,9 @@
 // Volumes between a cloud's surface and a level, a plane or another cloud's surface, in a polygon seen from above.
 //
-// The polygon is divided into square cells, cut exactly at its border. The surface's height in a cell is the mean of the
-// heights of the points in it (or the lowest or the highest). Cells without points are interpolated (gap_filling.h), or
-// left out with their area. With d = height of the cloud - height of the reference, and A the area of the polygon in the
-// cell:
+// The polygon is divided into square cells, cut exactly at its border. The surface's height in a cell is the mean of
+// the heights of the points in it (or the lowest or the highest). Cells without points are interpolated
+// (gap_filling.h), or left out with their area. With d = height of the cloud - height of the reference, and A the area
+// of the polygon in the cell:
 //
 //     cut = sum of d A over cells with d > 0       what lies above the reference, to be taken away
 //     fill = sum of -d A over cells with d < 0     what is missing below it
@@ -20,8 +20,8 @@
 //     excess     of cut and fill alone: errors of heights near the reference make both larger,
 //                sum of A (E max(d + e, 0) - max(d, 0)), e normal
 //
-// In 200 generated polygons with up to 60 % of empty cells 97 % of net volumes lie within 3 of it
-// (tests/measure/volume_trial_test.cpp). It contains no error that all points share: of georeferencing, of the
+// In 200 generated polygons with up to 60 % of empty cells 98 % of net volumes lie within 3 of it, four of five within
+// 1 (tests/measure/volume_trial_test.cpp). It contains no error that all points share: of georeferencing, of the
 // alignment of two clouds. And nothing tells of what is hidden in a gap that nothing around it shows.
 #pragma once
 

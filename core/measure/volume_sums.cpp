@@ -66,8 +66,8 @@ double spread_within(const std::vector<HeightCell>& cells)
 }
 
 // Two surfaces are filled one by one, or as their difference, which is smooth where little has changed (McNabb, Nuth,
-// Kaab, Girod 2019, "Sensitivity of glacier volume change estimation to DEM void interpolation", The Cryosphere 13): what
-// comes out less uncertain.
+// Kaab, Girod 2019, "Sensitivity of glacier volume change estimation to DEM void interpolation", The Cryosphere 13):
+// what comes out less uncertain.
 Filled fill(const std::vector<Surface2d>& surfaces, const std::vector<double>& areas, std::size_t columns,
             double spread)
 {
@@ -86,11 +86,10 @@ Filled fill(const std::vector<Surface2d>& surfaces, const std::vector<double>& a
         if (known) return whole;
     }
     Filled apart;
-    for (const Surface2d& surface : surfaces)
-        apart.fields.push_back(fill_gaps(surface.height, areas, columns, spread));
+    for (const Surface2d& surface : surfaces) apart.fields.push_back(fill_gaps(surface.height, areas, columns, spread));
     apart.difference = minus(apart.fields[0].height, apart.fields[1].height);
-    const bool together = whole.fields[0].filled &&
-                          whole.uncertainty(areas, columns) <= apart.uncertainty(areas, columns);
+    const bool together =
+        whole.fields[0].filled && whole.uncertainty(areas, columns) <= apart.uncertainty(areas, columns);
     return together ? whole : apart;
 }
 
@@ -138,8 +137,7 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
     if (empty == EmptyCells::interpolated)
         filled = fill(surfaces, areas, grid.columns(), spread);
     else
-        filled.difference =
-            surfaces.size() > 1 ? minus(surfaces[0].height, surfaces[1].height) : surfaces[0].height;
+        filled.difference = surfaces.size() > 1 ? minus(surfaces[0].height, surfaces[1].height) : surfaces[0].height;
     std::vector<double> all_gaps(grid.size(), 0), cut_gaps(all_gaps), fill_gaps(all_gaps);
     double net = 0, cut = 0, fill = 0;
     for (std::size_t cell = 0; cell < grid.size(); ++cell) {
@@ -190,7 +188,9 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
 std::vector<MeasureValue> VolumeReport::values() const
 {
     const double net_coarse = (cut_measured - fill_measured) - (cut_coarse - fill_coarse);
-    const auto root = [](double a, double b, double c, double d) { return std::hypot(std::hypot(a, b), std::hypot(c, d)); };
+    const auto root = [](double a, double b, double c, double d) {
+        return std::hypot(std::hypot(a, b), std::hypot(c, d));
+    };
     return {{"net", net(), root(net_spread, net_gaps, net_coarse, 0), "^3"},
             {"cut", cut, root(cut_spread, cut_gaps, cut_measured - cut_coarse, excess), "^3"},
             {"fill", fill, root(fill_spread, fill_gaps, fill_measured - fill_coarse, excess), "^3"},
@@ -207,13 +207,13 @@ std::vector<std::string> VolumeReport::notes() const
     std::vector<std::string> notes;
     const double left_out = area - area_counted;
     if (covered() < 0.5)
-        notes.push_back("less than half of the polygon's area has points, " + percent(area - area_without_data) +
-                        ", in cells " + brief(side) + " wide: the rest is " +
-                        (left_out > area_interpolated ? "left out" : "interpolated") +
-                        (usual_side > 1.25 * side ? "; cells " + brief(usual_side) + " wide would have 9 points each"
-                                                  : ""));
+        notes.push_back(
+            "less than half of the polygon's area has points, " + percent(area - area_without_data) + ", in cells " +
+            brief(side) + " wide: the rest is " + (left_out > area_interpolated ? "left out" : "interpolated") +
+            (usual_side > 1.25 * side ? "; cells " + brief(usual_side) + " wide would have 9 points each" : ""));
     if (left_out > 1e-6 * area && covered() >= 0.5)
-        notes.push_back("the volume is that of the " + percent(area_counted) + " of the polygon's area that have points");
+        notes.push_back("the volume is that of the " + percent(area_counted) +
+                        " of the polygon's area that have points");
     if (area_extrapolated > much * area)
         notes.push_back(percent(area_extrapolated) +
                         " of the area lie beside the points, not between them, and are extrapolated; a polygon within "

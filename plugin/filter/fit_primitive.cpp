@@ -61,10 +61,11 @@ void add_shape_parameters(RichParameterList& parameters)
     parameters.addParam(RichFloat("Step", 0, "Longest step",
                                   "Points farther apart are not connected, source units. 0, the default: from the "
                                   "points' spacing."));
-    parameters.addParam(RichEnum("Outline", 2, {"Rectangle", "Convex", "Concave", "Cloud's box"}, "Outline",
-                                 "How a plane is bounded, and what its area is of: the rectangle of least area around its "
-                                 "points, their convex hull, a concave outline that follows their edge and gaps, or "
-                                 "the cloud's box. Default Concave."));
+    parameters.addParam(
+        RichEnum("Outline", 2, {"Rectangle", "Convex", "Concave", "Cloud's box"}, "Outline",
+                 "How a plane is bounded, and what its area is of: the rectangle of least area around its "
+                 "points, their convex hull, a concave outline that follows their edge and gaps, or "
+                 "the cloud's box. Default Concave."));
 }
 
 void add_search_parameters(RichParameterList& parameters)

@@ -28,7 +28,8 @@ std::vector<Annotation> drawn_primitive(const Primitive& primitive, const std::o
 
 QColor colour_of(const Primitive& primitive);
 
-// The number that says how large it is: "r 0.03961 ± 0.00002 m", "area 2.5 ± 0.1 m²". `unit` is that of lengths, or empty.
+// The number that says how large it is: "r 0.03961 ± 0.00002 m", "area 2.5 ± 0.1 m²". `unit` is that of lengths, or
+// empty.
 QString size_of(const Primitive& primitive, const std::string& unit);
 // Names and values of all that is known, most important first; standard deviations after ±.
 std::vector<std::pair<QString, QString>> lines_of(const Primitive& primitive, const std::string& unit);

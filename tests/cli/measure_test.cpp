@@ -163,8 +163,24 @@ TEST_F(MeasureCommands, VolumeOfATree)
     expect_refused(base + "--plane 0 0 0 1 0 0", 1, "vertical");
     expect_refused(base + "--reference 90 --polygon 0 0 1 0 1 1", 1, "no point of");
     expect_refused("volume " + path("a.pct") + " --reference 90 --side 1e-5", 1, "take a side of");
+    // The polygon is counted wholly; its headline says how much of it has points.
+    EXPECT_NEAR(low["area_counted"].get<double>(), low["area"].get<double>(), 1e-6);
+    EXPECT_GT(low["covered"], 0.5);
+    EXPECT_LT(low["covered"], 1);
+    EXPECT_EQ(low["area_interpolated"], low["area_without_data"]);
     const Result text = pcmlab(base + "--reference 90 --interpolate");
-    EXPECT_NE(text.out.find("net "), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find(" % of the area has points, the rest is interpolated"), std::string::npos) << text.out;
+    const Json measured = json_of(base + "--reference 90 --measured-only");
+    EXPECT_LT(measured["area_counted"], low["area_counted"]);
+    EXPECT_LT(measured["net_uncertainty"], low["net_uncertainty"]);
+    EXPECT_NE(measured["notes"][0].get<std::string>().find("the volume is that of the "), std::string::npos);
+    expect_refused(base + "--reference 90 --measured-only --interpolate", 2, "contradict");
+    // Far narrower than the points are apart.
+    const Json narrow = json_of("volume " + path("a.pct") + " --side 0.1 --reference 90");
+    EXPECT_LT(narrow["covered"], 0.5);
+    EXPECT_NE(narrow["notes"][0].get<std::string>().find("less than half"), std::string::npos);
+    EXPECT_NEAR(narrow["net"].get<double>(), low["net"].get<double>(),
+                3 * narrow["net_uncertainty"].get<double>() + 3 * low["net_uncertainty"].get<double>());
 }
 
 }  // namespace

@@ -117,12 +117,36 @@ def check_profile(pcmlab, checks, numpy, shapely, tree, points, folder):
     return len(expected)
 
 
+def filled(numpy, height, area):
+    """Gaps of the heights: a plane by least squares, and Laplace's equation for what is left of it, by Jacobi's rounds."""
+    known = (area > 0) & ~numpy.isnan(height)
+    x, y = numpy.meshgrid(*(numpy.arange(n, dtype=float) for n in height.shape), indexing="ij")
+    weights = area[known]
+    x, y = x - numpy.average(x[known], weights=weights), y - numpy.average(y[known], weights=weights)
+    mean = numpy.average(height[known], weights=weights)
+    sides = numpy.stack([x[known], y[known]])
+    slopes = numpy.linalg.solve((sides * weights) @ sides.T + numpy.eye(2) * weights.sum() / 4,
+                                (sides * weights) @ (height[known] - mean))
+    plane = mean + slopes[0] * x + slopes[1] * y
+    rest = numpy.where(known, height - plane, 0)
+    inside = numpy.pad(area > 0, 1)
+    around = [numpy.roll(inside, s, axis=a)[1:-1, 1:-1] for a in (0, 1) for s in (-1, 1)]
+    count = numpy.maximum(1, sum(one.astype(int) for one in around))
+    for _ in range(4000):
+        padded = numpy.pad(rest, 1)
+        sides = [numpy.roll(padded, s, axis=a)[1:-1, 1:-1] for a in (0, 1) for s in (-1, 1)]
+        rest = numpy.where(known, rest, sum(numpy.where(i, s, 0) for i, s in zip(around, sides)) / count)
+    return plane + rest
+
+
 def check_volume(pcmlab, checks, numpy, shapely, tree, points):
     """In a polygon; cells by numpy's histograms, their areas by shapely."""
     corners = numpy.array([[5, 5], [50, 8], [40, 30], [52, 52], [8, 45]]) + ORIGIN[:2]
     side, level = 1.7, 98.5
     report = json.loads(run(pcmlab, "volume", tree, "--reference", level, "--polygon", *flat(corners), "--side", side,
-                            "--json"))
+                            "--measured-only", "--json"))
+    whole = json.loads(run(pcmlab, "volume", tree, "--reference", level, "--polygon", *flat(corners), "--side", side,
+                           "--json"))
     polygon = shapely.Polygon(corners - corners.min(axis=0))
     xy = points[:, :2] - corners.min(axis=0)
     inside = shapely.contains_xy(polygon, xy)
@@ -132,10 +156,13 @@ def check_volume(pcmlab, checks, numpy, shapely, tree, points):
     count = numpy.histogram2d(*xy.T, bins=edges)[0]
     total = numpy.histogram2d(*xy.T, bins=edges, weights=z)[0]
     cut = fill = empty = 0.0
+    areas, heights = numpy.zeros((columns, rows)), numpy.full((columns, rows), numpy.nan)
     for i in range(columns):
         for j in range(rows):
             cell = shapely.box(i * side, j * side, (i + 1) * side, (j + 1) * side)
             area = shapely.intersection(polygon, cell).area
+            areas[i, j] = area
+            heights[i, j] = total[i, j] / count[i, j] if count[i, j] else numpy.nan
             if count[i, j] == 0:
                 empty += area
                 continue
@@ -146,6 +173,13 @@ def check_volume(pcmlab, checks, numpy, shapely, tree, points):
     checks.near("cut", report["cut"], cut, 1e-8 * cut)
     checks.near("fill", report["fill"], fill, 1e-8 * fill)
     checks.near("area without points", report["area_without_data"], empty, 1e-8 * polygon.area)
+    checks.equal("some of the area has no points", empty > 0, True)
+    checks.near("area interpolated", whole["area_interpolated"], empty, 1e-8 * polygon.area)
+    checks.near("part with points", whole["covered"], 1 - empty / polygon.area, 1e-8)
+    volume = filled(numpy, heights, areas) * areas
+    checks.near("net of the whole polygon", whole["net"], volume.sum(), 1e-4 * empty)
+    checks.near("cut of the whole polygon", whole["cut"], volume[volume > 0].sum(), 1e-3 * empty)
+    checks.equal("interpolation adds to the uncertainty", whole["net_uncertainty"] > report["net_uncertainty"], True)
 
 
 def faults_of(drawing):

@@ -159,7 +159,8 @@ TEST(GapFilling, GapsSolveLaplacesEquation)
     };
     for (std::size_t cell = 0; cell < height.size(); ++cell) {
         const std::size_t x = cell % columns, y = cell / columns;
-        height[cell] = x > 20 && x < 100 && y > 10 && y < 90 ? std::numeric_limits<double>::quiet_NaN() : harmonic(cell);
+        height[cell] =
+            x > 20 && x < 100 && y > 10 && y < 90 ? std::numeric_limits<double>::quiet_NaN() : harmonic(cell);
     }
     const FilledCells filled = fill_gaps(height, areas, columns);
     for (std::size_t cell = 0; cell < height.size(); ++cell) EXPECT_NEAR(filled.height[cell], harmonic(cell), 0.01);
@@ -174,8 +175,9 @@ TEST(GapFilling, CellsBesideTheKnownOnesAreExtrapolatedAndLessCertain)
     for (std::size_t cell = 0; cell < height.size(); ++cell) {
         const std::size_t x = cell % columns, y = cell / columns;
         const bool gap = x >= 44 || (x >= 10 && x < 18 && y >= 10 && y < 18);
-        height[cell] = gap ? std::numeric_limits<double>::quiet_NaN()
-                           : std::sin(static_cast<double>(x) / 9) + std::cos(static_cast<double>(y) / 7) + normal(random);
+        height[cell] =
+            gap ? std::numeric_limits<double>::quiet_NaN()
+                : std::sin(static_cast<double>(x) / 9) + std::cos(static_cast<double>(y) / 7) + normal(random);
     }
     const FilledCells filled = fill_gaps(height, areas, columns);
     const std::size_t inner = 14 * columns + 14, near = 20 * columns + 44, far = 20 * columns + 59;
@@ -363,11 +365,13 @@ TEST_F(Volumes, GapsDoNotMakeTheUsualSideWider)
     EXPECT_NEAR(report.side, side, 0.25 * side);
     EXPECT_LT(report.covered(), 0.2);
     EXPECT_GT(report.area_extrapolated, 100);
-    EXPECT_EQ(report.points[0], measure_volume(*part, [&] {
-                                    VolumeOptions same = options;
-                                    same.side = 1;
-                                    return same;
-                                }()).points[0]);
+    EXPECT_EQ(report.points[0], measure_volume(*part,
+                                               [&] {
+                                                   VolumeOptions same = options;
+                                                   same.side = 1;
+                                                   return same;
+                                               }())
+                                    .points[0]);
 }
 
 // The uncertainty is the spread of volumes of clouds with the same surface and other noise.
@@ -450,13 +454,21 @@ TEST_F(Volumes, WhatIsWrongIsRefused)
     EXPECT_NE(
         refusal([](VolumeOptions& o) { o.progress = [](const ProgressUpdate&) { return false; }; }).find("cancelled"),
         std::string::npos);
-    const std::string memory = refusal([](VolumeOptions& o) { o.side = 1e-6; });
+    constexpr std::uint64_t few = std::uint64_t{4} << 20;
+    const std::string memory = refusal([](VolumeOptions& o) {
+        o.side = 1e-6;
+        o.memory = few;
+    });
     EXPECT_NE(memory.find("more than"), std::string::npos) << memory;
     // What it advises works.
     const std::size_t at = memory.find("a side of ", memory.find("take"));
     ASSERT_NE(at, std::string::npos) << memory;
     const double advised = std::stod(memory.substr(at + 10));
-    EXPECT_EQ(refusal([&](VolumeOptions& o) { o.side = advised; }), "accepted");
+    EXPECT_EQ(refusal([&](VolumeOptions& o) {
+                  o.side = advised;
+                  o.memory = few;
+              }),
+              "accepted");
     EXPECT_THROW(plane_of({0, 0, 0}, {1, 0, 0}), Error);
     EXPECT_THROW(plane_of({0, 0, 0}, {0, 0, 0}), Error);
 }

@@ -56,9 +56,8 @@ Height surface(Random& random, int kind)
     const auto from_middle = [=](double x, double y) { return std::hypot(x - x0, y - y0) / radius; };
     switch (kind) {
         case 0:
-            return [=](double x, double y) {
-                return slope * along(x, y) + std::max(0.0, high * (1 - from_middle(x, y)));
-            };
+            return
+                [=](double x, double y) { return slope * along(x, y) + std::max(0.0, high * (1 - from_middle(x, y))); };
         case 1:
             return [=](double x, double y) { return high * std::exp(-2 * std::pow(from_middle(x, y), 2)); };
         case 2:
@@ -141,15 +140,16 @@ Shown shown(Random& random, const Height& height, const std::vector<Vec2d>& plac
             rank = [=](double x, double y) {
                 double above = 0;  // of a ray that rises with 0.4
                 for (double way = 0.1; way < size / 2; way *= 1.2)
-                    above = std::max(above, height(x + way * std::cos(turn), y + way * std::sin(turn)) - height(x, y) -
-                                                0.4 * way);
+                    above = std::max(
+                        above, height(x + way * std::cos(turn), y + way * std::sin(turn)) - height(x, y) - 0.4 * way);
                 return above > 0.02 ? -above : 1;
             };
     }
     std::vector<double> ranks;
     for (const Vec2d& p : places) ranks.push_back(rank(p[0], p[1]));
     std::sort(ranks.begin(), ranks.end());
-    const double least = hidden > 0 ? ranks[static_cast<std::size_t>(hidden * static_cast<double>(ranks.size()))] : -1e300;
+    const double least =
+        hidden > 0 ? ranks[static_cast<std::size_t>(hidden * static_cast<double>(ranks.size()))] : -1e300;
     return [rank, least](double x, double y) { return rank(x, y) >= least; };
 }
 
@@ -176,8 +176,8 @@ public:
         const double hidden = random_.below(8) ? random_.in(0, 0.6) : 0;
         cells.push_back(sample(grid, after, shown(random_, after, places_, cell, hidden), count, noise, reference));
         if (two)
-            cells.push_back(sample(grid, ground, shown(random_, ground, places_, cell, random_.in(0, 0.4)), count,
-                                   noise, 0));
+            cells.push_back(
+                sample(grid, ground, shown(random_, ground, places_, cell, random_.in(0, 0.4)), count, noise, 0));
         Found found;
         double sum = 0, sizes = 0;
         for (const Vec2d& p : places_) {

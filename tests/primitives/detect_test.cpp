@@ -1,7 +1,7 @@
 // Detection on scenes with exact truth.
 
-#include "pcm/fit/outline_area.h"
 #include "pcm/primitives/detect.h"
+#include "pcm/fit/outline_area.h"
 
 #include "pcm/primitives/point_labels.h"
 #include "pcm/select/select_points.h"
