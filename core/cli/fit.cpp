@@ -79,7 +79,7 @@ FitAtOptions options_of(const Arguments& a)
     options.fit.seed = a.seed;
     options.fit.least_radius = a.least_radius.value_or(options.fit.least_radius);
     options.fit.largest_radius = a.largest_radius.value_or(options.fit.largest_radius);
-    if (a.normal_angle) options.fit.normal_angle = *a.normal_angle * pi / 180;
+    if (a.normal_angle) options.fit.normal_angle = options.turned_angle = *a.normal_angle * pi / 180;
     options.radius = a.radius.value_or(0);
     options.count = a.count.value_or(0);
     options.grow = a.grow;
@@ -107,7 +107,11 @@ void report_json(const Arguments& arguments, const FittedPrimitive& fitted, cons
                              {"inliers", fitted.local.inliers}};
     json["growth"] = Json();
     if (fitted.rounds > 0)
-        json["growth"] = {{"step", fitted.step}, {"rounds", fitted.rounds}, {"converged", fitted.converged}};
+        json["growth"] = {
+            {"step", fitted.step},
+            {"rounds", fitted.rounds},
+            {"converged", fitted.converged},
+            {"left_surface", fitted.left_surface.empty() ? Json() : Json(fitted.left_surface)}};
     json["list"] = arguments.list.empty() ? Json() : Json(arguments.list);
     put_done(json, done);
     json["seconds"] = seconds;
@@ -126,12 +130,16 @@ void print_text(const Arguments& arguments, const FittedPrimitive& fitted, const
         std::printf("%s: %s points belong to it; fitted to %s of %s points around the place%s\n",
                     arguments.tree.c_str(), grouped(fitted.points.size()).c_str(),
                     grouped(fitted.local.inliers).c_str(), grouped(fitted.near.ids.size()).c_str(),
-                    fitted.rounds == 0 ? "" : (", grown by steps of " + brief(fitted.step)).c_str());
-        if (fitted.rounds > 0 && !fitted.converged)
+                    fitted.rounds == 0 ? ""
+                    : !fitted.left_surface.empty()
+                        ? ", and not followed: growth left the surface"
+                        : (", grown by steps of " + brief(fitted.step)).c_str());
+        if (fitted.rounds > 0 && !fitted.converged && fitted.left_surface.empty())
             std::printf("note: the shape still changed in the last of %u rounds of growth\n", fitted.rounds);
     }
     if (!arguments.list.empty() && fitted.primitive.fit.has_shape())
-        std::printf("%s: %s added\n", arguments.list.c_str(), fitted.primitive.name.c_str());
+        std::printf("%s: %s added%s\n", arguments.list.c_str(), fitted.primitive.name.c_str(),
+                    fitted.primitive.fit.verdict == FitVerdict::doubtful ? ", as doubtful" : "");
     print_done(done);
     for (const std::string& note : fitted.notes) std::printf("note: %s\n", note.c_str());
     for (const std::string& note : done.notes) std::printf("note: %s\n", note.c_str());
@@ -235,7 +243,9 @@ void add_shape(Options& options, Arguments& a)
         .group(group);
     options
         .option("--normal-angle", a.normal_angle,
-                "Largest angle between a point's normal and the surface's, degrees (default: not compared)")
+                "Largest angle between the shape and the surface of the points around a point, degrees: growth does not "
+                "pass where it is larger (default 30, computed from the points; 90: not compared). Where it is given and "
+                "the cloud has normals, these are compared, too")
         .positive()
         .group(group);
     options.option("--iterations", a.iterations, "Maximum number of samples (default 10000)").group(group);

@@ -6,6 +6,7 @@
 #include "pcm/primitives/local_fit.h"
 #include "pcm/primitives/progress_part.h"
 #include "pcm/primitives/surface_beyond.h"
+#include "pcm/primitives/turned_surface.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -24,6 +25,7 @@ namespace {
 constexpr std::size_t left_out_points = 500;
 constexpr std::size_t most_judged = 20000;  // points, for whether they are a piece of another surface
 constexpr double most_noise_grown = 3;      // of a surface whose noise differs from place to place
+const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
 {
@@ -56,18 +58,8 @@ public:
     {
         const auto start = std::chrono::steady_clock::now();
         for (const Vec3d& p : not_places) leave_out(p);
-        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, {}};
-        LocalFit local = local_fit();
-        result.near = std::move(local.near);
-        result.local = std::move(local.fit);
-        result.notes = std::move(local.notes);
+        FittedPrimitive result = best_of_neighbourhoods();
         Primitive& primitive = result.primitive;
-        primitive.cloud = tree_->folder().string();
-        primitive.estimator = traits_of(options_.fit.estimator).name;
-        primitive.fit = result.local;
-        primitive.fit.is_inlier.clear();
-        noise_ = local.noise / 3;
-        if (result.local.has_shape()) add_points(local.close, result);
         primitive.points = result.points.size();
         if (!result.points.empty()) {
             // A concave outline takes a triangulation of the points, and has as many corners as they need.
@@ -99,7 +91,36 @@ private:
         limit_.clips.push_back({Region::sphere(place, radius), true});
     }
 
-    LocalFit local_fit() const
+    // What the noise of a wide neighbourhood is of may be other surfaces: roofs of a hundred points. So where it is
+    // larger than that of the nearest points, the shape of a narrow neighbourhood is followed, too, unless the wide
+    // one's is good and has the narrow one's points. The narrow one's is the answer where it is good and the other one's
+    // is not, or is elsewhere; where errors are alike at neighbours it is a piece that cannot be followed. Where neither
+    // can be, it is what is surely there.
+    FittedPrimitive best_of_neighbourhoods()
+    {
+        LocalFitOptions options = local_options();
+        options.progress = part_of(options_.progress, 0, 0.3);
+        LocalFit wide = fit_locally(cloud_, places_, options);
+        options.progress = part_of(options_.progress, 0.3, 0.4);
+        std::optional<LocalFit> narrow = fit_narrowly(cloud_, places_, options, wide);
+        FittedPrimitive of_wide = followed(std::move(wide), narrow ? Way::uneven : Way::even, 0.4, narrow ? 0.65 : 0.9);
+        if (!narrow) return of_wide;
+        const bool is_good = of_wide.primitive.fit.verdict == FitVerdict::good;
+        if (is_good && has_points_of(*narrow, of_wide.primitive.fit.shape)) return of_wide;
+        FittedPrimitive of_narrow = followed(std::move(*narrow), Way::narrow, 0.65, 0.9);
+        return is_good && of_narrow.primitive.fit.verdict != FitVerdict::good ? of_wide : of_narrow;
+    }
+
+    // Of a fit's points, as near as noise that differs from place to place leaves them.
+    static bool has_points_of(const LocalFit& local, const Shape& shape)
+    {
+        double squares = 0;
+        for (std::size_t i = 0; i < local.near.ids.size(); ++i)
+            if (local.fit.is_inlier[i]) squares += std::pow(distance_to(shape, local.near.points.source(i)), 2);
+        return squares <= std::pow(most_noise_grown * local.fit.noise, 2) * static_cast<double>(local.fit.inliers);
+    }
+
+    LocalFitOptions local_options() const
     {
         LocalFitOptions options;
         options.fit = options_.fit;
@@ -107,11 +128,31 @@ private:
         options.radius = options_.radius;
         options.count = options_.count;
         options.limit = limit_;
-        options.progress = part_of(options_.progress, 0, 0.4);
-        return fit_locally(cloud_, places_, options);
+        return options;
     }
 
-    void add_points(const NearPoints& close, FittedPrimitive& result) const
+    // The noise of a neighbourhood is that of its nearest points, or there is a narrower one of which it is: then that
+    // of a surface, if it is one, differs from place to place, and growth may raise the threshold.
+    enum class Way { even, narrow, uneven };
+
+    FittedPrimitive followed(LocalFit local, Way way, double begin, double end)
+    {
+        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, {}, {}};
+        result.near = std::move(local.near);
+        result.local = std::move(local.fit);
+        result.notes = std::move(local.notes);
+        Primitive& primitive = result.primitive;
+        primitive.cloud = tree_->folder().string();
+        primitive.estimator = traits_of(options_.fit.estimator).name;
+        primitive.fit = result.local;
+        primitive.fit.is_inlier.clear();
+        noise_ = local.noise / 3;
+        progress_ = part_of(options_.progress, begin, end);
+        if (result.local.has_shape()) add_points(local.close, way, result);
+        return result;
+    }
+
+    void add_points(const NearPoints& close, Way way, FittedPrimitive& result) const
     {
         const ShapeFit& local = result.local;
         std::map<NodeId, std::vector<std::uint32_t>> inliers;
@@ -127,6 +168,7 @@ private:
         result.reached.shape = local.shape;
         result.reached.threshold = local.threshold;
         result.reached.normal_angle = options_.fit.normal_angle;
+        result.reached.turned_angle = options_.turned_angle;
         result.reached.limit = limit_;
         if (!options_.grow || result.points.empty()) return;
         std::vector<Vec3d> positions;
@@ -137,15 +179,18 @@ private:
         if (!(result.step > 0) || !(local.threshold > 0)) return;
         GrowShapeOptions options;
         options.threshold = local.threshold;
-        options.raise_threshold = options_.fit.threshold == 0;
+        options.raise_threshold = way == Way::uneven;
+        options.turned_angle = options_.turned_angle;
+        options.turned_edge = result.reached.turned_edge =
+            TurnedSurface::edge_for(result.step, std::min(local.noise, local.threshold));
         options.step = result.step;
         options.normal_angle = options_.fit.normal_angle;
         options.most_rounds = options_.rounds;
         options.limit = limit_;
         options.memory_bytes = options_.memory_bytes;
         options.threads = options_.threads;
-        options.progress = part_of(options_.progress, 0.4, 0.85);
-        take(grow_shape(local.shape, result.points, options), result);
+        options.progress = part_of(progress_, 0, 0.9);
+        take(grow_shape(local.shape, result.points, options), way == Way::narrow, result);
     }
 
     // Where the place was picked, points may lie closer than elsewhere; and what stands before a pipe or a tank hides
@@ -156,17 +201,42 @@ private:
         return std::max(step, std::min(4 * step, width / 2));
     }
 
-    void take(GrownShape grown, FittedPrimitive& result) const
+    void take(GrownShape grown, bool is_narrow, FittedPrimitive& result) const
     {
         result.rounds = grown.rounds;
         result.converged = grown.converged;
-        if (!grown.fit.has_shape()) {
-            const std::string lost = "growth lost the surface (" + std::string(name_of(grown.fit.issue)) +
-                                     "): the neighbourhood's points are given";
-            result.notes.push_back(lost);
-            if (result.primitive.fit.verdict == FitVerdict::good) doubt(result.primitive.fit, grown.fit.issue, lost);
-            return;
-        }
+        if (!grown.fit.has_shape())
+            return come_back("the points reached determine no shape (" + std::string(name_of(grown.fit.issue)) + ")",
+                             grown.fit.issue, result);
+        if (options_.fit.threshold == 0 && grown.fit.noise > most_noise_grown * result.local.noise)
+            return come_back("its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +
+                                 brief(result.local.noise),
+                             FitIssue::no_consensus, result);
+        if (options_.fit.threshold == 0 && grown.fit.noise > even_spread * grown.threshold)
+            return come_back("its points are spread evenly within the threshold, as points of no surface are",
+                             FitIssue::no_consensus, result);
+        FittedPrimitive followed{result};
+        take_grown(std::move(grown), followed);
+        const ShapeFit& fit = followed.primitive.fit;
+        const bool is_doubted = fit.verdict != FitVerdict::good && result.local.verdict == FitVerdict::good;
+        if (options_.fit.threshold == 0 && is_doubted && (is_narrow || fit.issue == FitIssue::no_consensus))
+            return come_back(fit.message, fit.issue, result);
+        result = std::move(followed);
+    }
+
+    // What the shape was before it was followed.
+    static void come_back(const std::string& why, FitIssue issue, FittedPrimitive& result)
+    {
+        result.left_surface = why;
+        ShapeFit& fit = result.primitive.fit;
+        if (fit.verdict != FitVerdict::good) return;
+        doubt(fit, issue,
+              "followed through the cloud it left the surface (" + why +
+                  "): these are the points around the place alone");
+    }
+
+    void take_grown(GrownShape grown, FittedPrimitive& result) const
+    {
         if (grown.agreement > 1)
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(grown.agreement) + " times those of independent points");
@@ -174,22 +244,25 @@ private:
         result.reached.shape = grown.followed;
         result.reached.threshold = grown.threshold;
         result.reached.step = result.step;
-        keep_few_seeds(result.reached);
+        keep_reached_seeds(result);
         grown.fit.iterations = result.local.iterations;
         if (result.local.issue == FitIssue::no_consensus) {
             grown.fit.verdict = result.local.verdict;
             grown.fit.issue = result.local.issue;
             grown.fit.message = result.local.message;
         }
-        if (options_.fit.threshold == 0 && grown.fit.verdict == FitVerdict::good &&
-            grown.fit.noise > most_noise_grown * result.local.noise) {
-            doubt(grown.fit, FitIssue::no_consensus,
-                  "its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +
-                      brief(result.local.noise) +
-                      ": there is another surface close to it; give a threshold, or a smaller step");
-        }
         result.primitive.fit = std::move(grown.fit);
         doubt_other_surface(grown.around, grown.noise, result);
+    }
+
+    static void keep_reached_seeds(FittedPrimitive& result)
+    {
+        std::vector<Vec3d> reached;
+        for (std::size_t i = 0; i < result.near.ids.size(); ++i)
+            if (result.local.is_inlier[i] && result.points.contains(result.near.ids[i].node, result.near.ids[i].index))
+                reached.push_back(result.near.points.source(i));
+        result.reached.seeds = std::move(reached);
+        keep_few_seeds(result.reached, true);
     }
 
     // `wide`: connected, up to a few thresholds from the shape. The points may be a ring or strip of another surface,
@@ -199,7 +272,7 @@ private:
         ShapeFit& fit = result.primitive.fit;
         if (fit.verdict != FitVerdict::good || result.points.empty()) return;
         const std::vector<Vec3d> around =
-            coarse_points(wide, most_judged, options_.threads, part_of(options_.progress, 0.85, 0.87));
+            coarse_points(wide, most_judged, options_.threads, part_of(progress_, 0.9, 0.94));
         const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
         const std::string name = traits_of(fit.shape.kind).name;
         if (beyond.is_piece(noise_ > 0 ? noise / noise_ : 0)) {
@@ -227,8 +300,8 @@ private:
         fit.noise = noise;
         std::vector<Vec3d> near;
         for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
-        const auto other = better_kind(fit, near, noise_, part_of(options_.progress, 0.87, 0.88));
-        return other ? other : better_kind(fit, around, noise_, part_of(options_.progress, 0.88, 0.9));
+        const auto other = better_kind(fit, near, noise_, part_of(progress_, 0.94, 0.97));
+        return other ? other : better_kind(fit, around, noise_, part_of(progress_, 0.97, 1));
     }
 
     static void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
@@ -243,6 +316,7 @@ private:
     const std::vector<Vec3d>& places_;
     const FitAtOptions& options_;
     Selection limit_;
+    ProgressFunction progress_;  // of following
     double noise_ = 0;  // of the surface around the places, one standard deviation; 0: unknown
 };
 

@@ -21,6 +21,10 @@ struct FitAtOptions {
     double radius = 0;      // of the neighbourhood of a place, source units
     std::size_t count = 0;  // or its number of points; both 0: chosen, as is the threshold (local_fit.h)
     bool grow = true;       // over the cloud; else only the neighbourhood's inliers belong to it
+    // Growth does not pass where the surface of the points is turned from the shape by more than this, radians
+    // (turned_surface.h); pi / 2 or more: surfaces are not compared. Computed from the points, whatever normals the
+    // cloud has; those are compared where fit.normal_angle asks for it.
+    double turned_angle = pi / 6;
     double step = 0;        // of growth, source units; 0: from the gaps between the inliers (automatic_step())
     unsigned rounds = 8;    // GrowShapeOptions::most_rounds
     Selection limit;        // clip box, conditions: nothing else is looked at
@@ -39,6 +43,9 @@ struct FittedPrimitive {
     double step = 0;      // of growth, source units; 0: none
     unsigned rounds = 0;  // of growth
     bool converged = false;
+    // Why the points are those around the places alone although the shape was to be followed: growth left the surface.
+    // Empty: it did not.
+    std::string left_surface;
     std::vector<std::string> notes;  // "the neighbourhood was widened to 2000 points"
 };
 

@@ -2,13 +2,16 @@
 
 #include "pcm/primitives/inner_points.h"
 #include "pcm/primitives/near_shape.h"
+#include "pcm/primitives/next_to.h"
 #include "pcm/primitives/progress_part.h"
 #include "pcm/primitives/refit.h"
+#include "pcm/primitives/turned_surface.h"
 #include "pcm/select/grow.h"
 #include "pcm/threads/watch.h"
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace pcm {
 namespace {
@@ -59,20 +62,20 @@ public:
 private:
     void reach(const Shape& shape, double begin, double end, GrownShape& grown) const
     {
-        grown.points = reached(seeds_, shape, 1, begin, end);
-        grown.followed = shape;
-        grown.threshold = threshold_;
-    }
-    PointSet reached(const PointSet& seeds, const Shape& shape, double thresholds, double begin, double end) const
-    {
-        const NearShape near(shape, thresholds * threshold_, options_.normal_angle, seeds_.tree().info().schema);
+        const NearShape near(shape, threshold_, options_.normal_angle, seeds_.tree().info().schema);
+        std::optional<TurnedSurface> turned;
+        if (options_.turned_angle < pi / 2)
+            turned.emplace(shape, threshold_, options_.turned_edge, options_.turned_angle, seeds_.tree().info());
         GrowOptions grow_options;
         grow_options.limit = options_.limit;
         grow_options.test = &near;
+        if (turned) grow_options.surroundings = &*turned;
         grow_options.memory_bytes = options_.memory_bytes;
         grow_options.threads = options_.threads;
         grow_options.progress = part_of(options_.progress, begin, end);
-        return grow(seeds, options_.step, grow_options);
+        grown.points = grow(seeds_, options_.step, grow_options);
+        grown.followed = shape;
+        grown.threshold = threshold_;
     }
 
     // The points of the last shape rather than of the one before it.
@@ -90,7 +93,11 @@ private:
     {
         options_.progress = part_of(whole_progress_, rounds_end, 1);
         const Shape before = grown.fit.shape;
-        grown.around = reached(grown.points, before, beyond_thresholds, 0, 0.3);
+        const NearShape near(before, beyond_thresholds * threshold_, options_.normal_angle,
+                             seeds_.tree().info().schema);
+        const double way = std::max(options_.step, beyond_thresholds * threshold_);
+        grown.around = points_next_to(grown.points, way, near, options_.limit, options_.threads,
+                                      part_of(options_.progress, 0, 0.3));
         const PointSet inner = inner_points(grown.points, grown.around, before, threshold_, options_.threads,
                                             part_of(options_.progress, 0.3, 0.5));
         if (inner.size() == grown.points.size() ||

@@ -17,6 +17,8 @@ struct GrowShapeOptions {
     bool raise_threshold = false;
     double step = 0;           // longest way from point to point, source units; above 0
     double normal_angle = 4;   // as in ShapeFitOptions; only where the cloud has normals
+    double turned_angle = 4;   // largest of TurnedSurface, radians; pi / 2 or more: surfaces are not compared
+    double turned_edge = 0;    // and the edge of its cubes, source units; above 0 where surfaces are compared
     unsigned most_rounds = 8;  // of growing and fitting again to what was reached; 0: the shape stays
     Selection limit;           // only points that it chooses are reached
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
@@ -37,7 +39,7 @@ struct GrownShape {
     PointSet points;         // reached: near `fit.shape`, to a quarter of its errors
     Shape followed;          // the shape that they are near, of the last round of growth
     double threshold = 0;    // and within which distance
-    PointSet around;         // reached through points up to beyond_thresholds from it; empty without rounds
+    PointSet around;         // next to these, up to beyond_thresholds from `fit.shape`; empty without rounds
     unsigned rounds = 0;     // done
     bool converged = false;  // the last round changed the shape by less than a quarter of its errors
 };

@@ -2,6 +2,7 @@
 
 #include "pcm/fit/pcl_fit.h"
 #include "pcm/primitives/best_kind.h"
+#include "pcm/primitives/even_noise.h"
 #include "pcm/primitives/progress_part.h"
 #include "pcm/system/text.h"
 
@@ -69,7 +70,46 @@ public:
         return best;
     }
 
+    std::optional<LocalFit> run_narrowly(const LocalFit& wide)
+    {
+        if (options_.radius > 0 || options_.count > 0 || options_.fit.threshold > 0) return {};
+        EvenNoise even;
+        for (const Vec3d& place : places_) {
+            const EvenNoise here = even_noise_at(place);
+            if (even.count > 0 && here.count > even.count) continue;
+            even = here;
+        }
+        const std::size_t among = even.count * places_.size();
+        if (even.count == 0 || among >= wide.near.found || !(even.noise > 0)) return {};
+        if (wide.fit.has_shape() &&
+            !is_more_noise(wide.fit.noise * wide.fit.noise, static_cast<double>(wide.fit.inliers),
+                           even.noise * even.noise, static_cast<double>(even.count)))
+            return {};
+        LocalFit narrow;
+        choose_kinds(narrow);
+        gather_close(narrow);
+        noise_ = noises * even.noise;
+        narrow.noise = noise_;
+        narrow.near = narrow.close = neighbourhood(0, even.count, even.count, 0.2, 0.3);
+        narrow.fit = fitted(narrow.near, 0.3, 1);
+        if (!is_at_places(narrow)) return {};
+        narrow.notes.push_back("the neighbourhood was narrowed to " + grouped(narrow.near.found) +
+                               " points: beyond these the noise rises");
+        return narrow;
+    }
+
 private:
+    EvenNoise even_noise_at(const Vec3d& place) const
+    {
+        NearOptions options;
+        options.count = first_count;
+        options.limit = options_.limit;
+        const NearPoints near = points_near(cloud_, place, options);
+        std::vector<Vec3d> positions;
+        for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
+        return even_noise(positions);
+    }
+
     NearPoints neighbourhood(double radius, std::size_t count, std::size_t most, double begin, double end)
     {
         NearPoints all;
@@ -263,6 +303,12 @@ private:
 LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
 {
     return LocalSearch(cloud, places, options).run();
+}
+
+std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,
+                                     const LocalFitOptions& options, const LocalFit& wide)
+{
+    return LocalSearch(cloud, places, options).run_narrowly(wide);
 }
 
 }  // namespace pcm

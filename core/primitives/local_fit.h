@@ -18,6 +18,7 @@
 #include "pcm/primitives/near_points.h"
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,5 +45,12 @@ struct LocalFit {
 
 // `places` are not empty, and finite. Throws what points_near() and fit_shape() throw.
 LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options);
+
+// The shape of the largest neighbourhood whose noise is still that of the smallest ones (even_noise.h): a roof of which
+// there are a hundred points. Nothing where a threshold or a neighbourhood is given, where that is no narrower than the
+// one of `wide`, which fit_locally() has found for the same, where the noise of `wide` is no more than that by the same
+// test, and where no shape of the points passes through the places.
+std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,
+                                     const LocalFitOptions& options, const LocalFit& wide);
 
 }  // namespace pcm

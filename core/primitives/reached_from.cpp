@@ -2,6 +2,7 @@
 
 #include "pcm/primitives/near_shape.h"
 #include "pcm/primitives/progress_part.h"
+#include "pcm/primitives/turned_surface.h"
 #include "pcm/select/grow.h"
 #include "pcm/select/point_scan.h"
 
@@ -10,6 +11,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <optional>
 
 namespace pcm {
 namespace {
@@ -99,9 +101,10 @@ private:
 
 }  // namespace
 
-void keep_few_seeds(ReachedFrom& from)
+void keep_few_seeds(ReachedFrom& from, bool are_reached)
 {
-    if (!(from.step > 0) || from.normal_angle < pi / 2) return;
+    if (!(from.step > 0)) return;
+    if (!are_reached && (from.normal_angle < pi / 2 || from.turned_angle < pi / 2)) return;
     std::vector<Vec3d> near;
     for (const Vec3d& seed : from.seeds)
         if (distance_to(from.shape, seed) <= from.threshold) near.push_back(seed);
@@ -123,9 +126,13 @@ PointSet reach_again(const std::shared_ptr<const Tree>& tree, const ReachedFrom&
     });
     if (!(from.step > 0) || seeds.empty()) return seeds;
     const NearShape near(from.shape, from.threshold, from.normal_angle, tree->info().schema);
+    std::optional<TurnedSurface> turned;
+    if (from.turned_angle < pi / 2)
+        turned.emplace(from.shape, from.threshold, from.turned_edge, from.turned_angle, tree->info());
     GrowOptions grow_options;
     grow_options.limit = from.limit;
     grow_options.test = &near;
+    if (turned) grow_options.surroundings = &*turned;
     grow_options.memory_bytes = options.memory_bytes;
     grow_options.threads = options.threads;
     grow_options.progress = part_of(options.progress, 0.2, 1);

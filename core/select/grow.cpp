@@ -3,6 +3,7 @@
 #include "pcm/knn/unit_plan.h"
 #include "pcm/select/flood.h"
 #include "pcm/select/point_scan.h"
+#include "pcm/select/surroundings_test.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/for_each_index.h"
@@ -142,7 +143,57 @@ private:
             for (Unit& unit : units_)
                 if (unit.reach.intersects(box)) queue(unit, positions);
         });
+        if (options_.surroundings) narrow_seeds(seeds);
         reached_ = std::move(seeds);
+    }
+
+    // To those that pass the test of what is around them. Unit by unit: seeds may be far apart.
+    void narrow_seeds(PointSet& seeds) const
+    {
+        PointSet passing(seeds.shared_tree());
+        for (const Unit& unit : units_) {
+            if (!unit.queued) continue;
+            std::map<NodeId, std::vector<std::pair<std::uint32_t, Vec3d>>> here;
+            Box3d box;
+            Selection inside;
+            inside.box = unit.box;
+            ScanOptions scan;
+            scan.within = &seeds;
+            scan.columns = ColumnSet::only_positions();
+            scan.select = alone();
+            scan_points(tree_, inside, scan, [&](const ScannedPoints& found) {
+                for (std::size_t i = 0; i < found.indices.size(); ++i) {
+                    here[found.node].emplace_back(found.numbers[i], position(found, found.indices[i]));
+                    box.extend(here[found.node].back().second);
+                }
+            });
+            if (here.empty()) continue;
+            const auto judge = judge_of(box);
+            for (const auto& [node, places] : here) {
+                std::vector<std::uint32_t> numbers;
+                for (const auto& [number, p] : places)
+                    if (judge->passes(p)) numbers.push_back(number);
+                passing.combine(SetOperation::add, node, numbers);
+            }
+        }
+        seeds = std::move(passing);
+    }
+
+    // Of places in the box.
+    std::unique_ptr<SurroundingsTest::Judge> judge_of(const Box3d& box) const
+    {
+        auto judge = options_.surroundings->judge();
+        Selection around = options_.limit;
+        const Box3d wide = grown(box, options_.surroundings->margin());
+        around.box = around.box ? intersection(*around.box, wide) : wide;
+        ScanOptions scan;
+        scan.test = &options_.surroundings->counts();
+        scan.columns = ColumnSet::only_positions();
+        scan.select = alone();
+        scan_points(tree_, around, scan, [&](const ScannedPoints& found) {
+            for (const std::uint32_t i : found.indices) judge->add(position(found, i));
+        });
+        return judge;
     }
 
     Vec3d position(const ScannedPoints& found, std::uint32_t index) const
@@ -187,6 +238,7 @@ private:
                 known.push_back(is_known);
             }
         });
+        if (options_.surroundings && open > 0) open -= leave_out(unit, points, places, known);
         std::size_t found = 0;
         if (open > 0) {
             Flood flood(std::move(points), unit.box, distance_);
@@ -199,6 +251,25 @@ private:
         const std::lock_guard lock(mutex_);
         unit.visited = true;
         unit.complete = found == open;
+    }
+
+    // What is not known to be reached and does not pass the test of what is around it; returns how many these were.
+    std::size_t leave_out(const Unit& unit, std::vector<Vec3d>& points, std::vector<Place>& places,
+                          std::vector<bool>& known) const
+    {
+        const auto judge = judge_of(unit.box);
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            if (!known[i] && !judge->passes(points[i])) continue;
+            points[kept] = points[i];
+            places[kept] = places[i];
+            known[kept++] = known[i];
+        }
+        const std::size_t left_out = points.size() - kept;
+        points.resize(kept);
+        places.resize(kept);
+        known.resize(kept);
+        return left_out;
     }
 
     void reach_from_outside(const Unit& unit, const PointSet& reached, Flood& flood) const

@@ -71,8 +71,10 @@ void add_shape_parameters(RichParameterList& parameters)
 void add_search_parameters(RichParameterList& parameters)
 {
     parameters.addParam(RichFloat("NormalAngle", 0, "Normals within",
-                                  "Largest angle between the normals of a point and of the surface, degrees. 0, the "
-                                  "default: normals are not compared."));
+                                  "Largest angle between the shape and the surface of the points around a point, "
+                                  "degrees: the shape is not followed where it is larger. 0, the default: 30, computed "
+                                  "from the points. 90: not compared. Where it is given and the cloud has normals, "
+                                  "these are compared, too."));
     parameters.addParam(RichFloat("LeastRadius", 0, "Radius from",
                                   "Smaller radii are not considered, source units. 0, the default: any."));
     parameters.addParam(RichFloat("LargestRadius", 0, "Radius to",
@@ -129,7 +131,7 @@ FitAtOptions options_of(const FilterRun& run, const PrimitiveCloud& cloud)
     options.step = number_of(p, "Step", "Longest step");
     options.outline.kind = outlines[in_range(p, "Outline", "Outline", 0, 3)];
     if (const double angle = number_of(p, "NormalAngle", "Normals within"); angle > 0)
-        options.fit.normal_angle = angle * degree;
+        options.fit.normal_angle = options.turned_angle = angle * degree;
     options.fit.least_radius = number_of(p, "LeastRadius", "Radius from");
     if (const double radius = number_of(p, "LargestRadius", "Radius to"); radius > 0)
         options.fit.largest_radius = radius;

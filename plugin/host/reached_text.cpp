@@ -35,6 +35,8 @@ QJsonObject object_of(const ReachedFrom& from)
     return {{"shape", QString::fromStdString(pcm::text_of(from.shape))},
             {"threshold", from.threshold},
             {"normal_angle", from.normal_angle},
+            {"turned_angle", from.turned_angle},
+            {"turned_edge", from.turned_edge},
             {"step", from.step},
             {"seeds", seeds},
             {"clips", clips},
@@ -54,6 +56,11 @@ ReachedFrom reached_of(const QJsonObject& object)
     from.shape = parse_shape(object["shape"].toString().toStdString());
     from.threshold = number(object, "threshold");
     from.normal_angle = number(object, "normal_angle");
+    // Projects of earlier versions have none: surfaces were not compared.
+    if (object.contains("turned_angle")) {
+        from.turned_angle = number(object, "turned_angle");
+        from.turned_edge = number(object, "turned_edge");
+    }
     from.step = number(object, "step");
     for (const QJsonValue& value : object["seeds"].toArray()) {
         const QJsonArray numbers = value.toArray();

@@ -48,11 +48,12 @@ std::vector<FitNumber> search_numbers()
 {
     return {
         {"NormalAngle", "Normals within",
-         "The largest angle between a point's normal and the surface's, degrees. Default: empty, normals are not "
-         "compared.",
-         "not compared", 0, 90, false, false,
+         "The largest angle between the shape and the surface of the points around a point, degrees: the shape is not "
+         "followed where it is larger. 90: not compared. Where it is given and the cloud has normals, these are "
+         "compared, too. Default: empty, 30, computed from the points.",
+         "30", 0, 90, false, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
-             options.fit.normal_angle = number * pi / 180;
+             options.fit.normal_angle = options.turned_angle = number * pi / 180;
          }},
         {"LeastRadius", "Radius from",
          "Smaller radii (of a torus: of its tube) are not considered, source units. Default: empty, any.", "any", 0,

@@ -244,15 +244,13 @@ void FitTool::keep_draft(const FitPlaces& places, FittedPrimitive& found)
                      .arg(QString(traits_of(draft_->primitive.fit.shape.kind).name),
                           QString::fromStdString(grouped(draft_->points->size()))));
     show_draft();
-    const ShapeFit& fit = draft_->primitive.fit;
     QStringList words;
     if (const auto same = same_shape(book().list(), draft_->primitive))
         words << QString("the same as '%1' of the list: Enter would add it once more")
                      .arg(QString::fromStdString(book().list()[*same].name));
-    if (fit.verdict == FitVerdict::doubtful)
-        words << QString("doubtful (%1): %2").arg(name_of(fit.issue), QString::fromStdString(fit.message));
+    if (!doubt().isEmpty()) words << doubt();
     for (const std::string& note : found.notes) words << QString::fromStdString(note);
-    if (found.rounds > 0 && !found.converged)
+    if (found.rounds > 0 && !found.converged && found.left_surface.empty())
         words << "the shape still changed when it was last fitted to the points that it had reached";
     say(words.join("; "));
     publish("draft");
@@ -280,20 +278,34 @@ void FitTool::show_draft()
         places.colour = QColor(255, 80, 60);
         drawn.push_back(places);
         text =
-            QString("%1: %2\nresidual %3, %4 points, %5%6. Enter accepts it.")
+            QString("%1: %2\nresidual %3, %4 points, %5%6. %7")
                 .arg(label, size, QString::fromStdString(brief(primitive.fit.rms) + (unit_.empty() ? "" : " " + unit_)),
                      QString::fromStdString(grouped(primitive.points)), counted(draft_->places.on.size(), "place"),
                      draft_->places.off.empty() ? QString()
-                                                : ", " + counted(draft_->places.off.size(), "place") + " taken away");
+                                                : ", " + counted(draft_->places.off.size(), "place") + " taken away",
+                     doubt().isEmpty()      ? "Enter accepts it."
+                     : draft_->doubt_shown ? "Doubtful: Enter again accepts it."
+                                           : "Doubtful: Enter says why, and Enter again accepts it.");
     }
     Annotations::of(*view_->md()).set(draft_owner, std::move(drawn));
     if (panel_) panel_->show_found(text, draft_.has_value());
+}
+
+QString FitTool::doubt() const
+{
+    if (!draft_ || draft_->primitive.fit.verdict != FitVerdict::doubtful) return {};
+    const ShapeFit& fit = draft_->primitive.fit;
+    return QString("doubtful (%1): %2").arg(name_of(fit.issue), QString::fromStdString(fit.message));
 }
 
 void FitTool::accept()
 {
     if (!draft_) return say("there is nothing to accept: click a surface");
     if (wanted_) throw Error(ErrorCode::invalid_argument, {}, "the shape is being fitted", "wait until it is done");
+    if (!doubt().isEmpty() && !std::exchange(draft_->doubt_shown, true)) {
+        show_draft();
+        return say("not accepted yet: it is " + doubt() + ". Enter again accepts it, Esc discards it");
+    }
     Primitive primitive = std::move(draft_->primitive);
     primitive.colour = next_colour(book().list());
     const auto points = draft_->points;

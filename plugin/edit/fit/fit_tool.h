@@ -36,6 +36,7 @@ struct FitDraft {
     Primitive primitive;
     std::shared_ptr<const PointSet> points, before;  // of it; that were selected when the draft was begun
     ReachedFrom reached;                             // how its points are found again
+    bool doubt_shown = false;                        // by a first Enter, where it is doubtful
 };
 
 class FitTool : public ListTool {
@@ -67,6 +68,7 @@ private:
     void take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure);
     void keep_draft(const FitPlaces& places, FittedPrimitive& found);
     void show_draft();
+    QString doubt() const;  // the draft's: "doubtful (...): ..."; empty: none
     void press_key(ListKey key) override;
     void accept() override;
     bool cancel() override;
