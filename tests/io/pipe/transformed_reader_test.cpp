@@ -203,7 +203,7 @@ TEST(Transformed, WhatHasAUnitOfLengthGrows)
     cloud.info.schema.add({"area", ScalarType::f64, 1, 1, 0, "source units^2"});
     cloud.info.schema.add({"bend", ScalarType::f64, 1, 1, 1, "source units^-1"});
     cloud.info.schema.add({"mean_distance", ScalarType::f32});
-    cloud.info.schema.add({"plain", ScalarType::f32, 1, 1, 0, "of source units"});
+    cloud.info.schema.add({"plain", ScalarType::f32, 1, 1, 0, "source units of others"});
     cloud.points.reset(cloud.info.schema, false, 3);
     std::mt19937_64 random(4);
     for (std::size_t i = 0; i < 3; ++i) {
