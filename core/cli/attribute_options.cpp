@@ -48,6 +48,13 @@ void check_filter_memory(std::uint64_t bytes)
                     "give -m 64M or more");
 }
 
+void note_memory(FilterReport& report, std::uint64_t limit)
+{
+    if (report.peak_memory_bytes > limit)
+        report.notes.push_back("the memory limit of " + bytes_text(limit) +
+                               " was exceeded: " + bytes_text(report.peak_memory_bytes) + " were taken");
+}
+
 void NeighbourOptions::put_into(NeighbourAttributeOptions& options) const
 {
     check_filter_memory(memory);
@@ -117,6 +124,7 @@ int run_attribute_filter(const Common& common, const std::string& tree, const Ta
     NeighbourAttributeReport report = compute_neighbour_attributes(target.path(), options);
     const auto& warnings = target.keep();
     report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
+    note_memory(report, options.memory_bytes);
     end_progress(common);
     if (common.json) {
         Json json;

@@ -66,6 +66,7 @@ int run(Arguments& arguments)
         const auto& warnings = target.keep();
         report.outcome.warnings.insert(report.outcome.warnings.end(), warnings.begin(), warnings.end());
     }
+    note_memory(report, options.memory_bytes);
     end_progress(arguments.common);
     if (!arguments.common.json) {
         print(arguments, report, tree);
