@@ -65,6 +65,13 @@ void check_filter_memory(std::uint64_t bytes)
                     "give -m 64M or more");
 }
 
+void note_memory(FilterReport& report, std::uint64_t limit)
+{
+    if (report.peak_memory_bytes > limit)
+        report.notes.push_back("the memory limit of " + bytes_text(limit) +
+                               " was exceeded: " + bytes_text(report.peak_memory_bytes) + " were taken");
+}
+
 void NeighbourOptions::put_into(NeighbourAttributeOptions& options) const
 {
     check_filter_memory(memory);
@@ -132,8 +139,9 @@ int run_attribute_filter(const Common& common, const std::string& tree, const Ta
     options.progress = console_progress(common);
     options.overwrite = choice.overwrite;
     UpdateTarget target(tree, choice.get());
-    const NeighbourAttributeReport report = target.update(
+    NeighbourAttributeReport report = target.update(
         [&](const std::filesystem::path& folder) { return compute_neighbour_attributes(folder, options); });
+    note_memory(report, options.memory_bytes);
     end_progress(common);
     if (common.json) {
         Json json;

@@ -41,6 +41,9 @@ struct NeighbourOptions {
 // Throws Error(invalid_argument) for a memory limit that filters on neighbourhoods cannot keep.
 void check_filter_memory(std::uint64_t bytes);
 
+// Adds a note where the process took more memory than the limit.
+void note_memory(FilterReport& report, std::uint64_t limit);
+
 // points, seconds, ..., level, errors, notes.
 void put_report(Json& json, const FilterReport& report);
 

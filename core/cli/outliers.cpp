@@ -65,6 +65,7 @@ int run(Arguments& arguments)
         tree = target.path().string();
         report = target.update([&](const std::filesystem::path& folder) { return remove_outliers(folder, options); });
     }
+    note_memory(report, options.memory_bytes);
     end_progress(arguments.common);
     if (!arguments.common.json) {
         print(arguments, report, tree);

@@ -11,8 +11,9 @@
 // What it guarantees: neighbours that the spanning trees join agree, across units too. That is the side that a person
 // would name where surfaces are sampled densely compared with their curvature and their distance from each other. At
 // folds of more than a right angle, in foliage, and between sheets nearer to each other than the points of one sheet it
-// is a guess: of the last, those that are found (two_surfaces.h) are marked, and no spanning tree leads across their
-// gap, so that what nearly touches in one place does not turn the rest around. Surfaces that no neighbours join are
+// is a guess: of the last, those that are found (two_surfaces.h) are marked, and nothing is joined across their gap. A
+// surface that nearly touches another in one place may still be turned around by it, all of it; only the points there
+// are marked. Surfaces that no neighbours join are
 // decided one by one. The result does not depend on the threads.
 //
 // Memory, beside that of the pass: some 60 bytes per point of a unit while it is joined, 16 bytes per border point, and

@@ -82,7 +82,7 @@ public:
         NeighbourhoodOptions search;
         search.neighbours = options.neighbours;
         if (counts_) search.max_distance = options.radius;
-        search.memory_bytes = options.memory_bytes / 2;
+        search.memory_bytes = options.memory_bytes / 3;
         search.threads = options.threads;
         search.backend = options.backend;
         search.progress = options.progress;
