@@ -120,8 +120,14 @@ void SelectTool::use(SelectionUse what)
     }
     counter_.cancel();
     const QPointer<GLArea> alive(view_);
+    const QString before = state.undo_words(*layer);
     const QString done = use_selected(*view_, *layer, what);
     if (!alive || !view_) return;
+    // What was used may have been cleared (host/result_layer.h): a step that undo takes back.
+    if (state.undo_words(*layer) != before) {
+        steps_.push_back({layer->id()});
+        undone_.clear();
+    }
     publish("idle");
     show();
     say(done);
