@@ -124,7 +124,7 @@ struct FrameReport {
     bool full_resolution = false;
     bool refining = false;  // the picture is not final yet
     bool repaint = false;   // ask for another frame at once; implies refining
-    // The last background load error or OpenGL error, or why a cloud cannot be drawn: its extent is below 1e-30 or
+    // The last background load error or OpenGL error, or why a cloud cannot be drawn: its extent is below 1e-33 or
     // above 1e30, or the view's numbers are above 1e35. Empty if none.
     std::string error;
     std::vector<CloudReport> clouds;  // in the order of the items
