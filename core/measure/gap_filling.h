@@ -6,7 +6,7 @@
 //
 // Uncertainty, by cross-validation with blocks (Roberts et al. 2017, "Cross-validation strategies for data with
 // temporal, spatial, hierarchical, or phylogenetic structure", Ecography 40): neighbouring cells of a gap are wrong
-// together, so that neither single cells left out nor n independent errors tell anything. Blocks of w by w known cells,
+// together, so that neither single cells left out nor n independent errors say anything. Blocks of w by w known cells,
 // w = 1, 2, 4, ..., are hidden, a quarter of the grid at a time, and filled as the gaps are; with e the error of the
 // mean height of a block, E^2(w) is the mean of e^2, once for cells between known ones and once for cells that have
 // known ones on one side only (extrapolation). Beyond the widest blocks that the grid holds, E grows with a power of w.
@@ -46,7 +46,7 @@ struct FilledCells {
 };
 
 // `areas` and `height` by rows of `columns` cells; a cell without area is outside, a height that is NaN a gap. Without
-// any known cell nothing is filled. `spread`: of heights within a cell, where there are too few cells to tell. Time:
+// any known cell nothing is filled. `spread`: of heights within a cell, where there are too few cells to say. Time:
 // some microseconds a cell; memory: about 150 bytes a cell. Any thread.
 FilledCells fill_gaps(const std::vector<double>& height, const std::vector<double>& areas, std::size_t columns,
                       double spread = 0);

@@ -54,6 +54,12 @@ struct Filled {
     }
 };
 
+// NaN where not all surfaces are known.
+std::vector<double> difference_of(const std::vector<Surface2d>& surfaces)
+{
+    return surfaces.size() > 1 ? minus(surfaces[0].height, surfaces[1].height) : surfaces[0].height;
+}
+
 double spread_within(const std::vector<HeightCell>& cells)
 {
     double squares = 0, freedom = 0;
@@ -133,11 +139,8 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
     }
     std::vector<double> areas(grid.size());
     for (std::size_t cell = 0; cell < grid.size(); ++cell) areas[cell] = grid.area(cell);
-    Filled filled;
-    if (empty == EmptyCells::interpolated)
-        filled = fill(surfaces, areas, grid.columns(), spread);
-    else
-        filled.difference = surfaces.size() > 1 ? minus(surfaces[0].height, surfaces[1].height) : surfaces[0].height;
+    const Filled filled = empty == EmptyCells::interpolated ? fill(surfaces, areas, grid.columns(), spread)
+                                                            : Filled{difference_of(surfaces), {}};
     std::vector<double> all_gaps(grid.size(), 0), cut_gaps(all_gaps), fill_gaps(all_gaps);
     double net = 0, cut = 0, fill = 0;
     for (std::size_t cell = 0; cell < grid.size(); ++cell) {

@@ -232,7 +232,7 @@ private:
     void bound(Primitive& primitive, const std::vector<Vec3d>& ends)
     {
         OutlineOptions outline;
-        outline.kind = OutlineKind::convex;  // all that the ends can tell
+        outline.kind = OutlineKind::convex;  // the ends have no other
         try {
             primitive.bounds = bounds_of(primitive.fit.shape, ends, outline);
         } catch (const Error& error) {

@@ -140,7 +140,7 @@ TEST_F(FitCommand, WhatMakesNoSenseIsRefused)
     refused(at_ + "--radius 1 --count 5", 2, "--radius and --count");
     refused(at_ + "--no-grow --step 1", 2, "--no-grow");
     refused(at_ + "--name Pipe", 2, "--add");
-    refused(at_ + "--outline-edge 1", 2, "--outline concave");
+    refused(at_ + "--outline convex --outline-edge 1", 2, "--outline concave");
     refused(at_ + "--shape cube", 2, "cube");
     refused(at_ + "--delete", 2, "-o COPY");
     refused(at_ + "--probability 2", 1, "probability");
