@@ -107,11 +107,10 @@ void report_json(const Arguments& arguments, const FittedPrimitive& fitted, cons
                              {"inliers", fitted.local.inliers}};
     json["growth"] = Json();
     if (fitted.rounds > 0)
-        json["growth"] = {
-            {"step", fitted.step},
-            {"rounds", fitted.rounds},
-            {"converged", fitted.converged},
-            {"left_surface", fitted.left_surface.empty() ? Json() : Json(fitted.left_surface)}};
+        json["growth"] = {{"step", fitted.step},
+                          {"rounds", fitted.rounds},
+                          {"converged", fitted.converged},
+                          {"left_surface", fitted.left_surface.empty() ? Json() : Json(fitted.left_surface)}};
     json["list"] = arguments.list.empty() ? Json() : Json(arguments.list);
     put_done(json, done);
     json["seconds"] = seconds;
@@ -130,10 +129,9 @@ void print_text(const Arguments& arguments, const FittedPrimitive& fitted, const
         std::printf("%s: %s points belong to it; fitted to %s of %s points around the place%s\n",
                     arguments.tree.c_str(), grouped(fitted.points.size()).c_str(),
                     grouped(fitted.local.inliers).c_str(), grouped(fitted.near.ids.size()).c_str(),
-                    fitted.rounds == 0 ? ""
-                    : !fitted.left_surface.empty()
-                        ? ", and not followed: growth left the surface"
-                        : (", grown by steps of " + brief(fitted.step)).c_str());
+                    fitted.rounds == 0             ? ""
+                    : !fitted.left_surface.empty() ? ", and not followed: growth left the surface"
+                                                   : (", grown by steps of " + brief(fitted.step)).c_str());
         if (fitted.rounds > 0 && !fitted.converged && fitted.left_surface.empty())
             std::printf("note: the shape still changed in the last of %u rounds of growth\n", fitted.rounds);
     }
@@ -242,10 +240,11 @@ void add_shape(Options& options, Arguments& a)
         .positive()
         .group(group);
     options
-        .option("--normal-angle", a.normal_angle,
-                "Largest angle between the shape and the surface of the points around a point, degrees: growth does not "
-                "pass where it is larger (default 30, computed from the points; 90: not compared). Where it is given and "
-                "the cloud has normals, these are compared, too")
+        .option(
+            "--normal-angle", a.normal_angle,
+            "Largest angle between the shape and the surface of the points around a point, degrees: growth does not "
+            "pass where it is larger (default 30, computed from the points, and with --threshold not compared; 90: not "
+            "compared). Where it is given and the cloud has normals, these are compared, too")
         .positive()
         .group(group);
     options.option("--iterations", a.iterations, "Maximum number of samples (default 10000)").group(group);

@@ -70,8 +70,7 @@ EvenNoise even_noise(const std::vector<Vec3d>& nearest)
     std::size_t count = first;
     double squares = squares_of(nearest, count);
     while (count < nearest.size()) {
-        const std::size_t next =
-            std::min(nearest.size(), static_cast<std::size_t>(wider * static_cast<double>(count)));
+        const std::size_t next = std::min(nearest.size(), static_cast<std::size_t>(wider * static_cast<double>(count)));
         const double all = squares_of(nearest, next), further = static_cast<double>(next - count),
                      free = static_cast<double>(count) - surface_numbers;
         if (is_more_noise((all - squares) / further, further, squares / free, free)) break;

@@ -13,9 +13,9 @@ struct EvenNoise {
     double noise = 0;       // standard deviation of these from a curved surface through them, source units
 };
 
-// `nearest`: points around a place, the nearest first. Neighbourhoods of 24 points and more, each half as large again as
-// the one before, get surfaces of second degree by least squares; the largest one whose further points leave the surface
-// by no more than chance allows, as its nearer ones do, is the answer. The test is Chow's (1960) of further
+// `nearest`: points around a place, the nearest first. Neighbourhoods of 24 points and more, each half as large again
+// as the one before, get surfaces of second degree by least squares; the largest one whose further points leave the
+// surface by no more than chance allows, as its nearer ones do, is the answer. The test is Chow's (1960) of further
 // observations: (S2 - S1) / (n2 - n1) against S1 / (n1 - 6), S the sums of squared residuals and n the numbers of
 // points, has an F distribution where one surface with one noise has all points; a value that has a probability of less
 // than 0.001 there ends it. Where errors are alike at neighbours it ends early. One thread.

@@ -23,8 +23,8 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t left_out_points = 500;
-constexpr std::size_t most_judged = 20000;  // points, for whether they are a piece of another surface
-constexpr double most_noise_grown = 3;      // of a surface whose noise differs from place to place
+constexpr std::size_t most_judged = 20000;      // points, for whether they are a piece of another surface
+constexpr double most_noise_grown = 3;          // of a surface whose noise differs from place to place
 const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
@@ -93,9 +93,9 @@ private:
 
     // What the noise of a wide neighbourhood is of may be other surfaces: roofs of a hundred points. So where it is
     // larger than that of the nearest points, the shape of a narrow neighbourhood is followed, too, unless the wide
-    // one's is good and has the narrow one's points. The narrow one's is the answer where it is good and the other one's
-    // is not, or is elsewhere; where errors are alike at neighbours it is a piece that cannot be followed. Where neither
-    // can be, it is what is surely there.
+    // one's is good and has the narrow one's points. The narrow one's is the answer where it is good and the other
+    // one's is not, or is elsewhere; where errors are alike at neighbours it is a piece that cannot be followed. Where
+    // neither can be, it is what is surely there.
     FittedPrimitive best_of_neighbourhoods()
     {
         LocalFitOptions options = local_options();
@@ -168,7 +168,9 @@ private:
         result.reached.shape = local.shape;
         result.reached.threshold = local.threshold;
         result.reached.normal_angle = options_.fit.normal_angle;
-        result.reached.turned_angle = options_.turned_angle;
+        result.reached.turned_angle = options_.turned_angle > 0    ? options_.turned_angle
+                                      : options_.fit.threshold > 0 ? 4
+                                                                   : pi / 6;
         result.reached.limit = limit_;
         if (!options_.grow || result.points.empty()) return;
         std::vector<Vec3d> positions;
@@ -180,9 +182,9 @@ private:
         GrowShapeOptions options;
         options.threshold = local.threshold;
         options.raise_threshold = way == Way::uneven;
-        options.turned_angle = options_.turned_angle;
-        options.turned_edge = result.reached.turned_edge =
-            TurnedSurface::edge_for(result.step, std::min(local.noise, local.threshold));
+        options.turned_angle = result.reached.turned_angle;
+        options.turned_edge = result.reached.turned_edge = TurnedSurface::edge_for(
+            result.step, options_.fit.threshold > 0 ? std::min(local.noise, local.threshold) : local.threshold / 3);
         options.step = result.step;
         options.normal_angle = options_.fit.normal_angle;
         options.most_rounds = options_.rounds;
@@ -317,7 +319,7 @@ private:
     const FitAtOptions& options_;
     Selection limit_;
     ProgressFunction progress_;  // of following
-    double noise_ = 0;  // of the surface around the places, one standard deviation; 0: unknown
+    double noise_ = 0;           // of the surface around the places, one standard deviation; 0: unknown
 };
 
 }  // namespace

@@ -23,11 +23,12 @@ struct FitAtOptions {
     bool grow = true;       // over the cloud; else only the neighbourhood's inliers belong to it
     // Growth does not pass where the surface of the points is turned from the shape by more than this, radians
     // (turned_surface.h); pi / 2 or more: surfaces are not compared. Computed from the points, whatever normals the
-    // cloud has; those are compared where fit.normal_angle asks for it.
-    double turned_angle = pi / 6;
-    double step = 0;        // of growth, source units; 0: from the gaps between the inliers (automatic_step())
-    unsigned rounds = 8;    // GrowShapeOptions::most_rounds
-    Selection limit;        // clip box, conditions: nothing else is looked at
+    // cloud has; those are compared where fit.normal_angle asks for it. 0: pi / 6, and where a threshold is given, by
+    // which someone says what lies on the surface, not compared.
+    double turned_angle = 0;
+    double step = 0;      // of growth, source units; 0: from the gaps between the inliers (automatic_step())
+    unsigned rounds = 8;  // GrowShapeOptions::most_rounds
+    Selection limit;      // clip box, conditions: nothing else is looked at
     OutlineOptions outline;
     unsigned threads = 0;  // 0: one per processor
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;

@@ -14,10 +14,10 @@
 namespace pcm {
 
 struct ReachedFrom {
-    Shape shape;               // that the points are near
-    double threshold = 0;      // within which distance, source units
-    double normal_angle = 4;   // as in ShapeFitOptions
-    double turned_angle = 4;   // as in GrowShapeOptions, as is the next one
+    Shape shape;              // that the points are near
+    double threshold = 0;     // within which distance, source units
+    double normal_angle = 4;  // as in ShapeFitOptions
+    double turned_angle = 4;  // as in GrowShapeOptions, as is the next one
     double turned_edge = 0;
     double step = 0;           // of growth, source units; 0: the points at the seeds are all
     std::vector<Vec3d> seeds;  // places of points, source coordinates

@@ -1,5 +1,5 @@
-// Whether the points around a place make up a surface that is turned away from a shape: normals, computed where they are
-// compared, so that growth does not pass through what a shape only cuts: crowns of trees, the slopes of a heap.
+// Whether the points around a place make up a surface that is turned away from a shape: normals, computed where they
+// are compared, so that growth does not pass through what a shape only cuts: crowns of trees, the slopes of a heap.
 #pragma once
 
 #include "pcm/fit/shape.h"
@@ -10,11 +10,11 @@
 
 namespace pcm {
 
-// Passes for places in cubes whose points, with those of the cubes around them, lie along the shape. Of the points up to
-// two thresholds and no farther than a cube's edge from the shape each block of 27 cubes has a plane by total least squares, in two directions along the
-// shape and the distance from it, so that it is level on a shape of any curvature. It is turned where its angle to the
-// shape is larger than `angle` by more than three standard deviations. Blocks of few points or of points on one line
-// pass. Does not depend on the order of points beyond rounding.
+// Passes for places in cubes whose points, with those of the cubes around them, lie along the shape. Of the points up
+// to two thresholds and no farther than a cube's edge from the shape each block of 27 cubes has a plane by total least
+// squares, in two directions along the shape and the distance from it, so that it is level on a shape of any curvature.
+// It is turned where its angle to the shape is larger than `angle` by more than three standard deviations. Blocks of
+// few points or of points on one line pass. Does not depend on the order of points beyond rounding.
 class TurnedSurface final : public SurroundingsTest {
 public:
     // threshold: of growth; edge: of a cube, above 0; source units. angle: radians, above 0. Throws

@@ -73,7 +73,8 @@ void add_search_parameters(RichParameterList& parameters)
     parameters.addParam(RichFloat("NormalAngle", 0, "Normals within",
                                   "Largest angle between the shape and the surface of the points around a point, "
                                   "degrees: the shape is not followed where it is larger. 0, the default: 30, computed "
-                                  "from the points. 90: not compared. Where it is given and the cloud has normals, "
+                                  "from the points, and with a threshold not compared. 90: not compared. Where it is "
+                                  "given and the cloud has normals, "
                                   "these are compared, too."));
     parameters.addParam(RichFloat("LeastRadius", 0, "Radius from",
                                   "Smaller radii are not considered, source units. 0, the default: any."));

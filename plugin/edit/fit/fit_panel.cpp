@@ -69,7 +69,8 @@ void FitPanel::add_draft(QVBoxLayout& column)
     found_ = new MessageArea("PointCloudFitFound", found_lines);
     column.addWidget(found_);
     auto* buttons = new QGridLayout;
-    add_button(*buttons, 0, 0, Button::accept, "Accept", "Puts the found shape into the list; one that is doubtful the second time. Enter in the view.");
+    add_button(*buttons, 0, 0, Button::accept, "Accept",
+               "Puts the found shape into the list; one that is doubtful the second time. Enter in the view.");
     add_button(*buttons, 0, 1, Button::discard, "Discard",
                "Discards the found shape, or stops what runs. Esc in the view.");
     add_button(*buttons, 0, 2, Button::defaults, "Panel defaults",

@@ -50,7 +50,7 @@ std::vector<FitNumber> search_numbers()
         {"NormalAngle", "Normals within",
          "The largest angle between the shape and the surface of the points around a point, degrees: the shape is not "
          "followed where it is larger. 90: not compared. Where it is given and the cloud has normals, these are "
-         "compared, too. Default: empty, 30, computed from the points.",
+         "compared, too. Default: empty, 30, computed from the points, and with a threshold not compared.",
          "30", 0, 90, false, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
              options.fit.normal_angle = options.turned_angle = number * pi / 180;

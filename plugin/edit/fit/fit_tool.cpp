@@ -283,7 +283,7 @@ void FitTool::show_draft()
                      QString::fromStdString(grouped(primitive.points)), counted(draft_->places.on.size(), "place"),
                      draft_->places.off.empty() ? QString()
                                                 : ", " + counted(draft_->places.off.size(), "place") + " taken away",
-                     doubt().isEmpty()      ? "Enter accepts it."
+                     doubt().isEmpty()     ? "Enter accepts it."
                      : draft_->doubt_shown ? "Doubtful: Enter again accepts it."
                                            : "Doubtful: Enter says why, and Enter again accepts it.");
     }
