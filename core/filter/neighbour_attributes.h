@@ -49,7 +49,8 @@ struct NeighbourAttributeOptions {
     std::optional<std::uint16_t> level;
     std::optional<double> time_limit;            // seconds
     std::optional<double> error_target_percent;  // at least 0
-    // At least least_filter_memory; limits near that may be exceeded (see peak_memory_bytes). Neither it nor the number of threads changes the result.
+    // At least least_filter_memory; limits near that may be exceeded (see peak_memory_bytes). Neither it nor the number
+    // of threads changes the result.
     std::uint64_t memory_bytes = std::uint64_t(512) << 20;
     unsigned threads = 0;                           // 0: one per processor
     std::uint64_t unit_points = usual_unit_points;  // NeighbourhoodOptions::unit_points; what is a guess depends on it
