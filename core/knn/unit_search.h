@@ -41,9 +41,9 @@ struct UnitSearchOptions {
 };
 
 // The result is that of comparing all pairs with squared distances (dx * dx + dy * dy) + dz * dz in double, where dx is
-// the exact difference in steps times the scale, both rounded once; equal squares are ordered by position, x first. So it
-// is for any extent, any number of points at one place (of which any may be chosen), and more neighbours than there are
-// points. What other points there are, and the instructions used (system/cpu.h), make no difference.
+// the exact difference in steps times the scale, both rounded once; equal squares are ordered by position, x first. So
+// it is for any extent, any number of points at one place (of which any may be chosen), and more neighbours than there
+// are points. What other points there are, and the instructions used (system/cpu.h), make no difference.
 class UnitSearch {
 public:
     virtual ~UnitSearch() = default;

@@ -178,7 +178,8 @@ TEST_F(Orientation, DoesNotDependOnTheThreads)
     EXPECT_EQ(Tree::open(tree_)->info().content_hash, hash);
 }
 
-// The sides of a plate that is thinner than its points are apart: their normals cannot be told apart, and are marked.
+// The sides of a plate that is thinner than its points are apart: which of two opposite normals is right nothing says
+// there, and they are marked.
 TEST_F(Orientation, ThinPlatesAreMarked)
 {
     neighbours_ = 16;

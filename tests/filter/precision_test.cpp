@@ -136,7 +136,7 @@ TEST_F(Precision, TheIntervalOfThePercentileHoldsIt)
     EXPECT_EQ(ranks_around_p95(1), (std::pair<std::size_t, std::size_t>{0, 0}));
 }
 
-// A pass that is slower than predicted goes on at coarser levels, unit by unit, and ends.
+// A pass that is slower than predicted takes coarser levels, unit by unit, and ends.
 TEST_F(Precision, APassWhoseTimeIsOverEndsAtTheCoarsestLevel)
 {
     NeighbourAttributeOptions options = options_of(true, false);
