@@ -168,9 +168,7 @@ private:
         result.reached.shape = local.shape;
         result.reached.threshold = local.threshold;
         result.reached.normal_angle = options_.fit.normal_angle;
-        result.reached.turned_angle = options_.turned_angle > 0    ? options_.turned_angle
-                                      : options_.fit.threshold > 0 ? 4
-                                                                   : pi / 6;
+        result.reached.turned_angle = angle_of(way);
         result.reached.limit = limit_;
         if (!options_.grow || result.points.empty()) return;
         std::vector<Vec3d> positions;
@@ -193,6 +191,14 @@ private:
         options.threads = options_.threads;
         options.progress = part_of(progress_, 0, 0.9);
         take(grow_shape(local.shape, result.points, options), way == Way::narrow, result);
+    }
+
+    // Errors that are alike at neighbours turn a surface: then it may be turned farther.
+    double angle_of(Way way) const
+    {
+        if (options_.turned_angle > 0) return options_.turned_angle;
+        if (options_.fit.threshold > 0) return 4;
+        return way == Way::uneven ? pi / 4 : pi / 6;
     }
 
     // Where the place was picked, points may lie closer than elsewhere; and what stands before a pipe or a tank hides

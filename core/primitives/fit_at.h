@@ -23,8 +23,8 @@ struct FitAtOptions {
     bool grow = true;       // over the cloud; else only the neighbourhood's inliers belong to it
     // Growth does not pass where the surface of the points is turned from the shape by more than this, radians
     // (turned_surface.h); pi / 2 or more: surfaces are not compared. Computed from the points, whatever normals the
-    // cloud has; those are compared where fit.normal_angle asks for it. 0: pi / 6, and where a threshold is given, by
-    // which someone says what lies on the surface, not compared.
+    // cloud has; those are compared where fit.normal_angle asks for it. 0: pi / 6, where noise rises from the place on
+    // pi / 4, and where a threshold is given, by which someone says what lies on the surface, not compared.
     double turned_angle = 0;
     double step = 0;      // of growth, source units; 0: from the gaps between the inliers (automatic_step())
     unsigned rounds = 8;  // GrowShapeOptions::most_rounds

@@ -15,7 +15,7 @@
 namespace pcm {
 namespace {
 
-constexpr double counted = 2;              // thresholds from the shape: what is turned is seen beyond the threshold
+constexpr double counted = 1.5;            // edges from the shape, half a block: a steep surface has points there, too
 constexpr double noises_per_cube = 6;      // a block is three cubes wide: its direction is known to a few degrees
 constexpr std::uint32_t least_points = 6;  // of a block with a direction
 constexpr double deviations = 3;           // by which a direction must be off
@@ -134,7 +134,7 @@ TurnedSurface::TurnedSurface(const Shape& shape, double threshold, double edge, 
       edge_(edge),
       angle_(angle),
       corner_(tree.bounds().min),
-      near_(shape, std::min(counted * threshold, edge), pi, tree.schema)
+      near_(shape, std::max(threshold, counted * edge), pi, tree.schema)
 {
     if (!(angle > 0))
         throw Error(ErrorCode::invalid_argument, {},

@@ -11,7 +11,7 @@
 namespace pcm {
 
 // Passes for places in cubes whose points, with those of the cubes around them, lie along the shape. Of the points up
-// to two thresholds and no farther than a cube's edge from the shape each block of 27 cubes has a plane by total least
+// to half a block from the shape each block of 27 cubes has a plane by total least
 // squares, in two directions along the shape and the distance from it, so that it is level on a shape of any curvature.
 // It is turned where its angle to the shape is larger than `angle` by more than three standard deviations. Blocks of
 // few points or of points on one line pass. Does not depend on the order of points beyond rounding.

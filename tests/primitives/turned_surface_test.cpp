@@ -33,32 +33,33 @@ protected:
         build_surface_tree(folder_.path(), points);
         cloud_ = PointCloud::open(folder_ / "surface.pct");
     }
-    FittedPrimitive fit(double angle) const
-    {
-        FitAtOptions options;
-        options.turned_angle = angle;
-        return fit_at(*cloud_, {{0.1, 0.2, 0.02}}, {}, options);
-    }
-
     TemporaryFolder folder_;
     std::shared_ptr<PointCloud> cloud_;
     std::size_t roof_ = 0;
 };
 
-TEST_F(Roof, AClickFindsTheRoofAndNotTheForest)
+// Roofs of some hundred points at a spacing of 0.8 m, from photographs of a drone, between trees: before, clicks there
+// found 230,000 to 600,000 points of the village.
+TEST(RoofsOfAVillage, AClickFindsNoMoreThanABuilding)
 {
-    const FittedPrimitive found = fit(FitAtOptions().turned_angle);
-    ASSERT_TRUE(found.primitive.fit.has_shape());
-    EXPECT_LT(length(cross(found.primitive.fit.shape.axis, normalised({-0.2, 0, 1}))), 0.1);
-    EXPECT_GT(found.points.size(), roof_ / 4);
-    EXPECT_LT(found.points.size(), 3 * roof_ / 2);
-    EXPECT_LT(found.primitive.fit.threshold, 0.6);
-    if (!found.left_surface.empty()) {
+    const std::string name = "big/centro_fuerte.laz";
+    PCM_REQUIRE_SAMPLE(name);
+    TemporaryFolder folder;
+    build_tree({sample(name)}, folder / "village.pct", {});
+    const auto cloud = PointCloud::open(folder / "village.pct");
+    FitAtOptions options;
+    for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+    for (const Vec3d& place : {Vec3d{685793.13, 9599165.43, 129.92}, Vec3d{685380.56, 9598555.47, 121.74}}) {
+        const FittedPrimitive found = fit_at(*cloud, {place}, {}, options);
+        ASSERT_TRUE(found.primitive.fit.has_shape());
+        EXPECT_LT(found.points.size(), 1000u);
+        EXPECT_LT(found.primitive.fit.threshold, 1);
+        if (found.left_surface.empty()) continue;
         EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
         EXPECT_NE(found.primitive.fit.message.find("left the surface"), std::string::npos);
         EXPECT_EQ(found.points.size(), found.local.inliers);
+        EXPECT_TRUE(reach_again(cloud->tree(), found.reached) == found.points);
     }
-    EXPECT_TRUE(reach_again(cloud_->tree(), found.reached) == found.points);
 }
 
 TEST_F(Roof, GrowthDoesNotPassWhereTheSurfaceIsTurned)
