@@ -200,7 +200,7 @@ std::vector<std::string> names_of_estimators()
 
 void add_shape(Options& options, Arguments& a)
 {
-    const char* group = "Shape";
+    const char* const group = "Shape";
     options.option("--at", a.at, "A place \"X Y Z\" on the surface, source coordinates; more of them refine the fit")
         .required()
         .values(1, 3000)
@@ -230,7 +230,11 @@ void add_shape(Options& options, Arguments& a)
     options.option("--largest-radius", a.largest_radius, "Larger radii are not considered, source units")
         .positive()
         .group(group);
-    group = "Estimator";
+}
+
+void add_estimator(Options& options, Arguments& a)
+{
+    const char* const group = "Estimator";
     options.option("--estimator", a.estimator, "How samples are drawn and scored (default msac)")
         .one_of(names_of_estimators())
         .group(group);
@@ -297,6 +301,7 @@ Run add_fit(Options& options)
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
     add_shape(options, *arguments);
+    add_estimator(options, *arguments);
     add_growth(options, *arguments);
     const char* const group = "What to do with the shape";
     options

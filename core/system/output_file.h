@@ -37,8 +37,8 @@ public:
     void rewrite(const void* bytes, std::size_t count, std::uint64_t offset);
     // Throws an Error that is_done() when the file is complete and in place, but may not survive a loss of power.
     void finish();
-    // The same at once, also while there is an OutputGroup, after `condition` was asked as the last thing before the file
-    // gets its name. Where it is false, the name keeps the file that it has, and this returns false.
+    // The same at once, also while there is an OutputGroup, after `condition` was asked as the last thing before the
+    // file gets its name. Where it is false, the name keeps the file that it has, and this returns false.
     bool finish_if(const std::function<bool()>& condition);
 
 private:

@@ -145,7 +145,7 @@ void run(const FilterRun& run)
     if (found.primitives.empty()) return run.log("Nothing was found: the list and the tree stay as they are.");
     PrimitiveBook::of(run.document).change([&](PrimitiveList& list) { list.add_all(found.primitives); });
     open_tool(run.document, "Fit Primitives");  // its panel has the list
-    OutputGroup drawing;  // it is there only when the labels are
+    OutputGroup drawing;                        // it is there only when the labels are
     write_drawing(run, found.primitives, cloud.unit);
     note_matrix(run, cloud);
     if (labelled) label(run, cloud, found, labels);

@@ -88,7 +88,7 @@ TEST(PrimitiveJson, TextKeepsEveryBit)
 {
     std::vector<Primitive> primitives;
     for (const ShapeTraits& traits : shape_kinds())
-        for (const double x : {500000.123456789, 1.0 / 3, 1e300}) primitives.push_back(full_primitive(traits.kind, x));
+        for (const double x : {500000.123456789, 1.0 / 3, 1e140}) primitives.push_back(full_primitive(traits.kind, x));
     for (Primitive& primitive : primitives)
         if (primitive.fit.shape.kind == ShapeKind::torus) primitive.fit.shape.second = primitive.fit.shape.radius / 3;
     const std::string text = json_of(primitives);

@@ -114,7 +114,7 @@ TEST(Filters, AnUpdateGoesIntoACopyOrInPlaceButNotIntoNeither)
 
     auto neither = erase();
     EXPECT_FALSE(neither->apply());
-    EXPECT_NE(neither->log().find("in place"), std::string::npos) << neither->log();
+    EXPECT_NE(neither->log().find("'In place'"), std::string::npos) << neither->log();
     EXPECT_EQ(points(tree), 20000u);
 
     auto into_copy = erase();

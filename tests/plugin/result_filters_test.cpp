@@ -101,7 +101,10 @@ TEST_F(ResultFilters, SubsampleToALevelASpacingAndANumber)
     const fs::path tree = scene_tree("a.las");
     const auto levels = Tree::open(tree)->level_summaries();
     FilterCall level(subsample_name);
-    level.set("Tree", tree).set("Output", folder_ / "level.pct").set("Spacing", FloatValue(float(levels[0].spacing)));
+    level.set("Tree", tree)
+        .set("Output", folder_ / "level.pct")
+        .set("Spacing", FloatValue(float(levels[0].spacing)))
+        .set("Exact", false);
     ASSERT_TRUE(level.apply()) << level.log();
     EXPECT_EQ(points_in(folder_ / "level.pct"), levels[0].points_to_here);
     EXPECT_NE(level.log().find(", level 0, spacing " + brief(levels[0].spacing)), std::string::npos) << level.log();
@@ -110,8 +113,7 @@ TEST_F(ResultFilters, SubsampleToALevelASpacingAndANumber)
     FilterCall spacing(subsample_name);
     spacing.set("Tree", tree)
         .set("Output", folder_ / "spacing.pct")
-        .set("Spacing", FloatValue(0.9f))
-        .set("Exact", true);
+        .set("Spacing", FloatValue(0.9f));  // exactly, by default
     ASSERT_TRUE(spacing.apply()) << spacing.log();
     EXPECT_NE(spacing.log().find("spacing exactly 0.9 source units"), std::string::npos) << spacing.log();
 

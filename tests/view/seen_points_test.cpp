@@ -73,7 +73,7 @@ TEST(SeenPoints, AreThoseOfTheBoxesInView)
                 seen += is_visible(clip(in_view.view, p));
             }
             expected += node.points * double(seen) / samples;
-            // A quarter of a box is what its places along an axis tell apart.
+            // The estimate divides a box into quarters along each axis.
             if (!frustum.intersects(box) || frustum.contains(box)) continue;
             most_wrong += 0.4 * node.points;
             ++partly;

@@ -85,7 +85,7 @@ TEST_P(SelectedReaderTest, SelectsWhatALoopSelects)
     }
 }
 
-TEST(SelectedReader, AnAttributeCalledXComesBeforeTheCoordinate)
+TEST(SelectedReader, AnAttributeCalledXIsMeantInQuotesAlone)
 {
     Schema schema;
     schema.add({"x", ScalarType::u8, 1, 1, 0, ""});
@@ -93,8 +93,9 @@ TEST(SelectedReader, AnAttributeCalledXComesBeforeTheCoordinate)
     cloud.points.attributes[0].as<std::uint8_t>()[3] = 77;
     for (std::size_t i = 0; i < 10; ++i)
         if (i != 3) cloud.points.attributes[0].as<std::uint8_t>()[i] = 0;
-    SelectedReader reader(std::make_unique<MemoryReader>(cloud), where({"x=77"}));
+    SelectedReader reader(std::make_unique<MemoryReader>(cloud), where({"'x'=77"}));
     EXPECT_EQ(read_all(reader).points.size, 1u);
+    EXPECT_THROW(SelectedReader(std::make_unique<MemoryReader>(cloud), where({"x=77"})), Error);
 }
 
 }  // namespace
