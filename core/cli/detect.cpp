@@ -122,7 +122,7 @@ int run(Arguments& arguments)
     options.progress = console_progress(arguments.common);
     const auto tree = Tree::open(arguments.tree);
     LabelOptions label;
-    label.target = arguments.target.get();
+    if (!arguments.label.empty()) label.target = arguments.target.get();
     label.attribute = arguments.label;
     label.overwrite = arguments.overwrite;
     label.memory_bytes = options.memory_bytes;

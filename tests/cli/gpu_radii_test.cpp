@@ -91,7 +91,7 @@ TEST_F(GpuRadiiCommand, AnErrorLeavesNoCopyAndNoChange)
     }
     EXPECT_FALSE(std::filesystem::exists(folder_ / "copy.pct"));
     EXPECT_EQ(Tree::open(folder_ / "in.pct")->info().generation, generation);
-    EXPECT_EQ(radii(path("in.pct")).code, 1);  // neither a copy nor in place
+    EXPECT_EQ(radii(path("in.pct")).code, 2);  // neither a copy nor in place
 }
 
 TEST_F(GpuRadiiCommand, RefusesWhatItWouldNotDo)

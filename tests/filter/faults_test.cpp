@@ -114,10 +114,10 @@ protected:
 INSTANTIATE_TEST_SUITE_P(
     Commands, FilterFaults,
     testing::Values(
-        FaultCase{"normals", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, true},
-        FaultCase{"outliers", {"outliers", "-a", "1", "-k", "3", "-t", "1", "-m", "300K"}, true},
+        FaultCase{"normals", {"normals", "--radii", "-k", "3", "-t", "1"}, true},
+        FaultCase{"outliers", {"outliers", "-a", "1", "-k", "3", "-t", "1"}, true},
         FaultCase{"outliers_of_a_copy", {"outliers", "-a", "1", "-k", "3", "-t", "1"}, false},
-        FaultCase{"labels", {"outliers", "--label", "-a", "1", "-k", "3", "-t", "1", "-m", "300K"}, true},
+        FaultCase{"labels", {"outliers", "--label", "-a", "1", "-k", "3", "-t", "1"}, true},
         FaultCase{"set_saved", {"select", "--sphere", "5", "4", "0", "3", "--save-attribute", "a"}, true},
         FaultCase{"set_saved_in_a_copy", {"select", "--sphere", "5", "4", "0", "3", "--save-attribute", "a"}, false},
         FaultCase{"set_classified", {"select", "--sphere", "5", "4", "0", "3", "--classify", "7"}, true},
@@ -131,7 +131,7 @@ INSTANTIATE_TEST_SUITE_P(
                   {"detect", "--label", "a", "--pieces", "--min-points", "50", "--threshold", "0.3", "-t", "1"},
                   false,
                   true},
-        FaultCase{"normals_of_a_copy", {"normals", "--radii", "-k", "3", "-t", "1", "-m", "300K"}, false}),
+        FaultCase{"normals_of_a_copy", {"normals", "--radii", "-k", "3", "-t", "1"}, false}),
     [](const auto& info) { return info.param.name; });
 
 TEST_P(FilterFaults, KilledAtAnyCall)

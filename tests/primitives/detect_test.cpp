@@ -422,7 +422,11 @@ TEST_F(Detect, RougherSurfacesThanMostHaveAWiderThreshold)
     EXPECT_GT(table.points, 110000u);
     EXPECT_GE(table.fit.threshold, 2 * report.threshold);
     EXPECT_EQ(mug.fit.shape.kind, ShapeKind::cylinder);
-    EXPECT_GT(mug.points, 5000u);
+    // Which pieces the mug comes in hangs on the last digits; most of its 14,000 points are on cylinders.
+    std::uint64_t on_cylinders = 0;
+    for (const Primitive& p : report.primitives)
+        if (p.fit.shape.kind == ShapeKind::cylinder) on_cylinders += p.points;
+    EXPECT_GT(on_cylinders, 7000u);
     EXPECT_GE(report.outcome.error, table.fit.threshold);
 }
 
