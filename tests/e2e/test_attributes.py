@@ -39,7 +39,8 @@ def normals(tree, output="", in_place=False, level=-1, time_limit=0, error_targe
 def outliers(tree, output="", in_place=False, method=0, factor=3, radius=0, label=False, count=False):
     return ("Remove Outliers of Point Cloud Tree", {
         **common(tree, output, in_place), "Method": ("RichEnum", method, METHODS), "Neighbours": ("RichInt", 16),
-        "Factor": ("RichFloat", factor), "Radius": ("RichFloat", radius), "Label": flag(label), "CountOnly": flag(count)})
+        "Factor": ("RichFloat", factor), "Radius": ("RichFloat", radius), "Label": flag(label), "CountOnly": flag(count),
+        "Overwrite": flag(False)})
 
 
 class Attributes(MeshLabTest):

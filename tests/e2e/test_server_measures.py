@@ -74,7 +74,7 @@ class ServerMeasures(MeshLabTest):
 
     def test_volumes(self):
         polygon = "500010 4800010 500050 4800010 500050 4800050"
-        run = self.server([volume(self.tree, polygon, height="95.5", side=1, output=self.folder / "v.json")])
+        run = self.server([volume(self.tree, polygon, height="95.5", side=1, interpolate=True, output=self.folder / "v.json")])
         self.assertEqual(run.code, 0, run.text)
         ours = pcmlab("measure", "--list", self.folder / "v.json")["measures"][0]["values"]
         same = pcmlab("volume", self.tree, "--reference", 95.5, "--side", 1, "--polygon", *polygon.split())

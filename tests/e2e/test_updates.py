@@ -97,7 +97,7 @@ class Updates(MeshLabTest):
     def test_refuses_and_leaves_the_tree_alone(self):
         tree, las = self.scenes()
         for filters, words in (
-                ([add(tree, las)], ["in place"]),
+                ([add(tree, las)], ["'In place'"]),
                 ([add(tree, self.folder / "none.las", in_place=True)], ["none.las", "no such file"]),
                 ([delete(tree, in_place=True)], ["which points"]),
                 ([delete(tree, where="colour = 1", in_place=True)], ["colour", "intensity"]),

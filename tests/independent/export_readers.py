@@ -137,8 +137,11 @@ def laspy(output, truth, error, options):
             continue
         if field is None:  # the name is that of something else in LAS, or has too many components
             field = theirs.attributes.get(f"{name}_2")
-        if field is None and f"{name}[0]" in theirs.attributes:
-            parts = [theirs.attributes[f"{name}[{i}]"] for i in range(attribute.values.shape[1])]
+        names = [f"{name}[{i}]" for i in range(attribute.values.shape[1])]
+        if name == "normal":
+            names = ["NormalX", "NormalY", "NormalZ"]
+        if field is None and names[0] in theirs.attributes:
+            parts = [theirs.attributes[part] for part in names]
             field = parts[0]
             field.values = np.concatenate([part.values for part in parts], axis=1)
         if field is None:

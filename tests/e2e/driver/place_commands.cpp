@@ -60,14 +60,16 @@ Done click_cell(TestDriver& driver, const QString& argument)
     return Done::yes;
 }
 
-// check-cell TABLE ROW COLUMN on|off: a cell with a box to tick
+// check-cell TABLE ROW COLUMN on|off: a cell with a box to tick, which is not so yet; the panel may be late
 Done check_cell(TestDriver& driver, const QString& argument)
 {
     auto* table = driver.window()->findChild<QTableWidget*>(argument.section(' ', 0, 0));
     QTableWidgetItem* item =
         table ? table->item(argument.section(' ', 1, 1).toInt(), argument.section(' ', 2, 2).toInt()) : nullptr;
-    if (!item || !(item->flags() & Qt::ItemIsUserCheckable)) driver.fail("no cell to tick '" + argument + "'");
-    item->setCheckState(argument.section(' ', 3, 3) == "on" ? Qt::Checked : Qt::Unchecked);
+    const auto wanted = argument.section(' ', 3, 3) == "on" ? Qt::Checked : Qt::Unchecked;
+    if (!item || !(item->flags() & Qt::ItemIsUserCheckable) || item->checkState() == wanted)
+        return driver.until(false, "a cell to tick '" + argument + "'");
+    item->setCheckState(wanted);
     return Done::yes;
 }
 
