@@ -9,7 +9,8 @@ namespace {
 
 constexpr double noises = 3;          // an inlier's largest distance
 constexpr double far_less = 0.3;      // noise
-constexpr double as_little = 1.25;    // times the noise of the surface: nothing is left to explain
+constexpr double as_little = 1.25;    // times the noise of the surface: nothing is left to explain,
+constexpr double half_less = 0.45;    // where it is less than half of what there was
 constexpr double most = 0.5;          // of the points
 constexpr double most_radius = 200;   // of the other kind, in the noise: what is less bent may be a scanner's error
 constexpr std::size_t enough = 3000;  // points to compare kinds
@@ -120,7 +121,7 @@ std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3
     options.threshold = 2 * noises * noise;
     options.progress = progress;
     std::optional<ShapeKind> best;
-    double least = std::max(far_less * fit.noise, as_little * noise);
+    double least = std::max(far_less * fit.noise, std::min(as_little * noise, half_less * fit.noise));
     for (const ShapeTraits& row : shape_kinds()) {
         options.kind = row.kind;
         if (row.kind == fit.shape.kind || !(options.threshold > 0)) continue;

@@ -29,9 +29,9 @@ bool is_determined(const ShapeFit& fit);
 std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points, double depth);
 
 // A kind that explains the inliers of `fit` among `points` far better: most of them within six standard deviations of
-// `noise`, that of the points' surface, and with less than three tenths of the noise of `fit`, or no more than 1.25
-// times `noise`. A plane is that for what bends by no more than scanners do: with a radius of 200 times its noise.
-// Nothing where there is none. Of many points some take part. Throws Error(cancelled).
+// `noise`, that of the points' surface, and with less than three tenths of the noise of `fit`, or less than half of
+// that and no more than 1.25 times `noise`. A plane is that for what bends by no more than scanners do: with a radius
+// of 200 times its noise. Nothing where there is none. Of many points some take part. Throws Error(cancelled).
 std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3d>& points, double noise,
                                      const ProgressFunction& progress = {});
 

@@ -223,10 +223,6 @@ private:
         if (options_.fit.threshold == 0 && grown.fit.noise > even_spread * grown.threshold)
             return come_back("its points are spread evenly within the threshold, as points of no surface are",
                              FitIssue::no_consensus, result);
-        if (grown.is_capped)
-            return come_back("its points leave it farther and farther, by " + brief(grown.fit.noise) +
-                                 " at last, those around the place by " + brief(result.local.noise),
-                             FitIssue::no_consensus, result);
         FittedPrimitive followed{result};
         take_grown(std::move(grown), followed);
         const ShapeFit& fit = followed.primitive.fit;

@@ -31,7 +31,7 @@ public:
     GrownShape run(const Shape& start)
     {
         const PointSet none(seeds_.shared_tree());
-        GrownShape grown{{}, 0, 1, none, start, threshold_, none, 0, false, false};
+        GrownShape grown{{}, 0, 1, none, start, threshold_, none, 0, false};
         grown.fit.shape = start;
         const unsigned rounds = std::max(1u, options_.most_rounds);
         while (grown.rounds < rounds && !grown.converged) {
@@ -45,9 +45,7 @@ public:
             if (!grown.fit.has_shape()) break;
             grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) < 0.25;
             if (options_.raise_threshold && grown.rounds < rounds) {
-                const double wanted = noises * grown.fit.noise;
-                const double raised = std::min(wanted, most_raised * options_.threshold);
-                grown.is_capped = raised < wanted;
+                const double raised = std::min(noises * grown.fit.noise, most_raised * options_.threshold);
                 grown.converged = grown.converged && raised <= 1.05 * threshold_;
                 if (!grown.converged) threshold_ = std::max(threshold_, raised);
             }

@@ -42,7 +42,6 @@ struct GrownShape {
     PointSet around;         // next to these, up to beyond_thresholds from `fit.shape`; empty without rounds
     unsigned rounds = 0;     // done
     bool converged = false;  // the last round changed the shape by less than a quarter of its errors
-    bool is_capped = false;  // the points reached asked for a threshold raised farther than it may be
 };
 
 // From the seeds (those near the surface), by steps from point to point, through points whose distance from the surface

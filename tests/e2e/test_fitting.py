@@ -420,7 +420,7 @@ class Fitting(MeshLabTest):
             """)
         self.assertDriven(run)
         row = run.tables(LIST)[0][0]
-        self.assertRegex(row[1], r"^area [0-9.e+]+ ± [0-9.e+]+ ft²$")
+        self.assertRegex(row[1], r"^area [0-9.e+]+$")  # without an uncertainty: the fit is doubtful
         plane = json.loads(listed.read_text())["primitives"][0]
         points = self.points_of(part)
         self.assertEqual(len(points), plane["points"])

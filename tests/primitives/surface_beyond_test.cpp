@@ -122,7 +122,9 @@ TEST(BetterKind, IsOneThatLeavesMuchLessNoise)
     plane.threshold = 0.08;
     plane.noise = 0.03;
     EXPECT_EQ(better_kind(plane, points, sigma), ShapeKind::cylinder);
-    plane.noise = 3 * sigma;  // three tenths of it are less than the pipe's own noise
+    plane.noise = 3 * sigma;  // three tenths of it are less than the pipe's own noise, but nothing else is left
+    EXPECT_EQ(better_kind(plane, points, sigma), ShapeKind::cylinder);
+    plane.noise = 2 * sigma;  // the pipe's own noise is half of it
     EXPECT_FALSE(better_kind(plane, points, sigma));
     plane.noise = 0.03;
     // A third of the points are the pipe's.
