@@ -11,8 +11,8 @@ namespace pcm {
 // warnings.
 using WorkOnTree = std::function<void(const std::filesystem::path& folder, BuildReport& report)>;
 
-// As build_tree(), and `then` is done before the tree gets its name: when it throws, there is no tree, and an
-// interrupted build that is resumed does all of it. Errors and warnings of `then` name `output` in place of the working
+// As build_tree(), but `then` runs before the tree gets its name: when it throws, nothing has that name, and an
+// interrupted build that is resumed runs all of it. Errors and warnings of `then` name `output` in place of the working
 // folder. `outcome.seconds` is the time of the build alone. `then` may be empty.
 BuildReport build_tree_then(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                             const BuildOptions& options, const WorkOnTree& then);

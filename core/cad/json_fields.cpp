@@ -1,7 +1,7 @@
 #include "pcm/cad/json_fields.h"
 
 #include "pcm/system/error.h"
-#include "pcm/system/file.h"
+#include "pcm/system/text_file.h"
 
 #include <cmath>
 #include <limits>
@@ -19,15 +19,7 @@ using Json = JsonFields::Json;
 std::string read_list_file(const std::filesystem::path& file, const char* what)
 {
     constexpr std::uint64_t most_bytes = std::uint64_t{64} << 20;
-    const File input(file, File::Mode::read);
-    const std::uint64_t size = input.size();
-    if (size > most_bytes)
-        throw Error(
-            ErrorCode::bad_format, file,
-            std::string("this is no list of ") + what + ": it has " + std::to_string(size) + " bytes, more than 64 MB");
-    std::string text(size, '\0');
-    input.read_at(text.data(), text.size(), 0);
-    return text;
+    return read_text_file(file, std::string("a list of ") + what, most_bytes);
 }
 
 JsonFields::JsonFields(const Json& json, std::string where) : json_(json), where_(std::move(where))

@@ -204,7 +204,7 @@ std::string unexpected(const CLI::App& command)
     return "there is no option " + name + perhaps(name, names);
 }
 
-// Of a command line on which an option has too few or too many values: the first such option among the words.
+// The first option among the words of a command line that has too few or too many values.
 std::string wrong_number_of_values(const CLI::App& command, const std::vector<std::string>& words,
                                    const std::string& otherwise)
 {

@@ -13,7 +13,7 @@ namespace pcm::cli {
 Json json_of(const Primitive& primitive);
 // Parameters with their standard deviations, bounds, and how good the fit is.
 void print_primitive(const Primitive& primitive);
-// Of a plane with an outline: "52.1 +- 3.2 in the concave outline of its points".
+// The area of a plane with an outline: "52.1 +- 3.2 in the concave outline of its points".
 std::string area_text(const Primitive& primitive);
 
 // Throws Error(invalid_argument) unless the file's name ends in .json, and what read_primitives() throws for one that

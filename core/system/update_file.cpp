@@ -1,11 +1,11 @@
 #include "pcm/system/update_file.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/file_lock.h"
 #include "pcm/system/output_file.h"
 #include "pcm/system/output_path.h"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -15,6 +15,17 @@
 namespace pcm {
 namespace {
 
+// Takes the lock otherwise, where there are locks. Network file systems also refuse that of a folder, which is open for
+// reading alone.
+bool is_held(int descriptor, const std::filesystem::path& file)
+{
+    try {
+        return take_lock(descriptor, file) == FileLock::held;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 class FolderLock {
 public:
     FolderLock(const std::filesystem::path& file, std::chrono::milliseconds patience)
@@ -22,9 +33,7 @@ public:
     {
         if (descriptor_ < 0) throw Error::from_errno(errno, folder_holding(file), "opening the folder");
         const auto last = std::chrono::steady_clock::now() + patience;
-        while (::flock(descriptor_, LOCK_EX | LOCK_NB) != 0) {
-            if (errno == EINTR) continue;
-            if (errno != EWOULDBLOCK) return;  // no locks here
+        while (is_held(descriptor_, file)) {
             if (std::chrono::steady_clock::now() >= last) {
                 ::close(descriptor_);
                 throw Error(ErrorCode::io, file, "another process keeps the folder of this file locked",
