@@ -23,6 +23,10 @@ struct Result {
     std::string out, err;
 };
 
+// Skips a test that draws where nothing can be drawn: `result` is of a first try.
+#define PCM_REQUIRE_DRAWING(result) \
+    if ((result).err.find("no OpenGL context") != std::string::npos) GTEST_SKIP() << (result).err
+
 class CommandTest : public testing::Test {
 protected:
     // Runs pcmlab with `arguments`, which the caller quotes for the shell; `before` is what the shell is given first.
