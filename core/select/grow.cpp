@@ -115,21 +115,22 @@ private:
                 if (&units_[v] != &unit && units_[v].reach.intersects(unit.box)) unit.neighbours.push_back(v);
     }
 
-    SelectOptions alone() const
+    // A scan for positions by the thread of one unit: of points that pass the test, or of the set. Either may be null.
+    static ScanOptions positions_of(const PlaceTest* test, const PointSet* within = nullptr)
     {
-        SelectOptions options;
-        options.threads = 1;
-        return options;
+        ScanOptions scan;
+        scan.test = test;
+        scan.within = within;
+        scan.columns = ColumnSet::only_positions();
+        scan.select.threads = 1;
+        return scan;
     }
 
     // The seeds that the limit chooses, and the units that they are near.
     void take_seeds()
     {
         PointSet seeds(reached_.shared_tree());
-        ScanOptions scan;
-        scan.test = options_.test;
-        scan.within = &reached_;
-        scan.columns = ColumnSet::only_positions();
+        ScanOptions scan = positions_of(options_.test, &reached_);
         scan.select.threads = options_.threads;
         scan_points(tree_, options_.limit, scan, [&](const ScannedPoints& found) {
             Box3d box;
@@ -157,11 +158,7 @@ private:
             Box3d box;
             Selection inside;
             inside.box = unit.box;
-            ScanOptions scan;
-            scan.within = &seeds;
-            scan.columns = ColumnSet::only_positions();
-            scan.select = alone();
-            scan_points(tree_, inside, scan, [&](const ScannedPoints& found) {
+            scan_points(tree_, inside, positions_of(nullptr, &seeds), [&](const ScannedPoints& found) {
                 for (std::size_t i = 0; i < found.indices.size(); ++i) {
                     here[found.node].emplace_back(found.numbers[i], position(found, found.indices[i]));
                     box.extend(here[found.node].back().second);
@@ -186,11 +183,7 @@ private:
         Selection around = options_.limit;
         const Box3d wide = grown(box, options_.surroundings->margin());
         around.box = around.box ? intersection(*around.box, wide) : wide;
-        ScanOptions scan;
-        scan.test = &options_.surroundings->counts();
-        scan.columns = ColumnSet::only_positions();
-        scan.select = alone();
-        scan_points(tree_, around, scan, [&](const ScannedPoints& found) {
+        scan_points(tree_, around, positions_of(&options_.surroundings->counts()), [&](const ScannedPoints& found) {
             for (const std::uint32_t i : found.indices) judge->add(position(found, i));
         });
         return judge;
@@ -221,11 +214,7 @@ private:
         std::size_t open = 0;
         Selection here = options_.limit;
         here.box = here.box ? intersection(*here.box, unit.box) : unit.box;
-        ScanOptions scan;
-        scan.test = options_.test;
-        scan.columns = ColumnSet::only_positions();
-        scan.select = alone();
-        scan_points(tree_, here, scan, [&](const ScannedPoints& found) {
+        scan_points(tree_, here, positions_of(options_.test), [&](const ScannedPoints& found) {
             for (std::size_t i = 0; i < found.indices.size(); ++i) {
                 const Vec3d p = position(found, found.indices[i]);
                 const bool is_known = reached.contains(found.node, found.numbers[i]);
@@ -276,11 +265,7 @@ private:
     {
         Selection around;
         around.box = unit.reach;
-        ScanOptions scan;
-        scan.within = &reached;
-        scan.columns = ColumnSet::only_positions();
-        scan.select = alone();
-        scan_points(tree_, around, scan, [&](const ScannedPoints& found) {
+        scan_points(tree_, around, positions_of(nullptr, &reached), [&](const ScannedPoints& found) {
             for (const std::uint32_t i : found.indices) {
                 const Vec3d p = position(found, i);
                 if (!unit.box.contains(p)) flood.reach_from(p);

@@ -15,21 +15,6 @@ using namespace pcm;
 using namespace pcm::test;
 namespace fs = std::filesystem;
 
-AppendOptions small_append(unsigned threads = 2)
-{
-    AppendOptions options;
-    options.memory_bytes = 64 << 20;
-    options.chunk_points = 1000;
-    options.threads = threads;
-    return options;
-}
-
-AppendReport append(const fs::path& path, const MemoryCloud& cloud, const AppendOptions& options = small_append())
-{
-    MemoryReader reader(cloud);
-    return append_points(path, reader, {"more.las"}, options);
-}
-
 class Append : public testing::TestWithParam<Sampling> {
 protected:
     void start(const MemoryCloud& cloud)

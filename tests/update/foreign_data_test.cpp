@@ -22,12 +22,7 @@ protected:
     void SetUp() override
     {
         build(surface(3000, 0, 0, 20, 1), path_);
-        const MemoryCloud more = surface(2000, 30, 0, 20, 2);
-        MemoryReader reader(more);
-        AppendOptions options;
-        options.memory_bytes = least_build_memory;
-        options.chunk_points = 1000;
-        append_points(path_, reader, {"more.las"}, options);
+        append(path_, surface(2000, 30, 0, 20, 2));
         build(surface(3000, 0, 0, 20, 3), alike_);
         MemoryCloud elsewhere = surface(3000, 0, 0, 20, 4);
         elsewhere.info.grid->offset = {7, 8, 9};

@@ -7,6 +7,7 @@
 #include "pcm/tree/tree.h"
 #include "pcm/tree/verify.h"
 #include "pcm/tree/verify_levels.h"
+#include "pcm/update/append.h"
 #include "tests/memory_reader.h"
 #include "tests/support.h"
 
@@ -133,6 +134,22 @@ inline void build(const MemoryCloud& cloud, const std::filesystem::path& path, S
     BuildOptions options = small_build(sampling);
     options.overwrite = true;
     build_tree(reader, {"first.las"}, path, options);
+}
+
+inline AppendOptions small_append(unsigned threads = 2)
+{
+    AppendOptions options;
+    options.memory_bytes = 64 << 20;
+    options.chunk_points = 1000;
+    options.threads = threads;
+    return options;
+}
+
+inline AppendReport append(const std::filesystem::path& path, const MemoryCloud& cloud,
+                           const AppendOptions& options = small_append())
+{
+    MemoryReader reader(cloud);
+    return append_points(path, reader, {"more.las"}, options);
 }
 
 }  // namespace pcm::test

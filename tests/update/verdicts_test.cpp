@@ -22,12 +22,7 @@ protected:
     void SetUp() override
     {
         build(surface(300, 0, 0, 10, 1), path_);
-        const MemoryCloud more = surface(200, 50, 0, 10, 2);
-        MemoryReader reader(more);
-        AppendOptions options;
-        options.memory_bytes = least_build_memory;
-        options.chunk_points = 1000;
-        append_points(path_, reader, {"more.las"}, options);
+        append(path_, surface(200, 50, 0, 10, 2));
         Selection selection;
         selection.box = Box3d{{1055, 1900, -100}, {1100, 2100, 100}};
         ASSERT_GT(erase_points(path_, selection).points_deleted, 0u);
