@@ -95,7 +95,8 @@ void print_text(const PickResult& result, const PointDescription* point, const P
         const auto line = [](const std::string& name, const std::string& value) {
             std::printf("%-24s %s\n", name.c_str(), value.c_str());
         };
-        line("position", exact(point->position));
+        const auto& text = point->position_text;
+        line("position", text[0] + " " + text[1] + " " + text[2]);
         line("point", std::to_string(result.hit->index) + " of node " + std::to_string(result.hit->node));
         line("spacing", brief(point->spacing));
         line("grid step", exact(point->grid_step));

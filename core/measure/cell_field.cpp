@@ -75,7 +75,7 @@ Field coarser(const Field& fine)
 
 // Successive over-relaxation from a guess that the coarser grid gives (cascadic multigrid: Bornemann and Deuflhard
 // 1996), so that a few rounds do on each grid.
-void solve_laplace(Field& field)
+void solve_laplace(Field& field, const Check& check)
 {
     std::vector<std::size_t> gaps;
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -92,7 +92,7 @@ void solve_laplace(Field& field)
     }
     if (field.height.size() > 1) {
         Field coarse = coarser(field);
-        solve_laplace(coarse);
+        solve_laplace(coarse, check);
         for (const std::size_t cell : gaps)
             field.height[cell] = coarse.height[(cell / field.columns / 2) * coarse.columns + cell % field.columns / 2];
     }
@@ -100,6 +100,7 @@ void solve_laplace(Field& field)
     constexpr int rounds = 60;
     const std::size_t columns = field.columns;
     for (int round = 0; round < rounds; ++round) {
+        if (check) check();
         double largest = 0;
         for (const std::size_t cell : gaps) {
             const std::size_t column = cell % columns;
@@ -123,11 +124,11 @@ void solve_laplace(Field& field)
     }
 }
 
-void fill(Field& field)
+void fill(Field& field, const Check& check)
 {
     const CellPlane plane = plane_through(field);
     for (std::size_t cell = 0; cell < field.height.size(); ++cell) field.height[cell] -= plane.at(cell, field.columns);
-    solve_laplace(field);
+    solve_laplace(field, check);
     for (std::size_t cell = 0; cell < field.height.size(); ++cell) field.height[cell] += plane.at(cell, field.columns);
 }
 

@@ -5,9 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace pcm::cells {
+
+// Called several times a second by the thread that works; may throw. May be empty.
+using Check = std::function<void()>;
 
 // A grid of heights; NaN: not known.
 struct Field {
@@ -34,8 +38,8 @@ CellPlane plane_through(const Field& field);
 // Cells of two by two as one: the mean of the known ones.
 Field coarser(const Field& fine);
 // Laplace's equation in the gaps; fill() takes the plane away first.
-void solve_laplace(Field& field);
-void fill(Field& field);
+void solve_laplace(Field& field, const Check& check);
+void fill(Field& field, const Check& check);
 
 struct Gaps {
     std::vector<std::uint32_t> width;

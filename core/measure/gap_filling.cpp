@@ -27,7 +27,8 @@ struct Learnt {
 class GapErrors {
 public:
     // `field` is relative to the plane, `heights` are not.
-    GapErrors(const Field& field, const Field& heights, std::uint32_t widest, std::size_t reach, double spread);
+    GapErrors(const Field& field, const Field& heights, std::uint32_t widest, std::size_t reach, double spread,
+              const Check& check);
     double error2(bool outer, std::uint32_t width) const { return at(outer, width, mean_); }
     double jump2(std::uint32_t width) const { return at(false, width, jumps2_); }
     double jump(std::uint32_t width) const { return std::sqrt(at(false, width, jumps_)); }
@@ -38,6 +39,7 @@ private:
     static void complete(Curve& curve, const std::array<double, bins>& blocks, double least_power, double fallback);
     static double at(bool outer, std::uint32_t width, const std::array<Curve, 2>& curves);
 
+    const Check& check_;
     std::size_t reach_;
     std::array<std::array<Learnt, bins>, 2> learnt_;
     std::array<Curve, 2> mean_{}, jumps2_{}, jumps_{};
@@ -82,7 +84,7 @@ void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::siz
     }
     if (left < 2) return;
     const Gaps gaps = look_around(hidden, reach_ / scale);
-    fill(hidden);
+    fill(hidden, check_);
     for (std::size_t cell = 0; cell < field.height.size(); ++cell) {
         const auto number = block_at(cell);
         if (!number || !field.known(cell)) continue;
@@ -161,8 +163,9 @@ Learnt differences(const Field& heights, std::size_t lag)
     return found;
 }
 
-GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t widest, std::size_t reach, double spread)
-    : reach_(reach)
+GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t widest, std::size_t reach, double spread,
+                     const Check& check)
+    : check_(check), reach_(reach)
 {
     const std::size_t extent = std::max(field.columns, field.rows());
     // Of large grids wide blocks are hidden in coarser ones, so that all widths together take about as long as the
@@ -219,7 +222,7 @@ GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t wid
 }  // namespace
 
 FilledCells fill_gaps(const std::vector<double>& height, const std::vector<double>& areas, std::size_t columns,
-                      double spread)
+                      double spread, const Check& check)
 {
     Field field{height, areas, columns};
     for (std::size_t cell = 0; cell < height.size(); ++cell)
@@ -245,7 +248,7 @@ FilledCells fill_gaps(const std::vector<double>& height, const std::vector<doubl
     Gaps gaps = look_around(field, reach);
     std::uint32_t widest = 1;
     for (const std::uint32_t width : gaps.width) widest = std::max(widest, width);
-    const GapErrors errors(field, heights, widest, reach, spread);
+    const GapErrors errors(field, heights, widest, reach, spread, check);
     double excess = 0, inner = 0;
     for (std::size_t cell = 0; cell < height.size(); ++cell) {
         if (!field.gap(cell)) continue;
@@ -261,7 +264,7 @@ FilledCells fill_gaps(const std::vector<double>& height, const std::vector<doubl
         if (field.gap(cell) && !gaps.outer[cell]) filled.step[cell] = common;
     filled.width = std::move(gaps.width);
     filled.outer = std::move(gaps.outer);
-    solve_laplace(field);
+    solve_laplace(field, check);
     for (std::size_t cell = 0; cell < height.size(); ++cell)
         if (std::isnan(filled.height[cell]) && areas[cell] > 0)
             filled.height[cell] = field.height[cell] + plane.at(cell, columns);

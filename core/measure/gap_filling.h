@@ -32,6 +32,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 namespace pcm {
@@ -47,9 +48,10 @@ struct FilledCells {
 
 // `areas` and `height` by rows of `columns` cells; a cell without area is outside, a height that is NaN a gap. Without
 // any known cell nothing is filled. `spread`: of heights within a cell, where there are too few cells to say. Time:
-// some microseconds a cell; memory: about 150 bytes a cell. Any thread.
+// some microseconds a cell; memory: about 150 bytes a cell. `check` is called several times a second by this thread,
+// and ends the work by throwing. Any thread.
 FilledCells fill_gaps(const std::vector<double>& height, const std::vector<double>& areas, std::size_t columns,
-                      double spread = 0);
+                      double spread = 0, const std::function<void()>& check = {});
 
 // The standard deviation of the sum of weights times the errors of the filled cells: `weights` are areas, or parts.
 double gap_uncertainty(const FilledCells& cells, const std::vector<double>& weights, std::size_t columns);

@@ -8,6 +8,7 @@
 #include "pcm/measure/volume_sums.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
+#include "pcm/threads/watch.h"
 
 #include <algorithm>
 #include <chrono>
@@ -238,7 +239,8 @@ VolumeReport Volume::run()
         grid.emplace(polygon_, report_.side);
         cells = read(*grid);
     }
-    add_volumes(report_, *grid, cells, options_.height, options_.empty);
+    Watch watch(options_.progress);
+    add_volumes(report_, *grid, cells, options_.height, options_.empty, [&] { watch.report("Filling gaps", 0.95); });
     if (!(report_.area_counted > 0))
         refuse("no cell has points of both clouds: there is no volume", "take a larger side, or interpolate");
     report_.outcome.points_out = report_.points[0] + report_.points[1];

@@ -75,16 +75,16 @@ double spread_within(const std::vector<HeightCell>& cells)
 // Kaab, Girod 2019, "Sensitivity of glacier volume change estimation to DEM void interpolation", The Cryosphere 13):
 // what comes out less uncertain.
 Filled fill(const std::vector<Surface2d>& surfaces, const std::vector<double>& areas, std::size_t columns,
-            double spread)
+            double spread, const std::function<void()>& check)
 {
     Filled whole;
     if (surfaces.size() == 1) {
-        whole.fields.push_back(fill_gaps(surfaces[0].height, areas, columns, spread));
+        whole.fields.push_back(fill_gaps(surfaces[0].height, areas, columns, spread, check));
         whole.difference = whole.fields[0].height;
         return whole;
     }
     whole.fields.push_back(
-        fill_gaps(minus(surfaces[0].height, surfaces[1].height), areas, columns, spread * std::sqrt(2.0)));
+        fill_gaps(minus(surfaces[0].height, surfaces[1].height), areas, columns, spread * std::sqrt(2.0), check));
     whole.difference = whole.fields[0].height;
     if (!whole.fields[0].filled) {
         bool known = false;
@@ -92,7 +92,8 @@ Filled fill(const std::vector<Surface2d>& surfaces, const std::vector<double>& a
         if (known) return whole;
     }
     Filled apart;
-    for (const Surface2d& surface : surfaces) apart.fields.push_back(fill_gaps(surface.height, areas, columns, spread));
+    for (const Surface2d& surface : surfaces)
+        apart.fields.push_back(fill_gaps(surface.height, areas, columns, spread, check));
     apart.difference = minus(apart.fields[0].height, apart.fields[1].height);
     const bool together =
         whole.fields[0].filled && whole.uncertainty(areas, columns) <= apart.uncertainty(areas, columns);
@@ -128,7 +129,7 @@ void add_coarse(VolumeReport& report, const CellGrid& grid, const std::vector<st
 }  // namespace
 
 void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<std::vector<HeightCell>>& cells,
-                 CellHeight height, EmptyCells empty)
+                 CellHeight height, EmptyCells empty, const std::function<void()>& check)
 {
     add_coarse(report, grid, cells, height);
     std::vector<Surface2d> surfaces;
@@ -139,7 +140,7 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
     }
     std::vector<double> areas(grid.size());
     for (std::size_t cell = 0; cell < grid.size(); ++cell) areas[cell] = grid.area(cell);
-    const Filled filled = empty == EmptyCells::interpolated ? fill(surfaces, areas, grid.columns(), spread)
+    const Filled filled = empty == EmptyCells::interpolated ? fill(surfaces, areas, grid.columns(), spread, check)
                                                             : Filled{difference_of(surfaces), {}};
     std::vector<double> all_gaps(grid.size(), 0), cut_gaps(all_gaps), fill_gaps(all_gaps);
     double net = 0, cut = 0, fill = 0;

@@ -5,13 +5,14 @@
 #include "pcm/measure/height_cells.h"
 #include "pcm/measure/volume.h"
 
+#include <functional>
 #include <vector>
 
 namespace pcm {
 
 // `cells`: of the cloud, and of the cloud before where there are two; heights relative to the reference. Sets the sums,
-// areas and uncertainties of the report. Any thread.
+// areas and uncertainties of the report. `check`: see fill_gaps(). Any thread.
 void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<std::vector<HeightCell>>& cells,
-                 CellHeight height, EmptyCells empty);
+                 CellHeight height, EmptyCells empty, const std::function<void()>& check = {});
 
 }  // namespace pcm

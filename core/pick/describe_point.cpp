@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/with_type.h"
 #include "pcm/system/error.h"
+#include "pcm/system/scaled_decimal.h"
 #include "pcm/system/text.h"
 #include "pcm/tree/source_rounding.h"
 
@@ -12,11 +13,24 @@
 namespace pcm {
 namespace {
 
+// raw * scale + offset, which is `value` in double.
+std::string text_of_steps(std::int64_t raw, double scale, double offset, double value)
+{
+    char digits[ScaledDecimal::longest];
+    const char* const end = ScaledDecimal(scale, offset).write(digits, raw);
+    return end ? std::string(digits, end) : exact(value);
+}
+
 template <class T>
 std::string text_of(T raw, const Attribute& attribute)
 {
-    if (attribute.scale != 1 || attribute.offset != 0)
-        return exact(static_cast<double>(raw) * attribute.scale + attribute.offset);
+    if (attribute.scale != 1 || attribute.offset != 0) {
+        const double value = static_cast<double>(raw) * attribute.scale + attribute.offset;
+        if constexpr (std::is_integral_v<T> && !std::is_same_v<T, std::uint64_t>)
+            return text_of_steps(raw, attribute.scale, attribute.offset, value);
+        else
+            return exact(value);
+    }
     if constexpr (std::is_integral_v<T>) return std::to_string(raw);
     char digits[64];
     return std::string(digits, std::to_chars(digits, digits + sizeof digits, raw).ptr);
@@ -76,7 +90,14 @@ PointDescription describe_point(L2Cache& cache, const PointSizes& sizes, NodeId 
         }
     }
     if (whole) chunk = *whole;
-    described.position = SourceRounding(info)(info.grid.to_source(chunk.positions->grid(place)));
+    const auto on_grid = chunk.positions->grid(place);
+    const Vec3d unrounded = info.grid.to_source(on_grid);
+    described.position = SourceRounding(info)(unrounded);
+    for (std::size_t a = 0; a < 3; ++a)
+        described.position_text[a] =
+            described.position[a] == unrounded[a]
+                ? text_of_steps(on_grid[a], info.grid.scale[a], info.grid.offset[a], unrounded[a])
+                : exact(described.position[a]);
     std::vector<float> radii;
     sizes.find_radii(id, chunk, radii);
     described.spacing = static_cast<double>(radii[place]);

@@ -122,6 +122,7 @@ void describe(const Target& target, Picked& picked)
         describe_point(target.tree.cloud->cache(), target.picker->sizes(), picked.node, picked.point);
     for (const DescribedAttribute& attribute : description.attributes)
         picked.attributes.push_back({attribute.name, attribute.text()});
+    picked.position_text = description.position_text;
     picked.spacing_around = local_spacing(target.tree.cloud->cache(), picked.position);
 }
 

@@ -10,6 +10,7 @@
 #include <QPoint>
 #include <QString>
 
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -30,6 +31,8 @@ struct Picked {
     NodeId node = no_node;              // of the tree
     std::uint32_t point = 0;            // its number in the node's chunk
     Vec3d position{};                   // source coordinates, as the file has them
+    // The same with all digits (pick/describe_point.h); empty while the answer is not final.
+    std::array<std::string, 3> position_text;
     Vec3d shown_at{};    // where the view shows it: `position` moved by the layer's matrix; coordinates of the scene
     double spacing = 0;  // about the distance to its neighbours, source units; 0: not known
     // The same of several points around it (query/local_spacing.h): for defaults, which one point's may mislead. 0: not

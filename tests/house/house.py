@@ -275,3 +275,31 @@ def check_words(texts):
                 if re.search(pattern, line):
                     complaints.append(f"{name}:{number}: {line.strip()}  (write: {better})")
     return complaints
+
+
+# ---- What is in the repository at all
+
+TOP_LEVEL = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "core", "plugin", "shaders", "tests", "bench", "packaging"}
+LARGEST_FILE = 1 << 20
+
+
+def tracked_files(root=ROOT):
+    """Path -> bytes of what git keeps; None where this is not a checkout or git is not installed."""
+    if not shutil.which("git") or not (root / ".git").exists():
+        return None
+    done = subprocess.run(["git", "-C", str(root), "ls-files", "-z"], capture_output=True, check=False)
+    if done.returncode != 0:
+        return None
+    names = [name for name in done.stdout.decode("utf-8").split("\0") if name]
+    return {name: (root / name).lstat().st_size for name in names if (root / name).exists()}
+
+
+def check_tracked_files(files):
+    complaints = []
+    for name, size in sorted(files.items()):
+        top = name.split("/")[0]
+        if top not in TOP_LEVEL and not top.startswith("."):
+            complaints.append(f"{name}: the top level has only {', '.join(sorted(TOP_LEVEL))}")
+        if size > LARGEST_FILE:
+            complaints.append(f"{name}: {size} bytes; data and programs do not belong into the repository")
+    return complaints

@@ -51,6 +51,12 @@ class Project(unittest.TestCase):
     def test_words_are_plain(self):
         self.none(house.check_words({**self.tree.sources, **house.other_texts()}))
 
+    def test_the_repository_holds_only_what_belongs_to_it(self):
+        files = house.tracked_files()
+        if files is None:
+            self.skipTest("no checkout, or no git")
+        self.none(house.check_tracked_files(files))
+
     def test_layout_is_clang_format_s(self):
         program = house.formatter()
         if not program:
@@ -114,6 +120,11 @@ class Checks(unittest.TestCase):
         self.assertEqual(len(house.check_reports(small({"core/cli/a.cpp": safe}))), 1)
         self.assertEqual(len(house.check_reports(small({"core/cli/common.cpp": safe + safe}))), 1)
         self.assertEqual(len(house.check_reports(small({"core/cli/a.cpp": "std::cout << json;\n"}))), 1)
+
+    def test_a_file_that_does_not_belong(self):
+        self.assertEqual(house.check_tracked_files({"core/a.cpp": 10, ".ci/run": 1, "README.md": 5}), [])
+        self.assertEqual(len(house.check_tracked_files({"wheel.whl": 10})), 1)
+        self.assertEqual(len(house.check_tracked_files({"core/a.laz": 2 << 20})), 1)
 
     def test_a_word_of_the_dialect(self):
         self.assertEqual(len(house.check_words({"a.h": "// whoever wants to\n// a bit a cell\n// a resumed build\n"})), 2)

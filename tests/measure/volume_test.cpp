@@ -454,6 +454,12 @@ TEST_F(Volumes, WhatIsWrongIsRefused)
     EXPECT_NE(
         refusal([](VolumeOptions& o) { o.progress = [](const ProgressUpdate&) { return false; }; }).find("cancelled"),
         std::string::npos);
+    // Heights for many small cells without points take a while, which can be cancelled too.
+    EXPECT_NE(refusal([](VolumeOptions& o) {
+                  o.side = 0.02;
+                  o.progress = [](const ProgressUpdate& update) { return update.stage != "Filling gaps"; };
+              }).find("cancelled"),
+              std::string::npos);
     constexpr std::uint64_t few = std::uint64_t{4} << 20;
     const std::string memory = refusal([](VolumeOptions& o) {
         o.side = 1e-6;

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pcm/cloud/point_batch.h"
-#include "pcm/io/text/scaled_decimal.h"
+#include "pcm/system/scaled_decimal.h"
 #include "pcm/io/writer.h"
 #include "pcm/system/output_file.h"
 

@@ -15,7 +15,10 @@ std::vector<PickedLine> lines_of(const Picked& picked, const QString& layer)
 {
     std::vector<PickedLine> lines{{"layer", layer}};
     const char* const axes[] = {"x", "y", "z"};
-    for (std::size_t a = 0; a < 3; ++a) lines.push_back({axes[a], all_digits(picked.position[a])});
+    for (std::size_t a = 0; a < 3; ++a) {
+        const std::string& text = picked.position_text[a];
+        lines.push_back({axes[a], text.empty() ? all_digits(picked.position[a]) : QString::fromStdString(text)});
+    }
     if (picked.shown_at != picked.position)
         for (std::size_t a = 0; a < 3; ++a)
             lines.push_back({QString("%1 as the layer is moved").arg(axes[a]), all_digits(picked.shown_at[a])});

@@ -1,4 +1,4 @@
-#include "pcm/io/text/scaled_decimal.h"
+#include "pcm/system/scaled_decimal.h"
 
 #include <algorithm>
 #include <charconv>
