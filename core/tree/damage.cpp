@@ -1,5 +1,8 @@
 #include "pcm/tree/damage.h"
 
+#include <algorithm>
+#include <cstring>
+
 namespace pcm {
 namespace {
 
@@ -12,13 +15,25 @@ std::string without_path(const Error& error)
     return what;
 }
 
+// As a shell takes it for one word: quoted unless all of its characters stand for themselves.
+std::string shell_word(const std::string& text)
+{
+    const auto is_plain = [](char c) {
+        const bool is_letter = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c & 0x80);
+        return is_letter || (c >= '0' && c <= '9') || std::strchr("/._-+,:@%=", c);
+    };
+    if (std::all_of(text.begin(), text.end(), is_plain)) return text;
+    std::string word = "'";
+    for (const char c : text) word += c == '\'' ? std::string("'\\''") : std::string(1, c);
+    return word + "'";
+}
+
 }  // namespace
 
 std::string repair_command(const std::filesystem::path& folder)
 {
     const std::string path = folder.string();
-    const bool plain = path.find_first_of(" \t'\"\\$&;|<>()*?") == std::string::npos;
-    return "pcmlab repair " + (plain ? path : "\"" + path + "\"");
+    return "pcmlab repair " + shell_word(path[0] == '-' ? "./" + path : path);
 }
 
 bool is_damage(const Error& error)
