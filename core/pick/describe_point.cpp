@@ -18,7 +18,7 @@ std::string text_of_steps(std::int64_t raw, double scale, double offset, double 
 {
     char digits[ScaledDecimal::longest];
     const char* const end = ScaledDecimal(scale, offset).write(digits, raw);
-    return end ? std::string(digits, end) : exact(value);
+    return end ? std::string(static_cast<const char*>(digits), end) : exact(value);
 }
 
 template <class T>
