@@ -111,7 +111,7 @@ TEST_F(ForeignFiles, ADamagedIndexNamesTheCommandThatRepairsIt)
         Tree::open(with_blank);
         ADD_FAILURE();
     } catch (const Error& error) {
-        EXPECT_NE(std::string(error.what()).find("repair \"" + with_blank.string() + "\""), std::string::npos)
+        EXPECT_NE(std::string(error.what()).find("repair '" + with_blank.string() + "'"), std::string::npos)
             << error.what();
         EXPECT_EQ(std::string(error.what()).find(error.path().string()), 0u);
         EXPECT_EQ(std::string(error.what()).find(error.path().string(), 1), std::string::npos) << "the path twice";
