@@ -77,6 +77,16 @@ bool exchange(const fs::path& a, const fs::path& b)
 
 }  // namespace
 
+void check_place_of_tree(const fs::path& output, bool overwrite)
+{
+    const fs::path place = output_tree(output);
+    if (!is_there(place)) return;
+    if (!overwrite)
+        throw Error(ErrorCode::exists, place, "there is something of this name already",
+                    is_tree(place) ? "choose another name or overwrite it" : "choose another name");
+    check_replaceable_tree(place);
+}
+
 BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
     : output_(output_tree(output)), part_(build_folder_of(output_))
 {
@@ -88,16 +98,11 @@ BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
         lock(false);
         settle();
     }
-    if (is_there(output_)) {
-        try {
-            if (overwrite) check_replaceable_tree(output_);
-            if (!overwrite)
-                throw Error(ErrorCode::exists, output_, "there is something of this name already",
-                            is_tree(output_) ? "choose another name or overwrite it" : "choose another name");
-        } catch (...) {
-            if (lock_.is_open() && !left_over_) remove_quietly();
-            throw;
-        }
+    try {
+        check_place_of_tree(output_, overwrite);
+    } catch (...) {
+        if (lock_.is_open() && !left_over_) remove_quietly();
+        throw;
     }
     if (!lock_.is_open()) {
         const bool made = fs::create_directory(part_, error);

@@ -62,6 +62,10 @@ private:
     bool owned_ = false, left_over_ = false, locked_ = true;
 };
 
+// Throws Error(exists) when something is at `output` that is not a tree to overwrite, and what output_tree() and
+// check_replaceable_tree() throw: for what refuses an output before hours of work.
+void check_place_of_tree(const std::filesystem::path& output, bool overwrite);
+
 // Puts the tree `output` back when an interrupted build was about to replace it and it is missing from its place.
 // Returns whether it did. Throws Error(exists) while a build of this tree is running, or may be: see above.
 bool put_back_replaced(const std::filesystem::path& output);

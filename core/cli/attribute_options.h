@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pcm/cli/common.h"
+#include "pcm/cli/target_options.h"
 #include "pcm/filter/neighbour_attributes.h"
-#include "pcm/update/target.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -12,18 +12,6 @@
 #include <vector>
 
 namespace pcm::cli {
-
-// Where the result of a filter goes: -o or --in-place.
-struct TargetOptions {
-    std::string output;
-    bool in_place = false;
-    bool overwrite = false;  // where the command has the option; see add_overwrite()
-    void add_to(Options& options);
-    // For attributes of these names that the command did not make: "curvature, mean_distance".
-    void add_overwrite(Options& options, const std::string& names);
-    // Throws UsageError unless exactly one of the two was given.
-    TargetChoice get() const;
-};
 
 // Neighbours, precision, memory and threads.
 struct NeighbourOptions {

@@ -27,7 +27,6 @@ struct Arguments {
     std::optional<double> normal_angle;
     DetectOptions options;
     std::string out, label;
-    bool overwrite = false;
     TargetOptions target;
 };
 
@@ -37,10 +36,11 @@ void check(const Arguments& arguments)
     if (!arguments.label.empty() && arguments.target.output.empty() == !arguments.target.in_place)
         throw UsageError("--label needs either -o COPY, a tree to write, or --in-place");
     if (arguments.label.empty() && has_target) throw UsageError("-o and --in-place are for --label");
-    if (arguments.overwrite && arguments.out.empty() && arguments.label.empty())
+    if (arguments.target.overwrite && arguments.out.empty() && arguments.label.empty())
         throw UsageError("--overwrite is for --out and --label");
     // Before the work, not after it.
-    if (!arguments.out.empty()) check_primitive_file(arguments.out, arguments.overwrite);
+    if (!arguments.out.empty()) check_primitive_file(arguments.out, arguments.target.overwrite);
+    if (!arguments.label.empty()) check_target(arguments.tree, arguments.target.get());
 }
 
 std::string row_of(const Primitive& p)
@@ -124,7 +124,7 @@ int run(Arguments& arguments)
     LabelOptions label;
     if (!arguments.label.empty()) label.target = arguments.target.get();
     label.attribute = arguments.label;
-    label.overwrite = arguments.overwrite;
+    label.overwrite = arguments.target.overwrite;
     label.memory_bytes = options.memory_bytes;
     label.threads = options.threads;
     label.progress = console_progress(arguments.common);
@@ -138,7 +138,7 @@ int run(Arguments& arguments)
             notes.push_back("no primitive was found, so " + arguments.out + " was not written");
         } else {
             CadOptions cad;
-            cad.overwrite = arguments.overwrite;
+            cad.overwrite = arguments.target.overwrite;
             const CadReport written = write_primitives(arguments.out, found.primitives, cad);
             notes.insert(notes.end(), written.notes.begin(), written.notes.end());
         }
@@ -207,9 +207,10 @@ Run add_detect(Options& options)
                     (writes_dxf() ? ".dxf, .scr" : ".scr") + "), by the extension")
         .group(group);
     options
-        .flag("--overwrite", arguments->overwrite,
-              "Replace the file of --out if it exists; write --label where the tree has an attribute of this name from "
-              "elsewhere, whose values are lost")
+        .flag(
+            "--overwrite", arguments->target.overwrite,
+            "Replace the file of --out and the tree of -o if they exist; write --label where the tree has an attribute "
+            "of this name from elsewhere, whose values are lost")
         .group(group);
     options
         .option("--label", arguments->label,

@@ -56,7 +56,7 @@ std::vector<Vec3d> places_of(const std::vector<std::string>& words, const char* 
 
 void check(const Arguments& a)
 {
-    a.actions.check();
+    a.actions.check(a.tree);
     if (a.radius && a.count) throw UsageError("--radius and --count, of the neighbourhood, cannot be combined");
     if (!a.grow && a.step) throw UsageError("--step is for growth; --no-grow was given");
     if (a.outline_edge && a.outline != "concave") throw UsageError("--outline-edge is for --outline concave");

@@ -41,6 +41,7 @@ void start_gpu_radii(const GpuRadii& radii)
                                    std::to_string(radii.video_memory)};
     if (!radii.target.copy.empty()) words.push_back("--output=" + radii.target.copy.string());
     if (radii.target.in_place) words.emplace_back("--in-place");
+    if (radii.target.overwrite) words.emplace_back("--overwrite");
     if (radii.json) words.emplace_back("--json");
     if (radii.quiet) words.emplace_back("--quiet");
     words.emplace_back("--");

@@ -54,10 +54,7 @@ Sources::Sources(const std::vector<std::string>& inputs, const ResultArguments& 
     }
     if (arguments.in_place) throw UsageError("--in-place: only a single tree can be replaced by the result");
     // Refuses what cannot be the output's name before the files are read.
-    const fs::path output = result_place(arguments.output, true);
-    if (fs::exists(output) && !arguments.overwrite)
-        throw Error(ErrorCode::exists, arguments.output, "the output exists already",
-                    "choose another name, or overwrite it");
+    const fs::path output = result_place(arguments.output, arguments.overwrite);
     inputs_ = inputs.size() == 1 ? inputs[0] : "the inputs";
     CloudOptions options;
     options.read = reading.get(arguments.threads);

@@ -38,7 +38,7 @@ struct Arguments {
 
 void check(const Arguments& a)
 {
-    a.actions.check();
+    a.actions.check(a.tree);
     if (a.brush.empty() != !a.radius) refuse("--brush X Y Z ... and --radius need each other");
     if (a.brush.size() % 3 != 0) refuse("--brush takes three numbers for each point of the stroke");
     const bool grows = a.grow || !a.grow_from.empty();

@@ -52,9 +52,9 @@ void SetActions::add_to(Options& options, const char* group)
         .group(group);
     options.option("--extract", extract_, "Write the points to this file, or tree (.pct)").group(group);
     options
-        .flag("--overwrite", overwrite_,
-              "Replace the output of --extract if it exists; write --save-attribute where the tree has an attribute of "
-              "this name from elsewhere, whose values are lost")
+        .flag("--overwrite", target_.overwrite,
+              "Replace the output of --extract or -o if it exists; write --save-attribute where the tree has an "
+              "attribute of this name from elsewhere, whose values are lost")
         .group(group);
     options.flag("--delete", erase_, "Delete them").group(group);
     options
@@ -68,7 +68,7 @@ void SetActions::add_to(Options& options, const char* group)
     target_.add_to(options);
 }
 
-void SetActions::check() const
+void SetActions::check(const std::string& tree) const
 {
     const auto refuse = [](const std::string& what) { throw UsageError(what); };
     const int actions = !attribute_.empty() + !extract_.empty() + erase_ + !classify_.empty();
@@ -80,8 +80,10 @@ void SetActions::check() const
     if (!changes && has_target)
         refuse(
             "-o and --in-place are for --save-attribute, --delete and --classify; --extract names its output itself");
-    if (overwrite_ && extract_.empty() && attribute_.empty())
-        refuse("--overwrite is for --extract and --save-attribute");
+    if (target_.overwrite && actions == 0)
+        refuse("--overwrite is for --extract, --save-attribute, --delete and --classify");
+    // Before the work, not after it.
+    if (changes) check_target(tree, target_.get());
 }
 
 SetDone SetActions::change(const PointSet& set, const Common& common, std::uint64_t memory, unsigned threads) const
@@ -90,7 +92,7 @@ SetDone SetActions::change(const PointSet& set, const Common& common, std::uint6
     options.target = target_.get();
     options.memory_bytes = memory;
     options.threads = threads;
-    options.overwrite = overwrite_;
+    options.overwrite = target_.overwrite;
     options.progress = console_progress(common);
     SetDone done;
     if (erase_) {
@@ -119,7 +121,7 @@ SetDone SetActions::run(const PointSet& set, const Common& common, std::uint64_t
         return change(set, common, memory, threads);
     }
     ExtractOptions options;
-    options.overwrite = overwrite_;
+    options.overwrite = target_.overwrite;
     options.threads = threads;
     options.memory_bytes = std::max(memory, std::uint64_t(256) << 20);
     options.progress = console_progress(common);

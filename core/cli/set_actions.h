@@ -28,7 +28,7 @@ class SetActions {
 public:
     void add_to(Options& options, const char* group);
     // Throws UsageError for options that do not go together.
-    void check() const;
+    void check(const std::string& tree) const;
     // Throws what select/set_changes.h and select/set_points.h throw, and Error(invalid_argument) for a class that is
     // neither an integer nor the name of one.
     SetDone run(const PointSet& set, const Common& common, std::uint64_t memory, unsigned threads) const;
@@ -37,7 +37,7 @@ private:
     SetDone change(const PointSet& set, const Common& common, std::uint64_t memory, unsigned threads) const;
 
     std::string attribute_, extract_;
-    bool erase_ = false, overwrite_ = false;
+    bool erase_ = false;
     std::string classify_;
     std::string classes_ = "classification";
     TargetOptions target_;

@@ -1,5 +1,6 @@
 #include "pcm/filter/result_tree.h"
 
+#include "pcm/build/build_folder.h"
 #include "pcm/convert/convert.h"
 #include "pcm/io/formats.h"
 #include "pcm/system/error.h"
@@ -38,10 +39,8 @@ private:
 fs::path result_place(const fs::path& copy, bool overwrite)
 {
     if (!is_point_file_name(copy) || fs::is_directory(copy)) {
-        fs::path place = output_tree(copy);
-        if (fs::exists(place) && !overwrite)
-            throw Error(ErrorCode::exists, copy, "the output exists already", "choose another name, or overwrite it");
-        return place;
+        check_place_of_tree(copy, overwrite);
+        return output_tree(copy);
     }
     std::string extension = lower_extension(copy).substr(1);
     const Format* const format = format_of_extension(extension);

@@ -19,22 +19,39 @@ bool concerns_copy(ErrorCode code)
            code == ErrorCode::exists;
 }
 
-}  // namespace
-
-UpdateTarget::UpdateTarget(const fs::path& tree, const TargetChoice& choice)
-    : tree_(tree), path_(choice.in_place ? tree : choice.copy), is_copy_(!choice.in_place)
+void check_choice(const fs::path& tree, const TargetChoice& choice)
 {
     if (choice.in_place && !choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree,
                     "is to be changed in place, and an output (" + choice.copy.string() + ") is given too",
                     "choose one of the two");
-    if (!is_copy_) return;
+    if (choice.in_place) return;
     if (choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree, "no output is given, and the tree is not to be changed in place",
                     "name the tree to write, or choose to change this one in place");
-    output_tree(path_);
-    tree_ = Tree::open(tree)->folder();  // what is wrong with the original comes first
-    made_ = std::make_unique<BuildFolder>(path_, false);
+    output_tree(choice.copy);
+    const fs::path original = Tree::open(tree)->folder();  // what is wrong with the original comes first
+    std::error_code ignored;
+    if (fs::equivalent(original, choice.copy, ignored))
+        throw Error(ErrorCode::invalid_argument, choice.copy, "the output is the input tree",
+                    "give the new tree another name, or change the tree in place");
+}
+
+}  // namespace
+
+void check_target(const fs::path& tree, const TargetChoice& choice)
+{
+    check_choice(tree, choice);
+    if (!choice.in_place) check_place_of_tree(choice.copy, choice.overwrite);
+}
+
+UpdateTarget::UpdateTarget(const fs::path& tree, const TargetChoice& choice)
+    : tree_(tree), path_(choice.in_place ? tree : choice.copy), is_copy_(!choice.in_place)
+{
+    check_choice(tree, choice);
+    if (!is_copy_) return;
+    tree_ = Tree::open(tree)->folder();
+    made_ = std::make_unique<BuildFolder>(path_, choice.overwrite);
     if (made_->left_over()) made_->clear();
     try {
         clone_into(tree_, made_->tree());

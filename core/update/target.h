@@ -17,7 +17,11 @@ class BuildFolder;
 struct TargetChoice {
     std::filesystem::path copy;  // folder of the tree to write; empty: no copy
     bool in_place = false;       // change the tree itself
+    bool overwrite = false;      // replace `copy` if it is a tree
 };
+
+// Throws what UpdateTarget() would throw: for what refuses a target before the work that leads to the update.
+void check_target(const std::filesystem::path& tree, const TargetChoice& choice);
 
 // The tree that an update (append_points, erase_points, TreeChanges) is to change:
 //
@@ -26,14 +30,15 @@ struct TargetChoice {
 //         target.update([&](const auto& folder) { return append_points(folder, cloud, names); });
 //
 // A copy is made by the constructor, in the working folder of a build of its name (build/build_folder.h), and changed
-// there; update() gives it its name when the work is done. Whatever ends the process before, there is no tree of that
-// name: the next build or copy of the name removes the remains. It shares the data files of the original where the file
-// system has hard links, so it takes little time and space. The destructor removes a copy that has no name yet. Not
-// thread safe.
+// there; update() gives it its name when the work is done, in place of a tree that is replaced. Whatever ends the
+// process before, there is no tree of that name: the next build or copy of the name removes the remains. It shares the
+// data files of the original where the file system has hard links, so it takes little time and space. The destructor
+// removes a copy that has no name yet. Not thread safe.
 class UpdateTarget {
 public:
-    // Throws Error(invalid_argument) when neither or both are chosen, Error(exists) when something of the copy's name
-    // exists or is being written, and what Tree::open and the file system throw.
+    // Throws Error(invalid_argument) when neither or both are chosen or the copy is to replace the tree itself,
+    // Error(exists) when something of the copy's name exists that is not to be replaced or cannot be, or is being
+    // written, and what Tree::open and the file system throw.
     UpdateTarget(const std::filesystem::path& tree, const TargetChoice& choice);
     ~UpdateTarget();
     UpdateTarget(const UpdateTarget&) = delete;

@@ -1,6 +1,7 @@
 #include "pcm/update/target.h"
 
 #include "pcm/system/error.h"
+#include "pcm/tree/tree.h"
 #include "pcm/tree/unfinished_build.h"
 #include "pcm/update/append.h"
 #include "pcm/update/erase.h"
@@ -136,6 +137,33 @@ TEST_F(Target, OneOfTheTwoMustBeChosen)
     EXPECT_FALSE(fs::exists(copy_));
 }
 
+// The old tree has the name until the work on the new one is done.
+TEST_F(Target, ATreeOfTheNameIsReplacedWhenThatIsAsked)
+{
+    build(surface(700, 0, 0, 10, 2), copy_);
+    const auto old = contents(copy_);
+    EXPECT_EQ(refusal_of(tree_, {copy_, false}), ErrorCode::exists);
+    EXPECT_THROW(check_target(tree_, {copy_, false}), Error);
+    check_target(tree_, {copy_, false, true});
+    EXPECT_TRUE(contents(copy_) == old);
+    try {
+        UpdateTarget(tree_, {copy_, false, true}).update([&](const fs::path&) -> EraseReport {
+            throw Error(ErrorCode::no_space, copy_, "no space");
+        });
+        ADD_FAILURE();
+    } catch (const Error&) {
+    }
+    EXPECT_TRUE(contents(copy_) == old);
+    UpdateTarget target(tree_, {copy_, false, true});
+    const EraseReport report = target.update([&](const fs::path& folder) {
+        EXPECT_TRUE(contents(copy_) == old);
+        return erase_some(folder);
+    });
+    EXPECT_GT(report.points_deleted, 0u);
+    EXPECT_EQ(Tree::open(copy_)->info().points, 5000 - report.points_deleted);
+    EXPECT_EQ(entries_of(folder_.path()), 2u);
+}
+
 TEST_F(Target, NeverRemovesWhatItHasNotMade)
 {
     const auto before = contents(tree_);
@@ -143,7 +171,11 @@ TEST_F(Target, NeverRemovesWhatItHasNotMade)
     std::ofstream(copy_ / "letter.txt") << "not a tree";
     EXPECT_EQ(refusal_of(tree_, {copy_, false}), ErrorCode::exists);
     EXPECT_TRUE(fs::exists(copy_ / "letter.txt"));
-    EXPECT_EQ(refusal_of(tree_, {tree_, false}), ErrorCode::exists);  // a copy of a tree onto itself
+    EXPECT_EQ(refusal_of(tree_, {copy_, false, true}), ErrorCode::exists);
+    // A copy of a tree onto itself.
+    EXPECT_EQ(refusal_of(tree_, {tree_, false}), ErrorCode::invalid_argument);
+    EXPECT_EQ(refusal_of(tree_, {tree_, false, true}), ErrorCode::invalid_argument);
+    EXPECT_TRUE(fs::exists(copy_ / "letter.txt"));
     EXPECT_TRUE(contents(tree_) == before);
 }
 

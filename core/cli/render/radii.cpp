@@ -1,6 +1,7 @@
 #include "pcm/cli/render/radii.h"
 
 #include "pcm/cli/render.h"
+#include "pcm/cli/target_options.h"
 #include "pcm/gl/gpu_cursor.h"
 #include "pcm/gl/gpu_radii.h"
 #include "pcm/offscreen/offscreen.h"
@@ -17,7 +18,7 @@ namespace {
 
 struct Arguments {
     Common common;
-    std::string output;
+    TargetOptions target;
     GpuRadii radii;
 };
 
@@ -49,8 +50,7 @@ int run(Arguments& arguments)
 {
     const Offscreen context;
     require_compute_shaders();  // before a copy is made
-    arguments.radii.target.copy = arguments.output;
-    UpdateTarget target(arguments.radii.tree, arguments.radii.target);
+    UpdateTarget target(arguments.radii.tree, arguments.radii.target = arguments.target.get());
     bool normals = false;
     const GpuRadiiReport report =
         target.update([&](const std::filesystem::path& folder) { return compute(arguments, folder, normals); });
@@ -79,8 +79,8 @@ Run add_gpu_radii(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->radii.tree, "Tree folder, or any file of it").required();
-    options.option("-o,--output", arguments->output, "Tree folder to write: a copy");
-    options.flag("--in-place", arguments->radii.target.in_place, "Change the tree itself, atomically");
+    arguments->target.add_to(options);
+    arguments->target.add_overwrite(options, "");
     options.option("-k,--neighbours", arguments->radii.neighbours, "Number of nearest neighbours (default 16)")
         .between(1, static_cast<int>(GpuRadiiOptions::most_neighbours));
     options.option("-m,--memory", arguments->radii.memory, "Cache for chunks (default 512M)").bytes();
