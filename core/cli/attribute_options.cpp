@@ -1,6 +1,7 @@
 #include "pcm/cli/attribute_options.h"
 
 #include "pcm/filter/backends.h"
+#include "pcm/system/peak_memory.h"
 
 #include <cstdio>
 
@@ -28,18 +29,19 @@ void NeighbourOptions::add_to(Options& options)
                 "percent (for normals 1 is an angle of 0.01)")
         .not_negative()
         .group(group);
-    options.option("-m,--memory", memory, "Memory limit, e.g. 64M (the least) or 2G (default 512M)").bytes();
+    options.option("-m,--memory", memory, "Memory limit, e.g. 96M (the least) or 2G (default 512M)").bytes();
     options.option("-t,--threads", threads, "Threads (default: one per processor)");
     options.flag("--flann", flann, "Search with the FLANN library, for comparison").shown_if(offers_flann());
 }
 
-void check_filter_memory(std::uint64_t bytes)
+void keep_memory_limit(std::uint64_t bytes, std::uint64_t least)
 {
-    if (bytes < least_filter_memory)
+    if (bytes < least)
         throw Error(ErrorCode::invalid_argument, {},
                     "the memory limit is " + bytes_text(bytes) + ": neighbours of a part of a cloud take " +
-                        bytes_text(least_filter_memory) + " at least",
-                    "give -m 64M or more");
+                        bytes_text(least) + " at least",
+                    "give -m " + std::to_string(least >> 20) + "M or more");
+    return_large_blocks();
 }
 
 void note_memory(FilterReport& report, std::uint64_t limit)
@@ -51,7 +53,7 @@ void note_memory(FilterReport& report, std::uint64_t limit)
 
 void NeighbourOptions::put_into(NeighbourAttributeOptions& options) const
 {
-    check_filter_memory(memory);
+    keep_memory_limit(memory, least_attribute_memory);
     options.neighbours = neighbours;
     if (max_distance) options.max_distance = *max_distance;
     options.level = level;

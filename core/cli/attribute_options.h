@@ -26,8 +26,9 @@ struct NeighbourOptions {
     void put_into(NeighbourAttributeOptions& options) const;
 };
 
-// Throws Error(invalid_argument) for a memory limit that filters on neighbourhoods cannot keep.
-void check_filter_memory(std::uint64_t bytes);
+// Throws Error(invalid_argument) for a memory limit that the command cannot keep; otherwise makes the allocator return
+// large blocks, so that it does.
+void keep_memory_limit(std::uint64_t bytes, std::uint64_t least);
 
 // Adds a note where the process took more memory than the limit.
 void note_memory(FilterReport& report, std::uint64_t limit);

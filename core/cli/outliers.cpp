@@ -51,7 +51,7 @@ int run(Arguments& arguments)
     options.radius = arguments.radius.value_or(0);
     options.neighbours = arguments.neighbours;
     options.overwrite = arguments.target.overwrite;
-    check_filter_memory(arguments.memory);
+    keep_memory_limit(arguments.memory, least_filter_memory);
     options.memory_bytes = arguments.memory;
     options.threads = arguments.threads;
     options.backend = arguments.flann ? NeighbourBackend::flann : NeighbourBackend::own;

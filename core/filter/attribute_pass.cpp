@@ -251,7 +251,7 @@ NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, co
     search.columns.sizes = options.wanted.radius && options.radius_limit > 0;
     // Joining points to pieces takes memory, too.
     const bool joins = options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
-    search.memory_bytes = options.memory_bytes / (joins ? 3 : 2);
+    search.memory_bytes = options.memory_bytes / (joins ? 4 : 3);
     search.unit_points = options.unit_points;
     search.threads = options.threads;
     search.backend = options.backend;

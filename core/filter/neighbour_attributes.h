@@ -51,8 +51,8 @@ struct NeighbourAttributeOptions {
     // Values of attributes named curvature, mean_distance and normal_confidence that this filter did not make may be
     // lost (filter/result_attributes.h). Normals and radii of any origin are replaced.
     bool overwrite = false;
-    // At least least_filter_memory; limits near that may be exceeded (see peak_memory_bytes). Neither it nor the number
-    // of threads changes the result.
+    // For the whole process; from least_attribute_memory on it is kept to where the allocator returns large blocks
+    // (see peak_memory_bytes). Neither it nor the number of threads changes the result.
     std::uint64_t memory_bytes = std::uint64_t(512) << 20;
     unsigned threads = 0;                           // 0: one per processor
     std::uint64_t unit_points = usual_unit_points;  // NeighbourhoodOptions::unit_points; what is a guess depends on it

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "pcm/cloud/point_batch.h"
-#include "pcm/system/scaled_decimal.h"
 #include "pcm/io/writer.h"
 #include "pcm/system/output_file.h"
+#include "pcm/system/scaled_decimal.h"
 
 #include <array>
 #include <cstddef>
