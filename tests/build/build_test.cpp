@@ -103,6 +103,7 @@ TEST_P(EveryShape, EveryPointOnceBitForBit)
     EXPECT_EQ(report.outcome.points_in, points.size());
     EXPECT_EQ(report.outcome.points_out, points.size());
     EXPECT_EQ(report.outcome.error, 0.0);
+    EXPECT_TRUE(report.notes.empty()) << report.notes.front();
     const auto tree = Tree::open(folder / "out.pct");
     EXPECT_EQ(tree->info().grid, grid);
     expect_same_points(*tree, points);

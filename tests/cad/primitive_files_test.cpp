@@ -310,6 +310,55 @@ TEST_F(PrimitiveFiles, ADrawingHasItsUnitLayersAndColours)
     EXPECT_LT(faces("c.dxf", options), usual / 2);
 }
 
+// The numbers of a drawing's points: group 10 is an x, 20 its y, 30 its z; 11, 12, 13 are those of further corners. A
+// polyline itself has a point that means nothing.
+Box3d box_of_entities(const std::vector<std::string>& lines, std::size_t begin)
+{
+    Box3d box;
+    Vec3d p{};
+    bool polyline = false;
+    for (std::size_t i = begin; i + 1 < lines.size() && lines[i + 1] != "ENDSEC"; i += 2) {
+        const int group = std::stoi(lines[i]);
+        if (group == 0) polyline = lines[i + 1] == "POLYLINE";
+        if (polyline || group < 10 || group > 33 || group % 10 > 3) continue;
+        p[static_cast<std::size_t>(group / 10 - 1)] = std::stod(lines[i + 1]);
+        if (group / 10 == 3) box.extend(p);
+    }
+    return box;
+}
+
+TEST_F(PrimitiveFiles, TheExtentOfADrawingHoldsAllThatIsDrawn)
+{
+    if (!writes_dxf()) GTEST_SKIP() << "built without dxflib";
+    Primitive cone = made("cone 7 8 9 0.6 0 0.8 30", "cone"), pillar = pipe();
+    cone.bounds.from = 1;
+    cone.bounds.to = 5;
+    for (const Primitive& one :
+         {made("torus 1 2 3 0 0.6 0.8 5 1", "ring"), made("sphere -4 5 -6 3", "ball"), cone, pillar, floor_of_room()}) {
+        CadOptions options;
+        options.overwrite = true;
+        write_primitives(folder_ / "a.dxf", {one}, options);
+        const std::vector<std::string> lines = lines_of(folder_ / "a.dxf");
+        const auto corner = [&](const char* name) {
+            const auto at = std::find(lines.begin(), lines.end(), name);
+            EXPECT_LT(lines.end() - at, std::ptrdiff_t(lines.size()));
+            return Vec3d{std::stod(at[2]), std::stod(at[4]), std::stod(at[6])};
+        };
+        const Vec3d low = corner("$EXTMIN"), high = corner("$EXTMAX");
+        const auto entities = std::find(lines.begin(), lines.end(), "ENTITIES") - lines.begin();
+        const Box3d drawn = box_of_entities(lines, static_cast<std::size_t>(entities) + 1);
+        double largest = 0;
+        for (std::size_t a = 0; a < 3; ++a) largest = std::max(largest, drawn.max[a] - drawn.min[a]);
+        ASSERT_GT(largest, 1) << one.name;
+        for (std::size_t a = 0; a < 3; ++a) {
+            EXPECT_LE(low[a], drawn.min[a] + 1e-9) << one.name;
+            EXPECT_GE(high[a], drawn.max[a] - 1e-9) << one.name;
+            EXPECT_GT(low[a], drawn.min[a] - largest) << one.name;
+            EXPECT_LT(high[a], drawn.max[a] + largest) << one.name;
+        }
+    }
+}
+
 // Programs that ignore the axes of circles would draw those of a tilted pipe at another place.
 TEST_F(PrimitiveFiles, ADrawingHasCirclesOnlyAcrossZ)
 {

@@ -2,11 +2,15 @@
 // others.
 #include "pcm/io/formats.h"
 
+#include "pcm/io/writer.h"
 #include "pcm/system/output_path.h"
 #include "tests/io/bytes.h"
 
+#include <algorithm>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace pcm::test {
 namespace {
@@ -77,6 +81,21 @@ TEST(Formats, TraitsOfWritingBelongToFormatsThatAreWritten)
     EXPECT_EQ(extensions_with(takes_float_positions), ".pcd");
     EXPECT_EQ(extensions_with(needs_grid), ".las and .laz");
     EXPECT_EQ(extensions_with(takes_decimals), ".xyz, .txt, .asc, .csv and .pts");
+}
+
+TEST(Formats, WritableExtensionsAreThoseOfWriters)
+{
+    const std::vector<std::string> extensions = writable_extensions();
+    EXPECT_EQ(std::set<std::string>(extensions.begin(), extensions.end()).size(), extensions.size());
+    for (const char* const wanted : {"las", "laz", "ply", "pcd", "pts", "xyz", "csv", "bpc"})
+        EXPECT_EQ(std::count(extensions.begin(), extensions.end(), wanted), 1) << wanted;
+    for (const char* const read : {"e57", "ptx", "pwn"})
+        EXPECT_EQ(std::count(extensions.begin(), extensions.end(), read), 0) << read;
+    for (const std::string& extension : extensions)
+        EXPECT_TRUE(std::any_of(formats().begin(), formats().end(), [&](const Format& format) {
+            return format.create && !extension.empty() &&
+                   std::count(format.extensions.begin(), format.extensions.end(), extension) == 1;
+        })) << extension;
 }
 
 TEST(Formats, MeshesAndForeignFilesOfTheSameExtensionAreNotPointClouds)

@@ -91,6 +91,31 @@ TEST(PlanUnits, NeedsNoUnitForNothingAndOneForOnePlace)
     EXPECT_EQ(plan_units(*tree_of(folder, 5000, one_place), 1000).size(), 1u);
 }
 
+// Coordinates may have steps of different lengths: the longest side is that of the cloud, not the one of most steps.
+TEST(PlanUnits, CutsAcrossTheLongestSideInSourceUnits)
+{
+    const TemporaryFolder folder;
+    for (std::size_t longest = 0; longest < 3; ++longest) {
+        // Along one axis 100 units in steps of 0.05, along the others 40 in steps of 0.001.
+        Grid grid;
+        grid.scale = {0.001, 0.001, 0.001};
+        grid.scale[longest] = 0.05;
+        MemoryCloud cloud = random_cloud(Schema(), grid, 20000, 5, 20);
+        for (auto& at : cloud.points.grid_xyz[longest]) at = at * 5 / 2;
+        MemoryReader reader(cloud);
+        BuildOptions build;
+        build.chunk_points = 1000;
+        build.overwrite = true;
+        build_tree(reader, {"memory"}, folder.path() / "steps.pct", build);
+        const auto tree = Tree::open(folder.path() / "steps.pct");
+        const auto units = plan_units(*tree, 12000);
+        ASSERT_EQ(units.size(), 2u);
+        points_in(*tree, units);
+        for (std::size_t a = 0; a < 3; ++a)
+            EXPECT_EQ(units[0].max[a] < units[1].min[a] || units[1].max[a] < units[0].min[a], a == longest) << a;
+    }
+}
+
 TEST(PlanUnits, EstimatesTheNumberOfPointsInABox)
 {
     const TemporaryFolder folder;

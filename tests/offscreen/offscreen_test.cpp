@@ -1,11 +1,18 @@
+#include "tests/clouds.h"
 #include "tests/offscreen_support.h"
 #include "tests/support.h"
 
+#include "pcm/build/builder.h"
+#include "pcm/offscreen/scene.h"
 #include "pcm/system/error.h"
 
 #include <GL/glew.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <optional>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -81,6 +88,38 @@ TEST(Offscreen, ACoreProfileHasNoOldFunctions)
     GLint mask = 0;
     glGetIntegerv(GL_CONTEXT_PROFILE_MASK, &mask);
     EXPECT_TRUE(mask & GL_CONTEXT_CORE_PROFILE_BIT);
+}
+
+// Of two clouds, whose chunks are loaded as they are drawn.
+TEST(Offscreen, AScenesLoadedBytesAreThoseOfItsClouds)
+{
+    REQUIRE_OFFSCREEN(screen, 64, 48);
+    const TemporaryFolder folder;
+    std::vector<std::filesystem::path> trees;
+    for (const std::uint32_t seed : {1u, 2u}) {
+        const std::filesystem::path las = folder / (std::to_string(seed) + ".las");
+        Grid grid;
+        grid.scale = {0.001, 0.001, 0.001};
+        write_las(las, records(Shape::surface, 2000 * seed, seed), grid);
+        trees.push_back(folder / (std::to_string(seed) + ".pct"));
+        build_tree({las}, trees.back());
+    }
+    OffscreenScene scene(trees);
+    EXPECT_EQ(scene.loaded_bytes(), 0u);
+    const Camera view = scene.view_of(overview_of(scene.box(), 45, 64, 48), 64, 48);
+    FrameReport report;
+    do {
+        screen->clear();
+        report = scene.draw(view, {}, {});
+        if (report.refining && !report.repaint) scene.wait();
+    } while (report.refining);
+    EXPECT_EQ(report.points_drawn, 6000u);
+    std::uint64_t sum = 0;
+    for (const auto& cloud : scene.clouds()) {
+        EXPECT_GT(cloud->cache().statistics().loaded_bytes, 20000u);
+        sum += cloud->cache().statistics().loaded_bytes;
+    }
+    EXPECT_EQ(scene.loaded_bytes(), sum);
 }
 
 }  // namespace

@@ -3,11 +3,15 @@
 #include "pcm/select/grow.h"
 
 #include "pcm/select/flood.h"
+#include "pcm/select/point_scan.h"
 #include "pcm/select/select_points.h"
+#include "pcm/select/surroundings_test.h"
 #include "pcm/system/error.h"
 #include "tests/select/cloud_of_points.h"
 
+#include <atomic>
 #include <cmath>
+#include <memory>
 #include <random>
 
 namespace {
@@ -213,6 +217,53 @@ TEST_F(Grow, ExtremeCloudsAndDistances)
     PointSet none(tree_);
     EXPECT_TRUE(grow(none, 1).empty());
     for (const double bad : {0.0, -1.0, std::nan(""), HUGE_VAL}) EXPECT_THROW(grow(none, bad), Error);
+}
+
+// Counts the units: there is a judge for each unit that is visited and for each that holds seeds. Its margin is 0.
+class CountedJudges final : public SurroundingsTest {
+public:
+    class Everywhere final : public PlaceTest {
+    public:
+        BoxRelation relation(const Box3d&) const override { return BoxRelation::inside; }
+        bool holds(const Vec3d&) const override { return true; }
+    };
+    class Passing final : public Judge {
+    public:
+        void add(const Vec3d&) override {}
+        bool passes(const Vec3d&) override { return true; }
+    };
+    std::unique_ptr<Judge> judge() const override
+    {
+        ++judges;
+        return std::make_unique<Passing>();
+    }
+    double margin() const override { return 0; }
+    const PlaceTest& counts() const override { return everywhere_; }
+    mutable std::atomic<std::size_t> judges{0};
+
+private:
+    Everywhere everywhere_;
+};
+
+// Points that are looked at together share the memory, by threads.
+TEST_F(Grow, UnitsAreAsSmallAsTheMemoryAsks)
+{
+    make(Shape::surface, 48000);  // and 12,000
+    const auto judges = [&](std::uint64_t points, unsigned threads) {
+        const CountedJudges counted;
+        GrowOptions options;
+        options.surroundings = &counted;
+        options.memory_bytes = points * 192;
+        options.threads = threads;
+        PointSet seeds(tree_);
+        seeds.set(points_[0].node, {points_[0].number});
+        EXPECT_EQ(grow(seeds, 1e9, options).size(), 60000u);
+        return counted.judges.load();
+    };
+    EXPECT_EQ(judges(70000, 1), 2u);  // of the seed, and of the one unit
+    EXPECT_GE(judges(20000, 1), 4u);
+    EXPECT_GE(judges(70000, 5), 6u);
+    EXPECT_LE(judges(70000, 2), 6u);
 }
 
 TEST_F(Grow, CanBeCancelled)

@@ -125,6 +125,31 @@ TEST_F(SetChanges, Classified)
         ASSERT_EQ(kinds[i], chosen_->contains(points_[i].node, points_[i].number) ? 250 : 0);
 }
 
+// One point of each node, of nodes with one point or more.
+TEST_F(SetChanges, OfOnePointInEachNode)
+{
+    std::filesystem::remove_all(path());
+    make(Shape::surface, 4);  // and a part of one point
+    std::size_t single = 0;
+    for (NodeId node = 0; node < tree_->nodes().size(); ++node) single += tree_->node(node).points == 1;
+    ASSERT_GT(single, 0u);
+    const PointSet first = expected([](const KnownPoint& p) { return p.number == 0; });
+    ASSERT_LT(first.size(), points_.size());
+    const auto expect = [&](const std::string& name, double in, double beside) {
+        const auto found = values(path(), name);
+        for (std::size_t i = 0; i < points_.size(); ++i)
+            EXPECT_EQ(found[i], points_[i].number == 0 ? in : beside) << name << ", point " << i;
+    };
+    EXPECT_EQ(classify_points(first, 9, "kind", in_place()).outcome.points_out, first.size());
+    expect("kind", 9, 0);
+    read();
+    save_as_attribute(expected([](const KnownPoint& p) { return p.number == 0; }), "first", in_place());
+    expect("first", 1, 0);
+    read();
+    save_as_attribute(PointSet(tree_), "first", in_place());
+    expect("first", 0, 0);
+}
+
 TEST_F(SetChanges, DeletedInPlaceAndFromACopy)
 {
     std::multiset<Vec3d> kept;
