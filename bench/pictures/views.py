@@ -1,0 +1,105 @@
+"""What truth.py draws, and how good it is: views, methods, figures."""
+import dataclasses
+import math
+
+import numpy as np
+from scipy.ndimage import distance_transform_edt
+
+import metrics
+
+SURFACE = 1  # Kind of scenes/look.h
+TURN_PX = 0.4
+CONSTANT_SIZES = (1, 2, 3, 5, 8)  # pixels: what a user of constant points chooses from
+STATES = ("moving", "rest")
+
+# Ours: the cloud's tree (with normals and radii or without) and what bench_pictures is told.
+OURS = {"default": (False, []), "discs": (True, ["--splats", "perspective"])}
+POTREE, CONSTANT = "Potree's rule, re-made", "CloudCompare-like"
+
+
+@dataclasses.dataclass
+class Size:
+    points: int
+    width: int
+    height: int
+    views: tuple = ()   # all where empty
+    sizes: tuple = CONSTANT_SIZES
+    approach: int = 12  # frames in which the camera arrives
+
+
+FULL = Size(1_000_000, 800, 600)
+QUICK = Size(120_000, 320, 240, ("wall", "interior", "forest"), (1, 3), 4)
+
+
+def turned(view, pixels, height):
+    """The view's camera turned to the right by so many of its pixels, about the direction that is up in the picture."""
+    angle = pixels * math.atan(2 * math.tan(math.radians(view["angle"]) / 2) / height)
+    eye, ahead = np.array(view["eye"]), np.array(view["target"]) - np.array(view["eye"])
+    right = np.cross(ahead, (0, 0, 1))
+    right *= np.linalg.norm(ahead) / np.linalg.norm(right)
+    return {"eye": list(eye), "target": list(eye + math.cos(angle) * ahead + math.sin(angle) * right), "angle": view["angle"]}
+
+
+def paths(of_scene, size):
+    """Camera paths of one scene: with its views and the turned ones as frames, and that with the camera arriving at each view."""
+    still, arriving = [], []
+    for view in of_scene:
+        both = [turned(view, 0, size.height), turned(view, TURN_PX, size.height)]
+        still += both
+        arriving += [turned(view, -6 * (size.approach - i), size.height) for i in range(size.approach)] + [{**frame, "rest": True} for frame in both]
+    return tuple({"format": "pcm camera path", "version": 1, "coordinates": "source", "frames": frames} for frames in (still, arriving))
+
+
+class Truth:
+    """The true picture of a view, and of the turned one; which pixels can be asked about."""
+
+    def __init__(self, colours, turned_colours, labels, facts):
+        self.colours, self.turned, self.labels = colours, turned_colours, labels
+        self.asked = facts[:, :, 1] > 0  # a scanner saw it
+        self.edge = metrics.outlines(labels)
+        self.reach = max(4, round(12 * labels.shape[1] / 998))  # pixels: where splats of other things reach
+        from_edge = distance_transform_edt(~self.edge)
+        surface = (facts[:, :, 0] == SURFACE) & self.asked
+        self.inside = surface & (from_edge > self.reach)
+        self.beside = self.asked & ~self.inside & (from_edge <= self.reach)
+        # Where nothing changes when the camera turns but a surface's own colours.
+        self.flat = surface & (from_edge > 4)
+
+    def covered(self, picture):
+        return float((picture[:, :, 3] >= 128)[self.asked].mean())
+
+    def likeness(self, picture):
+        return metrics.likeness(self.colours, picture, self.asked)
+
+    def shapes(self, labels):
+        """Of a picture in labels. holes: share of the pixels inside surfaces that show something else, or nothing. spill: pixels near outlines that show
+        something else than they should, for each pixel of outline: how wide things stand out, or are bitten into."""
+        other = (np.abs(labels.astype(int) - self.labels.astype(int)).max(axis=2) > 12) & ((labels[:, :, 3] >= 128) | (self.labels[:, :, 3] >= 128))
+        return {"holes": float(other[self.inside].mean()) if self.inside.any() else 0.0, "spill": float((other & self.beside).sum() / max(1, (self.edge & self.asked).sum() / 2))}
+
+    def own(self):
+        """What of the figures the truth itself has."""
+        return {"covered": self.covered(self.colours), "turn": metrics.changed(self.colours, self.turned, self.flat), "asked": float(self.asked.mean())}
+
+    def figures(self, picture, labels, turned_picture=None):
+        found = {**self.likeness(picture), **self.shapes(labels), "covered": self.covered(picture)}
+        if turned_picture is not None:
+            found["turn"] = metrics.changed(picture, turned_picture, self.flat)
+        return found
+
+
+def oblique(info):
+    """A view of a real cloud: from a corner of its box, down at 30 degrees, near enough for its points to be told apart."""
+    low, high = np.array(info["box"]["min"]), np.array(info["box"]["max"])
+    middle, reach = (low + high) / 2, 0.35 * np.linalg.norm((high - low)[:2])
+    return {"eye": list(middle + reach * np.array((-0.61, -0.61, 0.5))), "target": list(middle), "angle": 45}
+
+
+def without_truth(pictures, state):
+    """Figures of bench_pictures' two frames of a real cloud."""
+    picture, at_rest = pictures[state][0], pictures["rest"][0]
+    found = {"covered": float((picture[:, :, 3] >= 128).mean())}
+    if state == "rest":
+        found["turn"] = metrics.changed(at_rest, pictures["rest"][1], at_rest[:, :, 3] >= 128)
+        found["jolt"] = metrics.changed_share(pictures["moving"][0], at_rest)
+    return found
