@@ -2,7 +2,7 @@
 //   bench_pictures reference TREE --path FILE --out FOLDER [options]    each frame complete, however long it takes
 //   bench_pictures replay TREE --path FILE --out FOLDER [options]       each frame once, at the pace of a display, as a
 //       viewer has it
-//   bench_pictures views TREE --path FILE --out FOLDER [options]        as a person has it who arrives and stays:
+//   bench_pictures views TREE --path FILE --out FOLDER [options]        the camera arrives, and stays:
 //       frames with "rest" are drawn while the camera still moves, and again until nothing is to be added
 //   bench_pictures about                                                what it draws with
 // Each prints a line of JSON with lists that have an entry for each frame (references: for each picture). Pictures are
@@ -127,8 +127,9 @@ public:
     }
 
     // At each frame with `rest`, of the last pass: NNNN-moving.png, as the camera arrives, and NNNN-rest.png, when the
-    // picture is complete; both with the library's own budgets. Processor times are those of all threads: of a frame
-    // while the camera moves (the mean of those since the last rest), and from the first frame at rest to the last.
+    // picture is complete; with the library's own budgets where none is given. Processor times are those of all
+    // threads: of a frame while the camera moves (the mean of those since the last rest), and from the first frame at
+    // rest to the last.
     void stay(Row& row)
     {
         RenderOptions options = a_.options;
@@ -289,17 +290,18 @@ int main(int argc, char** argv)
     views->add_option("--frame-budget-ms", a.frame_budget_ms, "0: the library's default")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
-    replay->add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str();
     replay->add_option("--upload-ms", a.options.upload_budget_ms, "Of a frame, for uploads")->capture_default_str();
     replay->add_option("--prefetch-frames", a.options.prefetch_frames, "That a moving camera is loaded ahead for")
         ->capture_default_str();
     replay->add_option("--pace-ms", a.pace_ms, "A frame takes at least this long")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
-    for (CLI::App* const command : {views, replay})
+    for (CLI::App* const command : {views, replay}) {
+        command->add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str();
         command->add_option("--passes", a.passes, "Number of passes along the path; the last one is measured")
             ->capture_default_str()
             ->check(CLI::Range(1, 100));
+    }
     CLI11_PARSE(app, argc, argv);
     try {
         Row row;

@@ -68,7 +68,7 @@ def likeness(truth, picture, asked):
     structure = structural_similarity(on_black(truth), on_black(shown), channel_axis=2, data_range=1.0, gaussian_weights=True, sigma=1.5,
                                       use_sample_covariance=False, full=True)[1]
     square = float(((on_black(truth) - on_black(shown)) ** 2)[asked].mean())
-    return {"flip": float(flip_map(truth, shown)[asked].mean()), "ssim": float(structure[asked].mean()), "psnr": min(99.0, -10 * np.log10(max(square, 1e-12)))}
+    return {"flip": float(flip_map(truth, shown)[asked].mean()), "ssim": float(structure[asked].mean()), "psnr": float(min(99, -10 * np.log10(max(square, 1e-12))))}
 
 
 def outlines(labels):

@@ -6,7 +6,7 @@
 
 Scenes are generated (scenes/), and seen by scanners that leave shadows and scan lines. The truth of a view is ray-traced from the same surfaces; what no scanner saw is
 left out of all figures. The camera arrives at each view and stays: the picture on arrival (moving), the complete one (rest), and the complete one after a turn of
-0.4 pixels are compared, without eye-dome lighting, everything else being the library's default. Each --cloud, a file of a real scan, has no truth: what is
+0.4 pixels are compared, without eye-dome lighting; a moving frame may have so many points as a viewer has time for (views.py); all else is the library's default. Each --cloud, a file of a real scan, has no truth: what is
 covered, calm and spent is measured in an oblique view. FOLDER gets report.md, a composite of pictures for each view, and figures.json. Clouds and true pictures are kept
 in FOLDER/work, trees and pictures are made anew. --quick is small enough for a test, and checks what it has found. Needs the packages of requirements.txt.
 """
@@ -59,7 +59,7 @@ class Comparison:
         """Figures and pictures of a tree along the path: the frames on arrival, and complete."""
         shutil.rmtree(folder, ignore_errors=True)
         drawn = json.loads(call([self.a.bin / "bench_pictures", "views", tree, "--path", path, "--out", folder, "--size", self.picture_size, "--eye-dome", 0,
-                                 "--passes", 2, *options]))
+                                 "--passes", 2, "--frame-budget-ms", 1e6, "--point-budget", self.size.moving_points, *options]))
         return drawn, {state: [metrics.read(file) for file in sorted(folder.glob(f"*-{state}.png"))] for state in views.STATES}
 
     def draw_peer(self, cloud, path, folder, rule, *options):
@@ -176,7 +176,7 @@ def main():
     comparison.measure()
     (a.out / "sys_info.txt").unlink(missing_ok=True)
     study.describe_machine(a.out, comparison.work, {"gl": about["gl"]})
-    result = {"points": size.points, "size": comparison.picture_size, "machine": (a.out / "sys_info.txt").read_text().strip(), "truths": comparison.truths, "rows": comparison.rows}
+    result = {"points": size.points, "moving_points": size.moving_points, "size": comparison.picture_size, "machine": (a.out / "sys_info.txt").read_text().strip(), "truths": comparison.truths, "rows": comparison.rows}
     file.write_text(json.dumps(result, indent=1) + "\n")
     truth_report.write(a.out, result)
     if a.quick:

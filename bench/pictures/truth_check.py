@@ -44,7 +44,7 @@ def check(result, out):
                 assert 0 < row["flip"] < 1 and -1 <= row["ssim"] <= 1 and 5 < row["psnr"] < 99 and row["cpu_ms"] > 0 and row["points"] > 0, row
         potree, constant = rows[view, "Potree's rule", "both"], rows[view, views.CONSTANT, "both"]
         # The cloud lies where the truth is, and splats close its surfaces: shifted by a pixel or two neither would be so.
-        assert rows[view, "default", "rest"]["holes"] < 0.02 and potree["holes"] < 0.1, (view, potree)
+        assert rows[view, "discs", "rest"]["holes"] < 0.02 and rows[view, "default", "rest"]["holes"] < 0.15 and potree["holes"] < 0.1, (view, potree)
         assert potree["flip"] < 0.7 and constant["flip"] < 0.8, (view, potree, constant)
     wall = {name: rows["wall", name, state] for name, state in (("default", "rest"), (views.CONSTANT, "both"))}
     assert wall["default"]["holes"] < wall[views.CONSTANT]["holes"] and wall["default"]["flip"] < wall[views.CONSTANT]["flip"], wall

@@ -13,7 +13,7 @@ MEANING = """*Holes*: share of the pixels inside surfaces that show another thin
 far things stand out beyond their edges, or are bitten into. *Covered*: share of the pixels where anything is drawn. *Turn*: how much a channel (0 to 255) changes within surfaces when the resting
 camera turns by 0.4 px, in the mean; the truth's own change is the least that is right. *Moving → rest*: of the pixels that the picture on arrival or the resting one covers, those of which a channel
 changes by more than 24. *CPU*: of all threads, of a frame while the camera arrives, or of all frames from arrival to the complete picture, caches warm; of peers, of one frame out of buffers in video memory. What no
-scanner saw is left out. No eye-dome lighting; all else is as the library has it by default (moving pictures follow the speed of the machine).
+scanner saw is left out. No eye-dome lighting; a frame has at most {moving:,} points, whatever the time that it takes; all else is as the library has it by default.
 
 - *default*: a tree as `pcmlab build` makes it. *discs*: after `pcmlab normals --radii`, `--splats perspective`.
 - *Potree's rule, re-made*: squares as large as the published source of Potree 1.8 makes adaptive points (`peers/potree_sizes.h`), all nodes shown; not the program itself.
@@ -57,7 +57,7 @@ def summary(result):
 
 def write(out, result):
     lines = ["# Pictures against truth", "", f"`bench/pictures/truth.py`: clouds of about {result['points']:,} points, pictures of {result['size']} pixels. FLIP against truth of the complete pictures:", ""]
-    lines += summary(result) + [MEANING, ""]
+    lines += summary(result) + [MEANING.format(moving=result["moving_points"]), ""]
     notes = out / "findings.md"
     if notes.exists():
         lines += [notes.read_text(encoding="utf-8").strip(), ""]
@@ -80,7 +80,7 @@ def composite(file, pictures):
     for share in (1, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2):
         w, h = int(share * width), int(share * height)
         x, y = (width - w) // 2, (height - h) // 2
-        across = min(3, len(pictures))
+        across = min(4, len(pictures))
         sheet = Image.new("RGB", (across * (w + 4), -(-len(pictures) // across) * (h + 18)), "white")
         draw = ImageDraw.Draw(sheet)
         for i, (name, picture) in enumerate(pictures.items()):

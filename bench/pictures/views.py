@@ -25,10 +25,11 @@ class Size:
     views: tuple = ()   # all where empty
     sizes: tuple = CONSTANT_SIZES
     approach: int = 12  # frames in which the camera arrives
+    moving_points: int = 300_000  # budget of a frame; that of time is left out, so that pictures do not depend on the machine and what else it does
 
 
 FULL = Size(1_000_000, 800, 600)
-QUICK = Size(120_000, 320, 240, ("wall", "interior", "forest"), (1, 3), 4)
+QUICK = Size(120_000, 320, 240, ("wall", "interior", "forest"), (1, 3), 4, 40_000)
 
 
 def turned(view, pixels, height):
