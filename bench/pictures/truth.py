@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
 """Pictures against truth: scenes whose true pictures are known, in several views, beside what other viewers make of the same points.
 
-    truth.py --bin BUILD/bin --out FOLDER [--quick] [--view NAME]... [--points N] [--cloud FILE]... [--python FILE]
+    truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--cloud FILE]... [--python FILE]
     truth.py --out FOLDER --report     the report of what FOLDER/figures.json has, nothing is measured
 
 Scenes are generated (scenes/), and seen by scanners that leave shadows and scan lines. The truth of a view is ray-traced from the same surfaces; what no scanner saw is
 left out of all figures. The camera arrives at each view and stays: the picture on arrival (moving), the complete one (rest), and the complete one after a turn of
 0.4 pixels are compared, without eye-dome lighting; a moving frame may have so many points as a viewer has time for (views.py); all else is the library's default. Each --cloud, a file of a real scan, has no truth: what is
 covered, calm and spent is measured in an oblique view. FOLDER gets report.md, a composite of pictures for each view, and figures.json. Clouds and true pictures are kept
-in FOLDER/work, trees and pictures are made anew. --quick is small enough for a test, and checks what it has found. Needs the packages of requirements.txt.
+in the work folder, trees and pictures are made anew. --quick is small enough for a test, and checks what it has found. Needs the packages of requirements.txt.
 """
 import argparse
 import json
@@ -32,7 +32,7 @@ class Comparison:
     def __init__(self, arguments, size):
         self.a, self.size = arguments, size
         self.picture_size = f"{size.width}x{size.height}"
-        self.work = arguments.out / "work"
+        self.work = arguments.work or arguments.out / "work"
         self.work.mkdir(parents=True, exist_ok=True)
         self.rows, self.truths = [], []
 
@@ -69,7 +69,7 @@ class Comparison:
     def prepare(self, scene, of_scene):
         """Cloud in colours and in labels, camera paths, true pictures."""
         folder, is_new = self.kept(f"{scene}-{'-'.join(view['name'] for view in of_scene)}")
-        files = [folder / name for name in ("colours.las", "labels.las", "still.json", "arriving.json")]
+        files = [folder / name for name in ("colours.las", "labels.las", "still.json", "both.json", "arriving.json")]
         if is_new:
             folder.mkdir(exist_ok=True)
             for file, path in zip(files[2:], views.paths(of_scene, self.size)):
@@ -78,7 +78,7 @@ class Comparison:
             call([self.a.bin / "bench_scenes", "truth", scene, "--path", files[2], "--out", folder, "--size", self.picture_size])
             (folder / "done").touch()
         read = {kind: [metrics.read(file) for file in sorted(folder.glob(f"*-{kind}.png"))] for kind in ("colours", "labels", "facts")}
-        truths = [views.Truth(read["colours"][i], read["colours"][i + 1], read["labels"][i], read["facts"][i]) for i in range(0, 2 * len(of_scene), 2)]
+        truths = [views.Truth(view, read["colours"][i], read["labels"][i], read["facts"][i]) for i, view in enumerate(of_scene)]
         return files, truths
 
     def ours(self, scene, of_scene, files, truths, shown):
@@ -87,7 +87,7 @@ class Comparison:
             for name, cloud in (("colours", files[0]), ("labels", files[1])):
                 tree = self.work / f"{scene}-{name}.pct"
                 self.build(cloud, tree, radii)
-                drawn, pictures[name] = self.draw(tree, files[3], self.work / "drawn", *options)
+                drawn, pictures[name] = self.draw(tree, files[4], self.work / "drawn", *options)
                 if name == "colours":
                     cost = drawn
             for i, (view, truth) in enumerate(zip(of_scene, truths)):
@@ -102,7 +102,7 @@ class Comparison:
 
     def peers(self, of_scene, files, truths, shown):
         """A peer's picture is the same moving and at rest: these clouds are within the budgets of points that they have."""
-        drawn = {rule: [self.draw_peer(cloud, files[2], self.work / "peer", *options) for cloud in files[:2]]
+        drawn = {rule: [self.draw_peer(cloud, files[3], self.work / "peer", *options) for cloud in files[:2]]
                  for rule, options in [("potree", ("potree",))] + [(px, ("constant", "--point-size", px)) for px in self.size.sizes]}
         for i, (view, truth) in enumerate(zip(of_scene, truths)):
             best = min(self.size.sizes, key=lambda px: truth.likeness(drawn[px][0][1][2 * i])["flip"])
@@ -116,7 +116,7 @@ class Comparison:
     def add(self, view, method, state, figures, cpu, points):
         self.rows.append({"view": view, "method": method, "state": state, **figures, "cpu_ms": 1000 * cpu, "points": points})
         row = self.rows[-1]
-        print(f"{view:10} {method:24} {state:7} " + " ".join(f"{name} {row[name]:.4g}" for name in ("flip", "holes", "spill", "covered", "turn", "jolt", "cpu_ms") if name in row),
+        print(f"{view:10} {method:24} {state:7} " + " ".join(f"{name} {row[name]:.4g}" for name in ("flip", "holes", "spill", "covered", "turn", "swim", "jolt", "cpu_ms") if name in row),
               flush=True)
 
     def measure(self):
@@ -138,10 +138,11 @@ class Comparison:
             tree = self.work / f"{name}.pct"
             self.build(file, tree, radii)
             path = self.work / f"{name}.json"
-            path.write_text(json.dumps(views.paths([views.oblique(json.loads(call([self.a.bin / "pcmlab", "info", tree, "--json"])))], self.size)[1]))
+            view = views.oblique(json.loads(call([self.a.bin / "pcmlab", "info", tree, "--json"])))
+            path.write_text(json.dumps(views.paths([view], self.size)[2]))
             drawn, pictures = self.draw(tree, path, self.work / "drawn", *options)
             for state in views.STATES:
-                figures = views.without_truth(pictures, state)
+                figures = views.without_truth(view, pictures, state)
                 self.add(name, method, state, figures, drawn[f"{state}_cpu_seconds"][0], drawn[f"{state}_points"][0])
 
 
@@ -149,6 +150,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", type=pathlib.Path, help="where pcmlab, bench_pictures, bench_scenes and bench_peers are")
     parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--work", type=pathlib.Path, help="for clouds, true pictures and trees (default: OUT/work)")
     parser.add_argument("--quick", action="store_true", help="three views, small pictures and clouds, with checks: what the tests run")
     parser.add_argument("--view", action="append", default=[], help="only this one; repeatable")
     parser.add_argument("--points", type=lambda t: int(float(t)), help="of each cloud")

@@ -7,17 +7,17 @@ import views
 
 LARGEST = 300_000  # bytes of a composite
 COLUMNS = {"flip": ("FLIP", "{:.4f}"), "ssim": ("SSIM", "{:.3f}"), "psnr": ("PSNR, dB", "{:.1f}"), "holes": ("holes, %", "{:.3f}", 100), "spill": ("spill, px", "{:.2f}"),
-           "covered": ("covered, %", "{:.1f}", 100), "turn": ("turn", "{:.2f}"), "jolt": ("moving → rest, %", "{:.1f}", 100), "cpu_ms": ("CPU, ms", "{:.0f}"),
+           "covered": ("covered, %", "{:.1f}", 100), "turn": ("turn", "{:.2f}"), "swim": ("swim", "{:.2f}"), "jolt": ("moving → rest, %", "{:.1f}", 100), "cpu_ms": ("CPU, ms", "{:.0f}"),
            "points": ("points", "{:,}")}
 MEANING = """*Holes*: share of the pixels inside surfaces that show another thing, or nothing. *Spill*: pixels near outlines that show another thing than they should, for each pixel of outline: how
 far things stand out beyond their edges, or are bitten into. *Covered*: share of the pixels where anything is drawn. *Turn*: how much a channel (0 to 255) changes within surfaces when the resting
-camera turns by 0.4 px, in the mean; the truth's own change is the least that is right. *Moving → rest*: of the pixels that the picture on arrival or the resting one covers, those of which a channel
+camera turns by 0.4 px, in the mean, which is much for the truth too where it is finely textured; *swim*: how much it differs from the resting picture turned as a picture. *Moving → rest*: of the pixels that the picture on arrival or the resting one covers, those of which a channel
 changes by more than 24. *CPU*: of all threads, of a frame while the camera arrives, or of all frames from arrival to the complete picture, caches warm; of peers, of one frame out of buffers in video memory. What no
 scanner saw is left out. No eye-dome lighting; a frame has at most {moving:,} points, whatever the time that it takes; all else is as the library has it by default.
 
 - *default*: a tree as `pcmlab build` makes it. *discs*: after `pcmlab normals --radii`, `--splats perspective`.
 - *Potree's rule, re-made*: squares as large as the published source of Potree 1.8 makes adaptive points (`peers/potree_sizes.h`), all nodes shown; not the program itself.
-- *CloudCompare-like*: squares of a constant size, of 1, 2, 3, 5 and 8 px that with the least FLIP in the view, which its user would have to find."""
+- *CloudCompare-like*: squares of a constant size, of 1, 2, 3 and 5 px that with the least FLIP in the view, which its user would have to find."""
 
 
 def fit(columns, row):
@@ -50,9 +50,9 @@ def summary(result):
         best = min(flips)
         rows.append([view, *(f"**{flip:.4f}**" if flip == best else f"{flip:.4f}" for flip in flips), *(f"{flip / potree['flip']:.2f}" for flip in flips[:2]),
                      " / ".join(f"{100 * row['covered']:.0f}" for row in (truth, ours, discs, potree, constant)),
-                     " / ".join(f"{row['turn']:.2f}" for row in (truth, ours, discs, potree, constant))])
+                     " / ".join(f"{row['swim']:.2f}" for row in (truth, ours, discs, potree, constant))])
     return table(["view", "default", "discs", "Potree's rule", "CloudCompare-like", "default / Potree's", "discs / Potree's", "covered: truth / default / discs / Potree's / constant, %",
-                  "turn: the same five"], rows, 1)
+                  "swim: the same five"], rows, 1)
 
 
 def write(out, result):

@@ -3,13 +3,13 @@ import dataclasses
 import math
 
 import numpy as np
-from scipy.ndimage import distance_transform_edt
+from scipy.ndimage import distance_transform_edt, map_coordinates
 
 import metrics
 
 SURFACE = 1  # Kind of scenes/look.h
 TURN_PX = 0.4
-CONSTANT_SIZES = (1, 2, 3, 5, 8)  # pixels: what a user of constant points chooses from
+CONSTANT_SIZES = (1, 2, 3, 5)  # pixels: what a user of constant points chooses from
 STATES = ("moving", "rest")
 
 # Ours: the cloud's tree (with normals and radii or without) and what bench_pictures is told.
@@ -28,34 +28,60 @@ class Size:
     moving_points: int = 300_000  # budget of a frame; that of time is left out, so that pictures do not depend on the machine and what else it does
 
 
-FULL = Size(1_000_000, 800, 600)
+FULL = Size(1_000_000, 640, 480)
 QUICK = Size(120_000, 320, 240, ("wall", "interior", "forest"), (1, 3), 4, 40_000)
+
+
+def pixel_angle(view, height):
+    return math.atan(2 * math.tan(math.radians(view["angle"]) / 2) / height)
 
 
 def turned(view, pixels, height):
     """The view's camera turned to the right by so many of its pixels, about the direction that is up in the picture."""
-    angle = pixels * math.atan(2 * math.tan(math.radians(view["angle"]) / 2) / height)
-    eye, ahead = np.array(view["eye"]), np.array(view["target"]) - np.array(view["eye"])
+    angle = pixels * pixel_angle(view, height)
+    eye, ahead = np.array(view["eye"], float), np.array(view["target"], float) - np.array(view["eye"], float)
     right = np.cross(ahead, (0, 0, 1))
     right *= np.linalg.norm(ahead) / np.linalg.norm(right)
-    return {"eye": list(eye), "target": list(eye + math.cos(angle) * ahead + math.sin(angle) * right), "angle": view["angle"]}
+    up = np.cross(right, ahead)
+    return {"eye": list(eye), "target": list(eye + math.cos(angle) * ahead + math.sin(angle) * right), "up": list(up / np.linalg.norm(up)), "angle": view["angle"]}
+
+
+def turn_picture(picture, view, pixels):
+    """What the camera, turned as above, would see if the picture were all there is: cubic interpolation; colours on black, 0 to 1."""
+    height, width = picture.shape[:2]
+    angle, focal = pixels * pixel_angle(view, height), height / 2 / math.tan(math.radians(view["angle"]) / 2)
+    y, x = np.mgrid[:height, :width]
+    u, v = (x + 0.5 - width / 2) / focal, (y + 0.5 - height / 2) / focal
+    ahead = math.cos(angle) - u * math.sin(angle)
+    places = [v / ahead * focal + height / 2 - 0.5, (u * math.cos(angle) + math.sin(angle)) / ahead * focal + width / 2 - 0.5]
+    colours = metrics.on_black(picture)
+    return np.stack([np.clip(map_coordinates(colours[:, :, c], places, order=3, mode="nearest"), 0, 1) for c in range(3)], axis=2)
 
 
 def paths(of_scene, size):
-    """Camera paths of one scene: with its views and the turned ones as frames, and that with the camera arriving at each view."""
-    still, arriving = [], []
+    """Camera paths of one scene: its views; these and the turned ones, in turns; and that with the camera arriving at each view."""
+    still, both, arriving = [], [], []
     for view in of_scene:
-        both = [turned(view, 0, size.height), turned(view, TURN_PX, size.height)]
-        still += both
-        arriving += [turned(view, -6 * (size.approach - i), size.height) for i in range(size.approach)] + [{**frame, "rest": True} for frame in both]
-    return tuple({"format": "pcm camera path", "version": 1, "coordinates": "source", "frames": frames} for frames in (still, arriving))
+        pair = [turned(view, 0, size.height), turned(view, TURN_PX, size.height)]
+        still.append(pair[0])
+        both += pair
+        arriving += [turned(view, -6 * (size.approach - i), size.height) for i in range(size.approach)] + [{**frame, "rest": True} for frame in pair]
+    return tuple({"format": "pcm camera path", "version": 1, "coordinates": "source", "frames": frames} for frames in (still, both, arriving))
+
+
+def turning(picture, turned_picture, view, where):
+    """turn: how much these pixels change when the camera turns. swim: how much of that is not the turn: against the picture turned as a picture."""
+    if not where.any():
+        return {"turn": 0.0, "swim": 0.0}
+    moved = np.abs(metrics.on_black(turned_picture) - turn_picture(picture, view, TURN_PX))
+    return {"turn": metrics.changed(picture, turned_picture, where), "swim": float(255 * moved[where].mean())}
 
 
 class Truth:
-    """The true picture of a view, and of the turned one; which pixels can be asked about."""
+    """The true picture of a view, and which of its pixels can be asked about."""
 
-    def __init__(self, colours, turned_colours, labels, facts):
-        self.colours, self.turned, self.labels = colours, turned_colours, labels
+    def __init__(self, view, colours, labels, facts):
+        self.view, self.colours, self.labels = view, colours, labels
         self.asked = facts[:, :, 1] > 0  # a scanner saw it
         self.edge = metrics.outlines(labels)
         self.reach = max(4, round(12 * labels.shape[1] / 998))  # pixels: where splats of other things reach
@@ -80,12 +106,13 @@ class Truth:
 
     def own(self):
         """What of the figures the truth itself has."""
-        return {"covered": self.covered(self.colours), "turn": metrics.changed(self.colours, self.turned, self.flat), "asked": float(self.asked.mean())}
+        moved = np.abs(metrics.on_black(self.colours) - turn_picture(self.colours, self.view, TURN_PX))
+        return {"covered": self.covered(self.colours), "turn": float(255 * moved[self.flat].mean()) if self.flat.any() else 0.0, "swim": 0.0, "asked": float(self.asked.mean())}
 
     def figures(self, picture, labels, turned_picture=None):
         found = {**self.likeness(picture), **self.shapes(labels), "covered": self.covered(picture)}
         if turned_picture is not None:
-            found["turn"] = metrics.changed(picture, turned_picture, self.flat)
+            found.update(turning(picture, turned_picture, self.view, self.flat))
         return found
 
 
@@ -96,11 +123,11 @@ def oblique(info):
     return {"eye": list(middle + reach * np.array((-0.61, -0.61, 0.5))), "target": list(middle), "angle": 45}
 
 
-def without_truth(pictures, state):
+def without_truth(view, pictures, state):
     """Figures of bench_pictures' two frames of a real cloud."""
     picture, at_rest = pictures[state][0], pictures["rest"][0]
     found = {"covered": float((picture[:, :, 3] >= 128).mean())}
     if state == "rest":
-        found["turn"] = metrics.changed(at_rest, pictures["rest"][1], at_rest[:, :, 3] >= 128)
+        found.update(turning(at_rest, pictures["rest"][1], view, at_rest[:, :, 3] >= 128))
         found["jolt"] = metrics.changed_share(pictures["moving"][0], at_rest)
     return found

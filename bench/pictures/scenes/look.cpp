@@ -47,7 +47,7 @@ double degrees(double radians) { return radians * 180 / pi; }
 
 }  // namespace
 
-std::optional<Sight> Eye::look(const Vec3d& from, const Vec3d& direction, std::uint64_t key) const
+std::optional<Sight> Eye::look(const Vec3d& from, const Vec3d& direction, std::uint64_t key, int grains) const
 {
     Random random(key);
     Hit hit;
@@ -59,7 +59,10 @@ std::optional<Sight> Eye::look(const Vec3d& from, const Vec3d& direction, std::u
     Sight sight;
     sight.distance = hit.distance;
     sight.place = from + hit.distance * direction;
-    sight.colour = look_at(scene_.site, shape, sight.place, hit.normal, random).colour;
+    for (int i = 0; i < grains; ++i) {
+        const Colour colour = look_at(scene_.site, shape, sight.place, hit.normal, random).colour;
+        for (std::size_t c = 0; c < 3; ++c) sight.colour[c] += colour[c] / grains;
+    }
     sight.label = label_colour(shape, hit.shape);
     sight.kind = kind_of(shape);
     sight.scattered = shape && shape->kind == Shape::Kind::crown;

@@ -30,8 +30,9 @@ public:
     explicit Eye(const Scene& scene) : scene_(scene), caster_(scene.site) {}
 
     // The first thing along a ray; none in the sky. `direction` has unit length; `key` seeds what is random: the grain
-    // of a surface, the depth at which a ray meets a leaf of the generated site's crowns.
-    std::optional<Sight> look(const Vec3d& from, const Vec3d& direction, std::uint64_t key) const;
+    // of a surface, of which the colour is the mean of `grains`, and the depth at which a ray meets a leaf of the
+    // generated site's crowns.
+    std::optional<Sight> look(const Vec3d& from, const Vec3d& direction, std::uint64_t key, int grains = 1) const;
     // Whether one of the scene's scanners has this place in its window and nothing before it.
     bool was_scanned(const Sight& sight) const;
 

@@ -7,7 +7,8 @@
 namespace pcm::bench {
 namespace {
 
-constexpr int rays_a_side = 3;  // of a pixel; odd, so that one goes through its middle
+constexpr int rays_a_side = 5;  // of a pixel; odd, so that one goes through its middle
+constexpr int grains = 4;       // of each ray: grain is the points', not the surfaces'
 
 struct Camera {
     Vec3d eye, forward, right, up;
@@ -47,8 +48,8 @@ void draw_pixel(const Eye& eye, const Camera& camera, int x, int y, TruePicture&
     for (int i = 0; i < rays; ++i) {
         const double dx = (i % rays_a_side + 0.5) / rays_a_side;
         const double dy = (static_cast<double>(i / rays_a_side) + 0.5) / rays_a_side;
-        const auto sight =
-            eye.look(camera.eye, camera.direction(x + dx, y + dy), scene::hash(pixel, static_cast<std::uint64_t>(i)));
+        const auto sight = eye.look(camera.eye, camera.direction(x + dx, y + dy),
+                                    scene::hash(pixel, static_cast<std::uint64_t>(i)), grains);
         if (i == rays / 2) {
             put(picture.labels, x, y, sight ? sight->label : Rgb{}, sight ? 255 : 0);
             put(picture.facts, x, y, {static_cast<std::uint8_t>(sight ? sight->kind : Kind{}), 0, 0}, 255);
@@ -56,7 +57,7 @@ void draw_pixel(const Eye& eye, const Camera& camera, int x, int y, TruePicture&
         if (!sight) continue;
         ++hits;
         for (std::size_t c = 0; c < 3; ++c) sum[c] += sight->colour[c];
-        if (i % 4 == 0 && all_scanned) all_scanned = eye.was_scanned(*sight);  // of the middle and two corners
+        if (i % (rays / 2) == 0 && all_scanned) all_scanned = eye.was_scanned(*sight);  // of the middle and two corners
     }
     Rgb mean{};
     for (std::size_t c = 0; c < 3 && hits; ++c) mean[c] = static_cast<std::uint8_t>(sum[c] / hits + 0.5);
