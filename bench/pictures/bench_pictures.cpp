@@ -1,7 +1,10 @@
 // Draws the frames of a camera path and writes them as PNG; run.py starts it, and compares.
 //   bench_pictures reference TREE --path FILE --out FOLDER [options]    each frame complete, however long it takes
 //   bench_pictures replay TREE --path FILE --out FOLDER [options]       each frame once, at the pace of a display, as a
-//   viewer has it bench_pictures about                                                what it draws with
+//       viewer has it
+//   bench_pictures views TREE --path FILE --out FOLDER [options]        the camera arrives, and stays:
+//       frames with "rest" are drawn while the camera still moves, and again until nothing is to be added
+//   bench_pictures about                                                what it draws with
 // Each prints a line of JSON with lists that have an entry for each frame (references: for each picture). Pictures are
 // transparent where nothing is drawn.
 #include "bench/caches/row.h"
@@ -17,6 +20,7 @@
 #include <exception>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <thread>
 
 namespace {
@@ -78,7 +82,7 @@ public:
             }
             if (options.converge && !report.full_resolution)
                 throw std::runtime_error("frame " + std::to_string(i + 1) + " ended without every point in view");
-            write(i, screen_.read());
+            write(numbered(i + 1) + ".png", screen_.read());
             row["points_drawn"].push_back(report.points_drawn);
             row["complete_ms"].push_back(1000 * seconds_since(start));
         }
@@ -119,12 +123,67 @@ public:
         row["l1_allocated_mb"] = static_cast<double>(scene_.l1_statistics().allocated_bytes) / megabyte;
         row["loaded_mb"] = static_cast<double>(scene_.loaded_bytes()) / megabyte;
         for (std::size_t i = 0, next = 0; i < path_.frames.size(); ++i)
-            if (kept(i)) write(i, pictures[next++]);
+            if (kept(i)) write(numbered(i + 1) + ".png", pictures[next++]);
+    }
+
+    // At each frame with `rest`, of the last pass: NNNN-moving.png, as the camera arrives, and NNNN-rest.png, when the
+    // picture is complete; with the library's own budgets where none is given. Processor times are those of all
+    // threads: of a frame while the camera moves (the mean of those since the last rest), and from the first frame at
+    // rest to the last.
+    void stay(Row& row)
+    {
+        RenderOptions options = a_.options;
+        if (a_.frame_budget_ms > 0) options.frame_budget_ms = a_.frame_budget_ms;
+        for (unsigned pass = 1; pass <= a_.passes; ++pass) {
+            std::size_t rests = 0;
+            std::vector<double> moving;
+            for (std::size_t i = 0; i < path_.frames.size(); ++i) {
+                double start = processor_seconds();
+                FrameReport report = frame(path_.frames[i], options);
+                moving.push_back(processor_seconds() - start);
+                if (!path_.frames[i].rest) continue;
+                ++rests;
+                const bool last = pass == a_.passes;
+                if (last) {
+                    row["moving_cpu_seconds"].push_back(mean(moving));
+                    row["moving_points"].push_back(report.points_drawn);
+                    write(numbered(rests) + "-moving.png", screen_.read());
+                }
+                moving.clear();
+                start = processor_seconds();
+                const unsigned frames = complete(path_.frames[i], options, report);
+                if (!last) continue;
+                row["rest_cpu_seconds"].push_back(processor_seconds() - start);
+                row["rest_points"].push_back(report.points_drawn);
+                row["rest_frames"].push_back(frames);
+                write(numbered(rests) + "-rest.png", screen_.read());
+            }
+        }
     }
 
     std::string renderer() const { return screen_.renderer(); }
 
 private:
+    static double mean(const std::vector<double>& values)
+    {
+        return ratio(std::accumulate(values.begin(), values.end(), 0.0), static_cast<double>(values.size()));
+    }
+
+    // Draws the frame again until the picture is complete; how often. At least once.
+    unsigned complete(const CameraFrame& camera, const RenderOptions& options, FrameReport& report)
+    {
+        const auto start = Clock::now();
+        unsigned frames = 0;
+        do {
+            if (seconds_since(start) > a_.longest_s)
+                throw std::runtime_error("a view is not complete after " + std::to_string(a_.longest_s) + " s");
+            if (frames && !report.repaint) scene_.wait();
+            report = frame(camera, options);
+            ++frames;
+        } while (report.refining);
+        return frames;
+    }
+
     bool kept(std::size_t frame) const { return frame % a_.every == a_.every - 1; }
 
     L1Options l1_options() const
@@ -163,11 +222,15 @@ private:
         for (int i = 0; i < 8; ++i) frame(path_.frames.front(), options);
     }
 
-    void write(std::size_t number, Image image) const
+    static std::string numbered(std::size_t number)
+    {
+        char text[32];
+        std::snprintf(text, sizeof text, "%04zu", number);
+        return text;
+    }
+    void write(const std::string& name, Image image) const
     {
         unpremultiply(image);
-        char name[32];
-        std::snprintf(name, sizeof name, "%04zu.png", number + 1);
         write_png(a_.out / name, image);
     }
 
@@ -187,6 +250,7 @@ void add_options(CLI::App& app, Arguments& a)
         ->check(CLI::Range(1, 1000000));
     app.add_option("--size", a.size, "Of the pictures, pixels")->capture_default_str();
     app.add_option("--splats", a.style.splats, "What points are drawn as")->transform(CLI::CheckedTransformer(modes()));
+    app.add_option("--radius-scale", a.style.radius_scale, "Factor on the radii of splats")->capture_default_str();
     app.add_option("--point-size", a.style.point_size_px, "Of constant splats, pixels")->capture_default_str();
     app.add_option("--eye-dome", a.options.eye_dome, "Strength of eye-dome lighting; 0: none")->capture_default_str();
     app.add_option("--samples", a.options.samples, "A pixel")->capture_default_str()->check(CLI::Range(1, 8));
@@ -211,6 +275,8 @@ int main(int argc, char** argv)
     CLI::App* const reference = app.add_subcommand("reference", "Each frame complete");
     add_options(*reference, a);
     reference->add_flag("--to-target", a.to_target, "Complete is what --target-px asks for, not every point in view");
+    CLI::App* const views = app.add_subcommand("views", "Frames with \"rest\": on arrival, and complete");
+    add_options(*views, a);
     CLI::App* const replay = app.add_subcommand("replay", "Each frame once, at a pace");
     add_options(*replay, a);
     replay->add_option("--order", a.options.order, "error: best first; depth: the root first")
@@ -221,16 +287,21 @@ int main(int argc, char** argv)
         ->add_option("--frame-budget-ms", a.frame_budget_ms, "0: none, and no feedback from the time that frames take")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
-    replay->add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str();
+    views->add_option("--frame-budget-ms", a.frame_budget_ms, "0: the library's default")
+        ->capture_default_str()
+        ->check(CLI::NonNegativeNumber);
     replay->add_option("--upload-ms", a.options.upload_budget_ms, "Of a frame, for uploads")->capture_default_str();
     replay->add_option("--prefetch-frames", a.options.prefetch_frames, "That a moving camera is loaded ahead for")
         ->capture_default_str();
     replay->add_option("--pace-ms", a.pace_ms, "A frame takes at least this long")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
-    replay->add_option("--passes", a.passes, "Number of passes along the path; the last one is measured")
-        ->capture_default_str()
-        ->check(CLI::Range(1, 100));
+    for (CLI::App* const command : {views, replay}) {
+        command->add_option("--point-budget", a.options.point_budget, "Most points of a frame")->capture_default_str();
+        command->add_option("--passes", a.passes, "Number of passes along the path; the last one is measured")
+            ->capture_default_str()
+            ->check(CLI::Range(1, 100));
+    }
     CLI11_PARSE(app, argc, argv);
     try {
         Row row;
@@ -243,7 +314,7 @@ int main(int argc, char** argv)
             Player player(a);
             const double cpu = processor_seconds();
             const auto start = Clock::now();
-            reference->parsed() ? player.draw_references(row) : player.replay(row);
+            reference->parsed() ? player.draw_references(row) : views->parsed() ? player.stay(row) : player.replay(row);
             row["seconds"] = seconds_since(start);
             row["cpu_seconds"] = processor_seconds() - cpu;
             row["gl"] = player.renderer();

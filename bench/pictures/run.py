@@ -13,7 +13,6 @@ looks for regions that go blank. Needs the packages of requirements.txt; --pytho
 Rows of results.csv are not measured again, so an interrupted run resumes.
 """
 import argparse
-import importlib.util
 import json
 import os
 import pathlib
@@ -21,26 +20,10 @@ import shutil
 import statistics
 import sys
 
-HERE = pathlib.Path(__file__).resolve().parent
-sys.path.append(str(HERE.parent / "study"))
+import packages
 
-
-def require_packages():
-    """Starts anew with --python; 77, which skips a test, where the packages are not there."""
-    if "--python" in sys.argv[:-1]:
-        at = sys.argv.index("--python")
-        interpreter = sys.argv[at + 1]
-        if not os.path.exists(interpreter):
-            print(f"skipped: {interpreter} is not there; packaging/test-python makes it")
-            sys.exit(77)
-        os.execv(interpreter, [interpreter, "-B", *sys.argv[:at], *sys.argv[at + 2:]])
-    missing = [name for name in ("numpy", "scipy", "matplotlib", "skimage", "flip_evaluator") if not importlib.util.find_spec(name)]
-    if missing:
-        print(f"skipped: Python packages are missing: {' '.join(missing)} (see {HERE / 'requirements.txt'})")
-        sys.exit(77)
-
-
-require_packages()
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "study"))
+packages.require()
 import metrics  # noqa: E402
 import paths  # noqa: E402
 import plan  # noqa: E402

@@ -1,133 +1,189 @@
 #!/usr/bin/env python3
-"""Closed surfaces: how much of a generated scene can be seen through, and how far splats stand out, per splat mode.
+"""Pictures against truth: scenes whose true pictures are known, in several views, beside what other viewers make of the same points.
 
-    truth.py --bin BUILD/bin --out FOLDER [--points N] [--python FILE]
+    truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--cloud FILE]... [--python FILE]
+    truth.py --out FOLDER --report     the report of what FOLDER/figures.json has, nothing is measured
 
-The generated scene is sampled twice, with N points and with ten times as many. Points are coloured by the surface that they lie on, so a picture says which
-surface each pixel shows; the picture of the dense sample is the truth. For each view and mode, moving (as much as one frame of 33 ms shows) and at rest:
-- see-through: of the pixels inside a surface (farther than a splat from where another one is seen), those that show something else, in percent;
-- uncovered: of the pixels that the truth covers, those where nothing is drawn, in percent;
-- spill: how far the surfaces stand out at their edges: pixels outside of what the truth covers, as a width along its outline, in pixels, beside the half
-  of a splat's side;
-- FLIP of the true colours.
-Prints a table and writes it to FOLDER/truth.md. Needs the packages of requirements.txt.
+Scenes are generated (scenes/), and seen by scanners that leave shadows and scan lines. The truth of a view is ray-traced from the same surfaces; what no scanner saw is
+left out of all figures. The camera arrives at each view and stays: the picture on arrival (moving), the complete one (rest), and the complete one after a turn of
+0.4 pixels are compared, without eye-dome lighting; a moving frame may have so many points as a viewer has time for (views.py); all else is the library's default. Each --cloud, a file of a real scan, has no truth: what is
+covered, calm and spent is measured in an oblique view. FOLDER gets report.md, a composite of pictures for each view, and figures.json. Clouds and true pictures are kept
+in the work folder, trees and pictures are made anew. --quick is small enough for a test, and checks what it has found. Needs the packages of requirements.txt.
 """
 import argparse
 import json
 import pathlib
+import shutil
 import sys
 
-import run  # starts anew with --python; skips without the packages
+import packages
 
-import numpy as np
-from scipy.ndimage import binary_dilation, distance_transform_edt
-
-import metrics
-import splats
-from study import call
-
-SIZE = (998, 714)
-EXTENT = 60
-# Eye and target relative to the scene's corner (500000, 4800000, 0), and the side of the surface's splats is taken from the picture.
-VIEWS = {
-    "scene": ((68.86, -20.70, 129.80), (28, 28, 96)),
-    "wall 7 m": ((25.58, 11.45, 97.07), (19.70, 15.20, 96.46)),
-    "wall 2 m": ((21.41, 16.20, 96.74), (19.70, 15.20, 96.46)),
-    "floor 13 m": ((30.0, 30.0, 103.0), (36.0, 36.0, 93.5)),
-    "roof 2 m": ((15.0, 9.0, 103.0), (13.5, 11.5, 101.5)),
-}
-MODES = {"constant": ("plain", "constant"), "adaptive": ("plain", "adaptive"), "radius": ("splats", "adaptive"), "discs": ("splats", "perspective")}
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "study"))
+packages.require()
+import metrics  # noqa: E402
+import study  # noqa: E402
+import truth_check  # noqa: E402
+import truth_report  # noqa: E402
+import views  # noqa: E402
+from study import call  # noqa: E402
 
 
-def labelled(points):
-    """Colours that are far apart, one for each surface."""
-    label = points["point_source_id"].astype(np.uint32)
-    mixed = (label + 1) * np.uint32(2654435761)
-    for shift, name in ((24, "red"), (16, "green"), (8, "blue")):
-        points[name] = ((mixed >> np.uint32(shift)) & np.uint32(255)).astype(points.dtype[name])
-    return points
+class Comparison:
+    def __init__(self, arguments, size):
+        self.a, self.size = arguments, size
+        self.picture_size = f"{size.width}x{size.height}"
+        self.work = arguments.work or arguments.out / "work"
+        self.work.mkdir(parents=True, exist_ok=True)
+        self.rows, self.truths = [], []
 
+    def scenes(self):
+        """Name: its views."""
+        found = {}
+        for view in json.loads(call([self.a.bin / "bench_scenes", "about"]))["views"]:
+            wanted = self.a.view or self.size.views
+            if not wanted or view["name"] in wanted:
+                found.setdefault(view["scene"], []).append(view)
+        return found
 
-def make_trees(a, name, points):
-    trees = {}
-    work = a.out / "work"
-    work.mkdir(parents=True, exist_ok=True)
-    las, ply, other = work / f"{name}.las", work / f"{name}.ply", work / f"{name}-made.ply"
-    wanted = ["plain", "splats"] if name == "sparse" else ["plain"]
-    kinds = [(kind, labels) for kind in wanted for labels in (False, True)]
-    for kind, labels in kinds:
-        trees[kind, labels] = work / f"{name}-{kind}{'-labels' if labels else ''}.pct"
-    if all((tree / "index.pct").exists() for tree in trees.values()):
-        return trees
-    call([a.bin / "pcmlab", "generate", "--overwrite", "-n", points, "--extent", EXTENT, "--no-truth", las, "-q"])
-    call([a.bin / "pcmlab", "convert", "--overwrite", las, ply, "-q"])
-    for kind, labels in kinds:
-        source = ply
-        if kind == "splats":
-            splats.add_splats(ply, other)
-            source = other
-        if labels:
-            made = labelled(splats.read(source).copy())
-            source = work / f"{name}-labels.ply"
-            splats.write(source, made)
-        call([a.bin / "pcmlab", "build", "--overwrite", source, "-o", trees[kind, labels], "-q"])
-    for file in work.glob("*.ply"):
-        file.unlink()
-    las.unlink()
-    return trees
+    def kept(self, name):
+        """A folder for what the generator alone decides; whether it has to be filled."""
+        folder = self.work / f"{name}-{self.size.points}-{self.picture_size}"
+        return folder, not (folder / "done").exists()
 
+    def build(self, cloud, tree, radii, *options):
+        call([self.a.bin / "pcmlab", "build", cloud, "-o", tree, "--overwrite", "-q", *options])
+        if radii:
+            call([self.a.bin / "pcmlab", "normals", tree, "--in-place", "--radii", "-q"])
 
-def picture(a, tree, view, mode, moving, name, *more):
-    file = a.out / "pictures" / f"{name.replace(' ', '-')}.png"
-    file.parent.mkdir(parents=True, exist_ok=True)
-    corner = (500000, 4800000, 0)
-    eye, target = ([str(c + v) for c, v in zip(corner, place)] for place in VIEWS[view])
-    state = ["--until", "target", "--frame-budget", "33"] if moving else []
-    call([a.bin / "pcmlab-render", tree, "-o", file, "--overwrite", "--size", "x".join(map(str, SIZE)), "--angle", 45, "--eye", *eye, "--target", *target,
-          "--splats", mode, *state, *more])
-    return metrics.read(file)
+    def draw(self, tree, path, folder, *options):
+        """Figures and pictures of a tree along the path: the frames on arrival, and complete."""
+        shutil.rmtree(folder, ignore_errors=True)
+        drawn = json.loads(call([self.a.bin / "bench_pictures", "views", tree, "--path", path, "--out", folder, "--size", self.picture_size, "--eye-dome", 0,
+                                 "--passes", 2, "--frame-budget-ms", 1e6, "--point-budget", self.size.moving_points, *options]))
+        return drawn, {state: [metrics.read(file) for file in sorted(folder.glob(f"*-{state}.png"))] for state in views.STATES}
 
+    def draw_peer(self, cloud, path, folder, rule, *options):
+        drawn = json.loads(call([self.a.bin / "bench_peers", cloud, "--rule", rule, "--path", path, "--out", folder, "--size", self.picture_size, *options]))
+        return drawn, [metrics.read(file) for file in sorted(folder.glob("*.png"))]
 
-def figures(truth, truth_colours, labels, colours):
-    covered, drawn = truth[:, :, 3] > 0, labels[:, :, 3] > 0
-    edge = np.zeros(covered.shape, bool)
-    for axis in (0, 1):
-        differs = (np.diff(truth.astype(int), axis=axis) != 0).any(axis=2)
-        where = [slice(None)] * 2
-        where[axis] = slice(0, -1)
-        edge[tuple(where)] |= differs
-    inside = covered & (distance_transform_edt(~edge) > 12)
-    other = (truth != labels).any(axis=2)
-    outline = binary_dilation(covered) & ~covered
-    return {"see-through": 100 * (other & inside).sum() / max(1, inside.sum()), "uncovered": 100 * (covered & ~drawn).sum() / max(1, covered.sum()),
-            "spill": (drawn & ~covered).sum() / max(1, outline.sum()), "flip": metrics.flip(truth_colours, colours)}
+    def prepare(self, scene, of_scene):
+        """Cloud in colours and in labels, camera paths, true pictures."""
+        folder, is_new = self.kept(f"{scene}-{'-'.join(view['name'] for view in of_scene)}")
+        files = [folder / name for name in ("colours.las", "labels.las", "still.json", "both.json", "arriving.json")]
+        if is_new:
+            folder.mkdir(exist_ok=True)
+            for file, path in zip(files[2:], views.paths(of_scene, self.size)):
+                file.write_text(json.dumps(path))
+            call([self.a.bin / "bench_scenes", "scan", scene, "--points", self.size.points, "-o", files[0], "--labels", files[1]])
+            call([self.a.bin / "bench_scenes", "truth", scene, "--path", files[2], "--out", folder, "--size", self.picture_size])
+            (folder / "done").touch()
+        read = {kind: [metrics.read(file) for file in sorted(folder.glob(f"*-{kind}.png"))] for kind in ("colours", "labels", "facts")}
+        truths = [views.Truth(view, read["colours"][i], read["labels"][i], read["facts"][i]) for i, view in enumerate(of_scene)]
+        return files, truths
+
+    def ours(self, scene, of_scene, files, truths, shown):
+        for method, (radii, options) in views.OURS.items():
+            pictures = {}
+            for name, cloud in (("colours", files[0]), ("labels", files[1])):
+                tree = self.work / f"{scene}-{name}.pct"
+                self.build(cloud, tree, radii)
+                drawn, pictures[name] = self.draw(tree, files[4], self.work / "drawn", *options)
+                if name == "colours":
+                    cost = drawn
+            for i, (view, truth) in enumerate(zip(of_scene, truths)):
+                at_rest = pictures["colours"]["rest"][2 * i]
+                for state in views.STATES:
+                    picture = pictures["colours"][state][2 * i]
+                    figures = truth.figures(picture, pictures["labels"][state][2 * i], pictures["colours"]["rest"][2 * i + 1] if state == "rest" else None)
+                    if state == "rest":
+                        figures["jolt"] = metrics.changed_share(pictures["colours"]["moving"][2 * i], at_rest)
+                    self.add(view["name"], method, state, figures, cost[f"{state}_cpu_seconds"][2 * i], cost[f"{state}_points"][2 * i])
+                    shown[view["name"]][f"{method}, {'moving' if state == 'moving' else 'at rest'}"] = picture
+
+    def peers(self, of_scene, files, truths, shown):
+        """A peer's picture is the same moving and at rest: these clouds are within the budgets of points that they have."""
+        drawn = {rule: [self.draw_peer(cloud, files[3], self.work / "peer", *options) for cloud in files[:2]]
+                 for rule, options in [("potree", ("potree",))] + [(px, ("constant", "--point-size", px)) for px in self.size.sizes]}
+        for i, (view, truth) in enumerate(zip(of_scene, truths)):
+            best = min(self.size.sizes, key=lambda px: truth.likeness(drawn[px][0][1][2 * i])["flip"])
+            for name, rule in ((views.POTREE, "potree"), (views.CONSTANT, best)):
+                (cost, pictures), (_, labels) = drawn[rule]
+                figures = truth.figures(pictures[2 * i], labels[2 * i], pictures[2 * i + 1])
+                self.add(view["name"], name if rule == "potree" else f"{name}, {rule} px", "both", {**figures, "jolt": 0.0}, cost["cpu_seconds"][2 * i],
+                         cost["points_drawn"][2 * i])
+                shown[view["name"]][name if rule == "potree" else f"{name}, {rule} px"] = pictures[2 * i]
+
+    def add(self, view, method, state, figures, cpu, points):
+        self.rows.append({"view": view, "method": method, "state": state, **figures, "cpu_ms": 1000 * cpu, "points": points})
+        row = self.rows[-1]
+        print(f"{view:10} {method:24} {state:7} " + " ".join(f"{name} {row[name]:.4g}" for name in ("flip", "holes", "spill", "covered", "turn", "swim", "jolt", "cpu_ms") if name in row),
+              flush=True)
+
+    def measure(self):
+        for scene, of_scene in self.scenes().items():
+            files, truths = self.prepare(scene, of_scene)
+            shown = {view["name"]: {"truth": truth.colours} for view, truth in zip(of_scene, truths)}
+            self.truths += [{"view": view["name"], **truth.own()} for view, truth in zip(of_scene, truths)]
+            self.ours(scene, of_scene, files, truths, shown)
+            self.peers(of_scene, files, truths, shown)
+            for view, pictures in shown.items():
+                truth_report.composite(self.a.out / f"{view}.png", pictures)
+        for file in self.a.cloud:
+            self.real(file)
+
+    def real(self, file):
+        """A scan without truth: what is covered, how calm it is, and what it costs."""
+        name = file.stem
+        for method, (radii, options) in views.OURS.items():
+            tree = self.work / f"{name}.pct"
+            self.build(file, tree, radii)
+            path = self.work / f"{name}.json"
+            view = views.oblique(json.loads(call([self.a.bin / "pcmlab", "info", tree, "--json"])))
+            path.write_text(json.dumps(views.paths([view], self.size)[2]))
+            drawn, pictures = self.draw(tree, path, self.work / "drawn", *options)
+            for state in views.STATES:
+                figures = views.without_truth(view, pictures, state)
+                self.add(name, method, state, figures, drawn[f"{state}_cpu_seconds"][0], drawn[f"{state}_points"][0])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--bin", type=pathlib.Path, required=True)
+    parser.add_argument("--bin", type=pathlib.Path, help="where pcmlab, bench_pictures, bench_scenes and bench_peers are")
     parser.add_argument("--out", type=pathlib.Path, required=True)
-    parser.add_argument("--points", type=lambda t: int(float(t)), default=2_000_000)
+    parser.add_argument("--work", type=pathlib.Path, help="for clouds, true pictures and trees (default: OUT/work)")
+    parser.add_argument("--quick", action="store_true", help="three views, small pictures and clouds, with checks: what the tests run")
+    parser.add_argument("--view", action="append", default=[], help="only this one; repeatable")
+    parser.add_argument("--points", type=lambda t: int(float(t)), help="of each cloud")
+    parser.add_argument("--cloud", action="append", default=[], type=pathlib.Path, help="a real scan, in addition")
+    parser.add_argument("--report", action="store_true", help="only the report")
     parser.add_argument("--python", help="start with this interpreter")
     a = parser.parse_args()
-    sparse, dense = make_trees(a, "sparse", a.points), make_trees(a, "dense", 10 * a.points)
-    rows = ["| view | mode | | see-through, % | uncovered, % | spill, px | FLIP |", "|---|---|---|---:|---:|---:|---:|"]
-    result = []
-    for view in VIEWS:
-        truth = picture(a, dense["plain", True], view, "adaptive", False, f"{view} truth", "--eye-dome", "0")
-        truth_colours = picture(a, dense["plain", False], view, "adaptive", False, f"{view} truth colours", "--eye-dome", "0")
-        for mode, (kind, splat) in MODES.items():
-            for moving in (True, False):
-                name = f"{view} {mode} {'moving' if moving else 'rest'}"
-                labels = picture(a, sparse[kind, True], view, splat, moving, name, "--eye-dome", "0")
-                colours = picture(a, sparse[kind, False], view, splat, moving, f"{name} colours", "--eye-dome", "0")
-                f = figures(truth, truth_colours, labels, colours)
-                result.append({"view": view, "mode": mode, "moving": moving, **f})
-                rows.append(f"| {view} | {mode} | {'moving' if moving else 'at rest'} | {f['see-through']:.3f} | {f['uncovered']:.3f} | {f['spill']:.2f} | {f['flip']:.4f} |")
-                print(rows[-1], flush=True)
-    (a.out / "truth.md").write_text("\n".join(rows) + "\n")
-    (a.out / "truth.json").write_text(json.dumps(result, indent=1) + "\n")
+    size = views.QUICK if a.quick else views.FULL
+    size.points = a.points or size.points
+    file = a.out / "figures.json"
+    if a.report:
+        truth_report.write(a.out, json.loads(file.read_text()))
+        return
+    if not a.bin:
+        parser.error("--bin is needed to measure")
+    a.out.mkdir(parents=True, exist_ok=True)
+    try:
+        about = json.loads(call([a.bin / "bench_pictures", "about"]))
+    except RuntimeError as error:
+        if not a.quick:
+            raise
+        print(f"skipped: {error}")
+        sys.exit(77)
+    comparison = Comparison(a, size)
+    comparison.measure()
+    (a.out / "sys_info.txt").unlink(missing_ok=True)
+    study.describe_machine(a.out, comparison.work, {"gl": about["gl"]})
+    result = {"points": size.points, "moving_points": size.moving_points, "size": comparison.picture_size, "machine": (a.out / "sys_info.txt").read_text().strip(), "truths": comparison.truths, "rows": comparison.rows}
+    file.write_text(json.dumps(result, indent=1) + "\n")
+    truth_report.write(a.out, result)
+    if a.quick:
+        truth_check.check(result, a.out)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()
