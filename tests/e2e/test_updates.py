@@ -102,7 +102,7 @@ class Updates(MeshLabTest):
                 ([delete(tree, in_place=True)], ["which points"]),
                 ([delete(tree, where="colour = 1", in_place=True)], ["colour", "intensity"]),
                 ([delete(tree, box="1 2 3", in_place=True)], ["3 numbers, not 6"]),
-                ([delete(tree, where="x >= 0", output=tree)], ["something of this name"]),
+                ([delete(tree, where="x >= 0", output=tree)], ["the output is the input tree"]),
                 ([compact(self.folder / "none.pct")], ["none.pct", "no such tree"])):
             with self.subTest(words[0]):
                 run = self.server(filters)
