@@ -380,7 +380,8 @@ TEST_F(PrimitiveFiles, TheExtentOfADrawingHoldsAllThatIsDrawn)
         const std::vector<std::string> lines = lines_of(folder_ / "a.dxf");
         const auto corner = [&](const char* name) {
             const auto at = std::find(lines.begin(), lines.end(), name);
-            EXPECT_LT(lines.end() - at, std::ptrdiff_t(lines.size()));
+            EXPECT_GT(lines.end() - at, 6) << name;
+            if (lines.end() - at <= 6) return Vec3d{};
             return Vec3d{std::stod(at[2]), std::stod(at[4]), std::stod(at[6])};
         };
         const Vec3d low = corner("$EXTMIN"), high = corner("$EXTMAX");
