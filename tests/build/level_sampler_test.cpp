@@ -1,5 +1,6 @@
 #include "pcm/build/levels/level_sampler.h"
 
+#include "pcm/bpc/byte_order.h"
 #include "pcm/build/levels/morton_sort.h"
 #include "pcm/system/error.h"
 #include "tests/support.h"
@@ -248,6 +249,43 @@ TYPED_TEST(Levels, OfBinsThatAreAlmostASpacingApart)
                 met = met || (0.001 * double(gap) <= spacing && 0.001 * double(gap) >= 0.9995 * spacing);
             if (most == 1) EXPECT_TRUE(met);  // bins of more begin with finer levels
         }
+}
+
+// Of an interrupted build: of one point or of points at one place, which make one level, and of more.
+TYPED_TEST(Levels, AreLoadedAsTheyWereSaved)
+{
+    const Lattice lattice(Grid{{0.001, 0.001, 0.001}, {0, 0, 0}});
+    RowLayout layout;
+    layout.coordinate_bytes = sizeof(TypeParam);
+    layout.bytes = 3 * sizeof(TypeParam);
+    for (const auto& [kind, count] :
+         {std::pair<const char*, std::size_t>{"point", 1}, {"volume", 1}, {"volume", 9}, {"plane", 4000}}) {
+        SCOPED_TRACE(std::string(kind) + " of " + std::to_string(count));
+        const test::TemporaryFolder folder;
+        const Cloud<TypeParam> cloud = this->cloud(kind, count);
+        SortedPoints<TypeParam> store(folder.path() / "points");
+        store.resize(1);
+        Cloud<TypeParam> points;
+        for (const std::uint32_t i : morton_order<TypeParam>(reinterpret_cast<const std::byte*>(cloud.data()),
+                                                             cloud.size(), layout, lattice.finer))
+            points.push_back(cloud[i]);
+        store.put(0, points);
+        using Sampler = LevelSampler<TypeParam>;
+        Sampler saved(store, lattice, Sampling::poisson, folder.path() / "chosen", File::Mode::create_or_truncate);
+        saved.run(1, [](double) {});
+        ByteWriter out;
+        saved.save(out);
+        saved.sync();
+        Sampler loaded(store, lattice, Sampling::poisson, folder.path() / "chosen", File::Mode::read);
+        const std::filesystem::path name = folder.path() / "record";
+        const std::vector<std::byte>& record = out.bytes();
+        ByteReader in(record.data(), record.size(), name);
+        loaded.load(in);
+        EXPECT_EQ(loaded.spacings(), saved.spacings());
+        EXPECT_EQ(loaded.histogram(0), saved.histogram(0));
+        EXPECT_EQ(loaded.levels(0), saved.levels(0));
+        EXPECT_EQ(loaded.levels(0).size(), count);
+    }
 }
 
 TYPED_TEST(Levels, OfAnisotropicGrids)

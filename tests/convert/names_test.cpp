@@ -9,7 +9,10 @@
 #include "tests/clouds.h"
 #include "tests/support.h"
 
+#include <algorithm>
 #include <fstream>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -65,6 +68,24 @@ TEST_F(ConvertNames, AFileOfATreeStandsForTheTree)
     // On its own such a file is a cloud, with the deleted points.
     fs::copy_file(tree_ / "chunks-000.bpc", folder_ / "chunks-000.bpc");
     EXPECT_EQ(run({folder_ / "chunks-000.bpc"}).outcome.points_out, 5000u);
+}
+
+TEST_F(ConvertNames, ATreeNamesWhatItWasMadeFrom)
+{
+    using Names = std::vector<std::string>;
+    EXPECT_EQ(Tree::open(tree_)->info().sources, Names{"in.las"});
+    run({tree_}, "copy.pct");
+    EXPECT_EQ(Tree::open(folder_ / "copy.pct")->info().sources, Names{"in.pct"});
+    fs::copy_file(folder_ / "in.las", folder_ / "more.las");
+    run({folder_ / "more.las", tree_}, "both.pct");
+    Names both = Tree::open(folder_ / "both.pct")->info().sources;
+    std::sort(both.begin(), both.end());
+    EXPECT_EQ(both, (Names{"in.pct", "more.las"}));
+    CloudSources sources({tree_}, {});
+    for (int time = 0; time < 2; ++time) {
+        sources.open();
+        EXPECT_EQ(sources.names(), Names{"in.pct"});
+    }
 }
 
 TEST_F(ConvertNames, ATreeIsReadOnce)

@@ -163,11 +163,17 @@ TEST(Scene, TheSameBytesForAnyNumberOfThreads)
 TEST(Scene, TheSameBytesOnEveryMachine)
 {
     TemporaryFolder folder;
-    generate_scene(folder / "a.las", small_scene(50000, 200));  // all kinds of blocks
-    std::uint64_t fingerprint = 0xCBF29CE484222325u;
-    for (const char c : read_bytes(folder / "a.las"))
-        fingerprint = (fingerprint ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
-    EXPECT_EQ(fingerprint, std::uint64_t{8007447486992788620u});
+    const auto fingerprint_of = [&](std::uint64_t points, double side) {
+        const auto file = folder / (std::to_string(points) + ".las");
+        generate_scene(file, small_scene(points, side));
+        std::uint64_t fingerprint = 0xCBF29CE484222325u;
+        for (const char c : read_bytes(file))
+            fingerprint = (fingerprint ^ static_cast<unsigned char>(c)) * 0x100000001B3u;
+        return fingerprint;
+    };
+    EXPECT_EQ(fingerprint_of(50000, 200), 8007447486992788620u);  // all kinds of blocks
+    EXPECT_EQ(fingerprint_of(20000, 70), 16399488292077050425u);  // four blocks: a sphere between pipes
+    EXPECT_EQ(fingerprint_of(10000, 20), 7490691283203148535u);   // one block
 }
 
 TEST(Scene, PointsLieOnTheirPrimitives)

@@ -184,6 +184,12 @@ TEST_P(LinePassIn, DrawsCrossesOfAFixedSizeAndClosesPolygons)
         EXPECT_NEAR(row, 21, 1) << depth;
     }
 
+    // Behind the eye there is none, nor where it would be mirrored to.
+    framebuffer.clear();
+    for (const double behind : {0.5, 3.0, 400.0})
+        pass.draw(view_of(translation(0.1, 0.2, behind), perspective(pi / 2, 1, 0.01, 1000), size, size), {}, {mark});
+    EXPECT_EQ(count_lit(framebuffer.read()), 0u);
+
     SceneLine square;
     square.points = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
     framebuffer.clear();

@@ -395,6 +395,44 @@ TEST(Picture, CoarsePicturesHaveNoHoles)
     EXPECT_LT(share[1], 0.03);
 }
 
+// The budget that a slow machine has learnt in a wide view is too small for a narrow one, in which few points of the
+// coarse chunks are: it is raised until enough points are in view.
+TEST(Picture, ABudgetLearntInAWideViewDoesNotEmptyANarrowOne)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto cloud =
+        make_cloud(folder, "sheet", grid_at(map_offset), sheet(500, [](std::int32_t) { return 0; }), 5000);
+    const Framebuffer framebuffer(160, 120);
+    Drawing drawing(cloud), reference(cloud);
+    RenderOptions options;
+    options.eye_dome = 0;
+    options.target_spacing_px = 0;
+    options.fill_gaps = false;
+    options.frame_budget_ms = 1e-3;
+    std::uint64_t learnt = 0;
+    for (int frame = 0; frame < 40; ++frame) {
+        const bool narrow = frame >= 30;
+        // Around the middle, which the chunks of all levels are cut at.
+        const Camera view =
+            narrow ? view_of(translation(-25 - 0.02 * frame, -25, 0), orthographic(2.7, 2, -10, 10), 160, 120)
+                   : view_of(translation(-25 - 0.02 * frame, -25, 0), orthographic(30, 25, -10, 10), 160, 120);
+        framebuffer.clear();
+        const FrameReport report = drawing.draw(view, map_offset, options);
+        ASSERT_EQ(report.error, "");
+        cloud->cache().wait_idle();
+        const std::size_t moving = count_lit(framebuffer.read());
+        if (!narrow) learnt = report.effective_point_budget;
+        if (frame < 34) continue;  // chunks are loaded
+        EXPECT_GT(report.effective_point_budget, learnt);
+        draw_until_done(reference, framebuffer, view, map_offset, everything());
+        EXPECT_EQ(moving, count_lit(framebuffer.read())) << "frame " << frame;
+    }
+    EXPECT_LT(learnt, 40'000u);
+    drawing.release();
+    reference.release();
+}
+
 // On a machine that has no time left for points, a view of a small part of a cloud has its points while it moves: not
 // the few of the coarsest chunk that happen to be there.
 TEST(Picture, AMovingViewOfAPartHasItsPointsHoweverSlowTheMachineIs)

@@ -6,7 +6,10 @@
 #include "pcm/primitives/fit_at.h"
 #include "tests/primitives/shape_cloud.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace {
 
@@ -64,6 +67,66 @@ TEST(SurfaceBeyond, APipeContinuesBesideTheRingOfASphere)
     EXPECT_NEAR(itself.bend, 1.0 / 17, 0.01);
     EXPECT_LT(itself.chance, 0.001);
     EXPECT_FALSE(itself.is_piece(9));
+}
+
+// From all pairs of few points, as surface_beyond.h says: of 17 nearest, and the median way to the fifth of these.
+SurfaceBeyond by_all_pairs(double threshold, const std::vector<Vec3d>& points)
+{
+    std::vector<Vec3d> inside;
+    for (const Vec3d& p : points)
+        if (std::fabs(p[2]) <= threshold) inside.push_back(p);
+    const auto nearest = [&](const Vec3d& p) {
+        std::vector<std::pair<double, double>> found;  // square of the distance, and the point's height
+        for (const Vec3d& q : inside) found.emplace_back(squared_distance(p, q), q[2]);
+        std::sort(found.begin(), found.end());
+        return found;
+    };
+    double squares = 0, smooth = 0;
+    std::vector<double> ways;
+    for (const Vec3d& p : inside) {
+        const auto found = nearest(p);
+        double sum = 0;
+        for (std::size_t k = 0; k < 17; ++k) sum += found[k].second;
+        squares += p[2] * p[2];
+        smooth += std::pow(sum / 17, 2);
+        ways.push_back(std::sqrt(found[4].first));
+    }
+    std::sort(ways.begin(), ways.end());
+    double continued = 0, far = 0;
+    for (const Vec3d& p : points) {
+        const double beyond = std::fabs(p[2]) - threshold;
+        if (beyond <= 0 || beyond > 3 * threshold) continue;
+        far += beyond > threshold;
+        continued += std::sqrt(nearest(p)[0].first) > 1.2 * beyond + 1.5 * ways[inside.size() / 2];
+    }
+    const auto count = double(inside.size());
+    return {continued / count, smooth / squares, far / 2 / count};
+}
+
+TEST(SurfaceBeyond, IsWhatAllPairsGive)
+{
+    const Shape plane{ShapeKind::plane, {0, 0, 0}, {0, 0, 1}, 0, 0};
+    Dice dice(5);
+    std::size_t some = 0;
+    for (int round = 0; round < 40; ++round) {
+        const double threshold = 0.1;
+        std::vector<Vec3d> points;
+        const int count = 17 + round;
+        for (int i = 0; i < count; ++i)
+            points.push_back({dice.between(-1, 1), dice.between(-1, 1), dice.between(-threshold, threshold)});
+        for (int i = 0; i < 20; ++i)  // beside them, and farther
+            points.push_back({dice.between(-1, 4), dice.between(-1, 1), dice.between(1.01, 4.5) * threshold});
+        const SurfaceBeyond found = surface_beyond(plane, threshold, points), wanted = by_all_pairs(threshold, points);
+        EXPECT_NEAR(found.continued, wanted.continued, 1e-12) << round;
+        EXPECT_NEAR(found.bend, wanted.bend, 1e-9) << round;
+        EXPECT_NEAR(found.chance, wanted.chance, 1e-12) << round;
+        some += wanted.continued > 0 && wanted.chance > 0;
+    }
+    EXPECT_GT(some, 30u);
+    // Of fewer than 17 points nothing is said.
+    const SurfaceBeyond none = surface_beyond(plane, 1, std::vector<Vec3d>(16, Vec3d{0, 0, 0.5}));
+    EXPECT_EQ(none.bend, 0);
+    EXPECT_EQ(none.continued, 0);
 }
 
 // A face of a box, twenty thresholds wide: walls stand on it, and clutter hangs over it.
