@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
 """Pictures against truth: scenes whose true pictures are known, in several views, beside what other viewers make of the same points.
 
-    truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--cloud FILE]... [--python FILE]
-    truth.py --out FOLDER --report     the report of what FOLDER/figures.json has, nothing is measured
+    truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--before FIGURES] [--cloud FILE]... [--only-clouds] [--python FILE]
+    truth.py --out FOLDER --report [--before FIGURES]     the report of what FOLDER/figures.json has, nothing is measured
 
-Scenes are generated (scenes/), and seen by scanners that leave shadows and scan lines. The truth of a view is ray-traced from the same surfaces; what no scanner saw is
-left out of all figures. The camera arrives at each view and stays: the picture on arrival (moving), the complete one (rest), and the complete one after a turn of
-0.4 pixels are compared, without eye-dome lighting; a moving frame may have so many points as a viewer has time for (views.py); all else is the library's default. Each --cloud, a file of a real scan, has no truth: what is
-covered, calm and spent is measured in an oblique view. FOLDER gets report.md, a composite of pictures for each view, and figures.json. Clouds and true pictures are kept
-in the work folder, trees and pictures are made anew. --quick is small enough for a test, and checks what it has found. Needs the packages of requirements.txt.
+Scenes are generated (scenes/), and seen by scanners that leave shadows and scan lines. The truth of a view is ray-traced from the same surfaces; what no scanner saw, or at
+less than 7 degrees, is left out of all figures. The camera arrives at each view and stays: the picture on arrival (moving), the complete one (rest), and the complete one after
+a turn of 0.4 pixels are compared, without eye-dome lighting. A moving frame has a budget of points (views.py); all else is the library's default. Each --cloud, a file of a
+real scan, has no truth: what is covered, calm and spent is measured in an oblique view.
+
+FOLDER gets report.md, a composite of pictures for each view, and figures.json, in which views of earlier runs with as many points stay. Clouds and true pictures are kept in the
+work folder (by default FOLDER/work; remove it after a change of scenes/); trees and pictures are made anew. --quick is small enough for a test, and checks what it has found.
+Needs the packages of requirements.txt; --python names an interpreter that has them.
 """
 import argparse
 import json
@@ -28,20 +31,31 @@ import views  # noqa: E402
 from study import call  # noqa: E402
 
 
+def read_figures(file):
+    return json.loads(file.read_text()) if file else None
+
+
 class Comparison:
-    def __init__(self, arguments, size):
-        self.a, self.size = arguments, size
+    def __init__(self, arguments, size, gl):
+        self.a, self.size, self.gl = arguments, size, gl
         self.picture_size = f"{size.width}x{size.height}"
         self.work = arguments.work or arguments.out / "work"
         self.work.mkdir(parents=True, exist_ok=True)
         self.rows, self.truths = [], []
+        self.file = arguments.out / "figures.json"
+        self.before = read_figures(arguments.before)
 
     def scenes(self):
         """Name: its views."""
         found = {}
-        for view in json.loads(call([self.a.bin / "bench_scenes", "about"]))["views"]:
-            wanted = self.a.view or self.size.views
-            if not wanted or view["name"] in wanted:
+        there = json.loads(call([self.a.bin / "bench_scenes", "about"]))["views"]
+        names = [view["name"] for view in there]
+        unknown = set(self.a.view) - set(names)
+        if unknown:
+            sys.exit(f"--view: there is no {', '.join(sorted(unknown))}; there are {', '.join(names)}")
+        wanted = [] if self.a.only_clouds else self.a.view or self.size.views or names
+        for view in there:
+            if view["name"] in wanted:
                 found.setdefault(view["scene"], []).append(view)
         return found
 
@@ -102,16 +116,20 @@ class Comparison:
 
     def peers(self, of_scene, files, truths, shown):
         """A peer's picture is the same moving and at rest: these clouds are within the budgets of points that they have."""
-        drawn = {rule: [self.draw_peer(cloud, files[3], self.work / "peer", *options) for cloud in files[:2]]
-                 for rule, options in [("potree", ("potree",))] + [(px, ("constant", "--point-size", px)) for px in self.size.sizes]}
+        def draw(cloud, px):
+            return self.draw_peer(cloud, files[3], self.work / "peer", *(("constant", "--point-size", px) if px else ("potree",)))
+
+        colours = {px: draw(files[0], px) for px in (0, *self.size.sizes)}  # 0: Potree's
+        labels = {0: draw(files[1], 0)}
         for i, (view, truth) in enumerate(zip(of_scene, truths)):
-            best = min(self.size.sizes, key=lambda px: truth.likeness(drawn[px][0][1][2 * i])["flip"])
-            for name, rule in ((views.POTREE, "potree"), (views.CONSTANT, best)):
-                (cost, pictures), (_, labels) = drawn[rule]
-                figures = truth.figures(pictures[2 * i], labels[2 * i], pictures[2 * i + 1])
-                self.add(view["name"], name if rule == "potree" else f"{name}, {rule} px", "both", {**figures, "jolt": 0.0}, cost["cpu_seconds"][2 * i],
-                         cost["points_drawn"][2 * i])
-                shown[view["name"]][name if rule == "potree" else f"{name}, {rule} px"] = pictures[2 * i]
+            best = min(self.size.sizes, key=lambda px: truth.likeness(colours[px][1][2 * i])["flip"])
+            for px, name in ((0, views.POTREE), (best, f"{views.CONSTANT}, {best} px")):
+                if px not in labels:
+                    labels[px] = draw(files[1], px)
+                cost, pictures = colours[px]
+                figures = truth.figures(pictures[2 * i], labels[px][1][2 * i], pictures[2 * i + 1])
+                self.add(view["name"], name, "both", {**figures, "jolt": 0.0}, cost["cpu_seconds"][2 * i], cost["points_drawn"][2 * i])
+                shown[view["name"]][name] = pictures[2 * i]
 
     def add(self, view, method, state, figures, cpu, points):
         self.rows.append({"view": view, "method": method, "state": state, **figures, "cpu_ms": 1000 * cpu, "points": points})
@@ -128,22 +146,47 @@ class Comparison:
             self.peers(of_scene, files, truths, shown)
             for view, pictures in shown.items():
                 truth_report.composite(self.a.out / f"{view}.png", pictures)
+            self.write()
         for file in self.a.cloud:
             self.real(file)
+            self.write()
+
+    def write(self):
+        """What was measured, beside what earlier runs have of other views."""
+        what = {"points": self.size.points, "moving_points": self.size.moving_points, "size": self.picture_size}
+        old = json.loads(self.file.read_text()) if self.file.exists() else {}
+        if any(old.get(name) != value for name, value in what.items()):
+            old = {}
+        here = {row["view"] for row in self.rows}
+        (self.a.out / "sys_info.txt").unlink(missing_ok=True)
+        study.describe_machine(self.a.out, self.work, {"gl": self.gl})
+        result = {**what, "machine": (self.a.out / "sys_info.txt").read_text().strip()}
+        for name, found in (("truths", self.truths), ("rows", self.rows)):
+            result[name] = [row for row in old.get(name, []) if row["view"] not in here] + found
+        self.file.write_text(json.dumps(result, indent=1) + "\n")
+        truth_report.write(self.a.out, result, self.before)
 
     def real(self, file):
         """A scan without truth: what is covered, how calm it is, and what it costs."""
-        name = file.stem
+        name, shown = file.stem, {}
         for method, (radii, options) in views.OURS.items():
             tree = self.work / f"{name}.pct"
             self.build(file, tree, radii)
-            path = self.work / f"{name}.json"
             view = views.oblique(json.loads(call([self.a.bin / "pcmlab", "info", tree, "--json"])))
-            path.write_text(json.dumps(views.paths([view], self.size)[2]))
-            drawn, pictures = self.draw(tree, path, self.work / "drawn", *options)
+            paths = views.paths([view], self.size)
+            for kind, path in zip(("both", "arriving"), paths[1:]):
+                (self.work / f"{name}-{kind}.json").write_text(json.dumps(path))
+            drawn, pictures = self.draw(tree, self.work / f"{name}-arriving.json", self.work / "drawn", *options)
             for state in views.STATES:
-                figures = views.without_truth(view, pictures, state)
-                self.add(name, method, state, figures, drawn[f"{state}_cpu_seconds"][0], drawn[f"{state}_points"][0])
+                self.add(name, method, state, views.without_truth(view, pictures, state), drawn[f"{state}_cpu_seconds"][0], drawn[f"{state}_points"][0])
+                shown[f"{method}, {'moving' if state == 'moving' else 'at rest'}"] = pictures[state][0]
+        try:
+            drawn, still = self.draw_peer(file, self.work / f"{name}-both.json", self.work / "peer", "potree")
+            self.add(name, views.POTREE, "both", views.without_truth(view, {"rest": still}, "rest"), drawn["cpu_seconds"][0], drawn["points_drawn"][0])
+            shown[views.POTREE] = still[0]
+        except RuntimeError as error:
+            print(f"{name}: no picture by {views.POTREE}: {error}", flush=True)
+        truth_report.composite(self.a.out / f"{name}.png", shown)
 
 
 def main():
@@ -155,6 +198,8 @@ def main():
     parser.add_argument("--view", action="append", default=[], help="only this one; repeatable")
     parser.add_argument("--points", type=lambda t: int(float(t)), help="of each cloud")
     parser.add_argument("--cloud", action="append", default=[], type=pathlib.Path, help="a real scan, in addition")
+    parser.add_argument("--before", type=pathlib.Path, metavar="FIGURES", help="figures.json of an earlier run, which the report sets beside these")
+    parser.add_argument("--only-clouds", action="store_true", help="of --cloud, without the generated scenes")
     parser.add_argument("--report", action="store_true", help="only the report")
     parser.add_argument("--python", help="start with this interpreter")
     a = parser.parse_args()
@@ -162,11 +207,13 @@ def main():
     size.points = a.points or size.points
     file = a.out / "figures.json"
     if a.report:
-        truth_report.write(a.out, json.loads(file.read_text()))
+        truth_report.write(a.out, read_figures(file), read_figures(a.before))
         return
     if not a.bin:
         parser.error("--bin is needed to measure")
     a.out.mkdir(parents=True, exist_ok=True)
+    if a.quick:
+        file.unlink(missing_ok=True)
     try:
         about = json.loads(call([a.bin / "bench_pictures", "about"]))
     except RuntimeError as error:
@@ -174,15 +221,10 @@ def main():
             raise
         print(f"skipped: {error}")
         sys.exit(77)
-    comparison = Comparison(a, size)
+    comparison = Comparison(a, size, about["gl"])
     comparison.measure()
-    (a.out / "sys_info.txt").unlink(missing_ok=True)
-    study.describe_machine(a.out, comparison.work, {"gl": about["gl"]})
-    result = {"points": size.points, "moving_points": size.moving_points, "size": comparison.picture_size, "machine": (a.out / "sys_info.txt").read_text().strip(), "truths": comparison.truths, "rows": comparison.rows}
-    file.write_text(json.dumps(result, indent=1) + "\n")
-    truth_report.write(a.out, result)
     if a.quick:
-        truth_check.check(result, a.out)
+        truth_check.check(read_figures(file), a.out)
 
 
 if __name__ == "__main__":

@@ -55,9 +55,26 @@ def summary(result):
                   "swim: the same five"], rows, 1)
 
 
-def write(out, result):
-    lines = ["# Pictures against truth", "", f"`bench/pictures/truth.py`: clouds of about {result['points']:,} points, pictures of {result['size']} pixels. FLIP against truth of the complete pictures:", ""]
-    lines += summary(result) + [MEANING.format(moving=result["moving_points"]), ""]
+def changes(before, result):
+    """Ours as it was and as it is: of each figure the old value and the new one, where both runs have the same clouds and pictures."""
+    if any(before[name] != result[name] for name in ("points", "moving_points", "size")):
+        raise ValueError("the figures to compare with are of other clouds or pictures: choose a run with the same --points")
+    shown = {name: COLUMNS[name] for name in ("flip", "holes", "spill", "covered", "turn", "swim", "jolt", "cpu_ms")}
+    rows = []
+    for row in result["rows"]:
+        old = find(before["rows"], row["view"], row["method"], row["state"])
+        if old and row["state"] != "both":
+            rows.append([row["view"], row["method"], row["state"], *(" → ".join(pair) if any(pair) else "" for pair in zip(fit(shown, old), fit(shown, row)))])
+    return ["## Before and now", "", *table(["view", "method", "state", *(what[0] for what in shown.values())], rows, 3)]
+
+
+def write(out, result, before=None):
+    lines = ["# Pictures against truth", "", f"`bench/pictures/truth.py`: clouds of about {result['points']:,} points, pictures of {result['size']} pixels.", ""]
+    if result["truths"]:
+        lines += ["FLIP against truth of the complete pictures, the least in bold:", "", *summary(result)]
+    lines += [MEANING.format(moving=result["moving_points"]), ""]
+    if before:
+        lines += changes(before, result)
     notes = out / "findings.md"
     if notes.exists():
         lines += [notes.read_text(encoding="utf-8").strip(), ""]
@@ -68,7 +85,8 @@ def write(out, result):
         rows = [[row["method"], row["state"], *fit(of_view, row)] for row in result["rows"] if row["view"] == view]
         if view in scenes:
             rows.insert(0, ["truth", "", *fit(of_view, scenes[view])])
-            lines += [f"![{view}]({view}.png)", "", f"{100 * scenes[view]['asked']:.0f} % of the pixels show what a scanner saw.", ""]
+            lines += [f"{100 * scenes[view]['asked']:.0f} % of the pixels show what a scanner saw.", ""]
+        lines += [f"![{view}]({view}.png)", ""]
         lines += table(["method", "state", *(what[0] for what in of_view.values())], rows, 2)
     lines += ["```", result["machine"], "```"]
     (out / "report.md").write_text("\n".join(lines).rstrip() + "\n", encoding="utf-8")

@@ -118,7 +118,7 @@ class Truth:
 
 def oblique(info):
     """A view of a real cloud: from a corner of its box, down at 30 degrees, near enough for its points to be told apart."""
-    low, high = np.array(info["box"]["min"]), np.array(info["box"]["max"])
+    low, high = np.array(info["bounds"]["min"]), np.array(info["bounds"]["max"])
     middle, reach = (low + high) / 2, 0.35 * np.linalg.norm((high - low)[:2])
     return {"eye": list(middle + reach * np.array((-0.61, -0.61, 0.5))), "target": list(middle), "angle": 45}
 
@@ -129,5 +129,5 @@ def without_truth(view, pictures, state):
     found = {"covered": float((picture[:, :, 3] >= 128).mean())}
     if state == "rest":
         found.update(turning(at_rest, pictures["rest"][1], view, at_rest[:, :, 3] >= 128))
-        found["jolt"] = metrics.changed_share(pictures["moving"][0], at_rest)
+        found["jolt"] = metrics.changed_share(pictures["moving"][0], at_rest) if "moving" in pictures else 0.0
     return found

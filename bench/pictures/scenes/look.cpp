@@ -12,6 +12,7 @@ using namespace scene;
 namespace {
 
 constexpr double nearest = 0.05, farthest = 400;  // metres
+constexpr double least_cosine = 0.12;             // between a scanner's ray and a surface's normal: 83 degrees
 constexpr double thin_radius = 0.09;              // of cylinders: below this they are `thin`
 
 // The ground is 0; shapes have the label of their thing or, without one, a number of their own.
@@ -63,6 +64,7 @@ std::optional<Sight> Eye::look(const Vec3d& from, const Vec3d& direction, std::u
         const Colour colour = look_at(scene_.site, shape, sight.place, hit.normal, random).colour;
         for (std::size_t c = 0; c < 3; ++c) sight.colour[c] += colour[c] / grains;
     }
+    sight.normal = hit.normal;
     sight.label = label_colour(shape, hit.shape);
     sight.kind = kind_of(shape);
     sight.scattered = shape && shape->kind == Shape::Kind::crown;
@@ -72,11 +74,12 @@ std::optional<Sight> Eye::look(const Vec3d& from, const Vec3d& direction, std::u
 bool Eye::was_scanned(const Sight& sight) const
 {
     return sight.scattered || std::any_of(scene_.scanners.begin(), scene_.scanners.end(),
-                                          [&](const Scanner& scanner) { return sees(scanner, sight.place); });
+                                          [&](const Scanner& scanner) { return sees(scanner, sight); });
 }
 
-bool Eye::sees(const Scanner& scanner, const Vec3d& place) const
+bool Eye::sees(const Scanner& scanner, const Sight& sight) const
 {
+    const Vec3d& place = sight.place;
     Vec3d from = scanner.from;
     if (scanner.flies()) {
         // From where the line is nearest: it scans across its way.
@@ -96,6 +99,7 @@ bool Eye::sees(const Scanner& scanner, const Vec3d& place) const
         while (azimuth > scanner.left + 360) azimuth -= 360;
         if (elevation < scanner.lowest || elevation > scanner.highest || azimuth > scanner.right) return false;
     }
+    if (sight.kind == Kind::surface && std::abs(dot(sight.normal, to)) < least_cosine * distance) return false;
     Hit hit;
     const double before = distance - 0.005;  // metres
     return before <= nearest || !caster_.cast({from, to / distance, 1}, nearest, before, hit);

@@ -16,7 +16,7 @@ using Rgb = std::array<std::uint8_t, 3>;
 enum class Kind : std::uint8_t { surface = 1, leaves = 2, thin = 3 };
 
 struct Sight {
-    Vec3d place{};
+    Vec3d place{}, normal{};  // unit, towards the eye; of leaves and thin things it says nothing
     double distance = 0;
     scene::Colour colour{};  // 0 to 255
     Rgb label{};             // a colour of the thing's own
@@ -33,11 +33,12 @@ public:
     // of a surface, of which the colour is the mean of `grains`, and the depth at which a ray meets a leaf of the
     // generated site's crowns.
     std::optional<Sight> look(const Vec3d& from, const Vec3d& direction, std::uint64_t key, int grains = 1) const;
-    // Whether one of the scene's scanners has this place in its window and nothing before it.
+    // Whether one of the scene's scanners has this place in its window and nothing before it, and does not see the
+    // surface at so sharp an angle that lines of the scan are far apart on it.
     bool was_scanned(const Sight& sight) const;
 
 private:
-    bool sees(const Scanner& scanner, const Vec3d& place) const;
+    bool sees(const Scanner& scanner, const Sight& sight) const;
 
     const Scene& scene_;
     scene::RayCaster caster_;
