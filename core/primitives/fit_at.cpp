@@ -27,7 +27,6 @@ constexpr std::size_t left_out_points = 500;
 constexpr std::size_t most_judged = 20000;      // points, for whether they are a piece of another surface
 constexpr std::size_t least_narrow = 120;       // points of a surface beside which the noise rises
 constexpr double most_noise_grown = 3;          // of a surface whose noise differs from place to place
-constexpr double most_off = 1.5;                // thresholds from a place to a shape that moved as it was followed
 const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
@@ -298,8 +297,7 @@ private:
         const std::vector<Vec3d> around =
             coarse_points(wide, most_judged, options_.threads, part_of(progress_, 0.9, 0.94));
         const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
-        if (options_.fit.threshold == 0 && !evidence.is_one_surface() &&
-            (evidence.is_turned() || !evidence.has_shared_errors()))
+        if (options_.fit.threshold == 0 && !evidence.is_one_surface())
             return doubt(fit, FitIssue::other_surface, evidence.message());
         if (options_.fit.threshold == 0 && !passes_places(fit, result.near))
             return doubt(fit, FitIssue::no_consensus,
@@ -329,7 +327,7 @@ private:
             double to_cloud = std::numeric_limits<double>::infinity();
             for (std::size_t i = 0; i < near.ids.size(); ++i)
                 to_cloud = std::min(to_cloud, length(near.points.source(i) - place));
-            return distance_to(fit.shape, place) <= to_cloud + most_off * fit.threshold;
+            return distance_to(fit.shape, place) <= to_cloud + farthest_place(fit);
         });
     }
 

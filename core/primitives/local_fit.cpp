@@ -31,8 +31,9 @@ constexpr double most_of_threshold = 0.45;
 // Of the noise of a fit at the same place that holds a fifth of the points: others are of several surfaces. Posts as
 // cylinders have 2.2 times and more that of a face, racks as planes 3; kinds that fit a mug by stereo 1.5.
 constexpr double most_noise_beside = 2;
+// Of a kind with more sizes in a wider neighbourhood: two slopes of a roof as a cylinder have twice that of one slope.
+constexpr double most_noise_wider = 1.3;
 constexpr double least_share = 0.2;
-constexpr double most_off = 1.2;  // thresholds from a place to its surface
 
 class LocalSearch {
 public:
@@ -247,7 +248,7 @@ private:
             const std::vector<Vec3d>& core = cores_[k];
             if (core.empty()) continue;
             const double to_cloud = length(core.front() - places_[k]);
-            if (distance_to(fit.shape, places_[k]) > to_cloud + most_off * fit.threshold) return false;
+            if (distance_to(fit.shape, places_[k]) > to_cloud + farthest_place(fit)) return false;
             double on_it = 0;
             for (const Vec3d& p : core) on_it += distance_to(fit.shape, p) <= fit.threshold;
             if (on_it < 0.5 * share_of(fit, near) * static_cast<double>(core.size())) return false;
@@ -261,6 +262,7 @@ private:
         if (!best.fit.has_shape() || !passes(best.fit, best.near)) return true;
         const bool is_one = is_of_one_surface(fit, near);
         if (is_one != is_of_one_surface(best.fit, best.near)) return is_one;
+        if (options_.fit.threshold == 0 && is_one && takes_in_beside(fit, near, best.fit)) return false;
         if (!follows(fit, best) ||
             !(chance_of(fit, near.points, near.radius) < chance_of(best.fit, near.points, near.radius)))
             return false;
@@ -269,6 +271,19 @@ private:
                      now = share_of(fit, near) * static_cast<double>(near.found);
         return now >= 1.5 * before;
     }
+
+    // Whether a wider neighbourhood holds a part of what lies beside the surface: of another kind with more noise, or
+    // within a threshold that cuts the noise, which was not so before, and neighbours do not share it.
+    bool takes_in_beside(const ShapeFit& fit, const NearPoints& near, const ShapeFit& before) const
+    {
+        if (!holds_noise(before)) return false;
+        if (!holds_noise(fit) && !evidence_of(fit, near).has_shared_errors()) return true;
+        if (fit.shape.kind == before.shape.kind) return false;
+        const bool has_more = sizes_of(fit.shape.kind) > sizes_of(before.shape.kind);
+        return fit.noise > (has_more ? most_noise_wider : most_noise_raised) * before.noise;
+    }
+
+    static int sizes_of(ShapeKind kind) { return int(traits_of(kind).radius) + int(traits_of(kind).second); }
 
     // Half of the former inliers are still near.
     static bool follows(const ShapeFit& fit, const LocalFit& best)

@@ -100,7 +100,8 @@ std::optional<Tilt> tilt_of(const Near& near, std::size_t place, const std::vect
 
 bool SurfaceEvidence::has_two_peaks() const
 {
-    return points >= neighbours && two_peaks > most_two_peaks + by_chance / std::sqrt(static_cast<double>(points));
+    return points >= neighbours && !has_shared_errors() &&
+           two_peaks > most_two_peaks + by_chance / std::sqrt(static_cast<double>(points));
 }
 
 bool SurfaceEvidence::has_shared_errors() const { return bend > shared_bend; }
@@ -121,6 +122,12 @@ std::string SurfaceEvidence::message() const
 double spread_of(const ShapeFit& fit)
 {
     return fit.noise > 0 ? std::min(fit.threshold, noises * fit.noise) : fit.threshold;
+}
+
+double farthest_place(const ShapeFit& fit)
+{
+    constexpr double beyond = 1.2, part = 0.3;
+    return beyond * std::max(spread_of(fit), part * fit.threshold);
 }
 
 SurfaceEvidence surface_evidence(const Shape& shape, double threshold, double resolution,

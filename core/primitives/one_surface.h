@@ -23,11 +23,10 @@ struct SurfaceEvidence {
     // Slope of planes through the distances of these neighbours, rms without what noise alone makes of it.
     double slope = 0;
 
+    // Errors of scanners may have any distribution where neighbours share them.
+    bool has_shared_errors() const;
     bool has_two_peaks() const;
     bool is_turned() const;
-    // Errors of scanners may have any distribution where they are the same for many neighbours: of a whole shape, more
-    // than of a part of it.
-    bool has_shared_errors() const;
     bool is_one_surface() const { return !has_two_peaks() && !is_turned(); }
     // Why it is not one surface, and what to do: a sentence for people. Empty where it is.
     std::string message() const;
@@ -42,5 +41,9 @@ SurfaceEvidence surface_evidence(const Shape& shape, double threshold, double re
 // The distance within which the points of a fit are: its threshold, or where that is wider, as it is among outliers, a
 // little more than three standard deviations of its noise. Source units.
 double spread_of(const ShapeFit& fit);
+
+// The largest distance of a place from the surface that was picked there, beyond the way to the nearest point: four
+// standard deviations, and where these are far within the threshold a part of that. Source units.
+double farthest_place(const ShapeFit& fit);
 
 }  // namespace pcm
