@@ -3,12 +3,14 @@
 #include "pcm/fit/pcl_fit.h"
 #include "pcm/primitives/best_kind.h"
 #include "pcm/primitives/even_noise.h"
+#include "pcm/primitives/one_surface.h"
 #include "pcm/primitives/progress_part.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -20,9 +22,18 @@ constexpr std::size_t most_points = 4000;  // that take part in a fit of a chose
 constexpr std::size_t core_points = 50;    // the nearest of a place
 constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
 constexpr int most_raised = 4;             // the threshold: doublings
+constexpr int most_lowered = 3;            // halvings, where the noise of the closest points is that of two surfaces
 constexpr double most_noise_raised = 2.5;  // when the threshold is doubled; of one surface it is doubled at most
 constexpr double noises = 3;               // an inlier's largest distance
 constexpr std::size_t closer_count = 125;  // where wider neighbourhoods hold more of another surface
+// Where a threshold cuts noise, its standard deviation is 0.58 of it, and a third where it is three of them.
+constexpr double most_of_threshold = 0.45;
+// Of the noise of a fit at the same place that holds a fifth of the points: others are of several surfaces. Posts as
+// cylinders have 2.2 times and more that of a face, racks as planes 3; kinds that fit a mug by stereo 1.5.
+constexpr double most_noise_beside = 2;
+// Of a kind with more sizes in a wider neighbourhood: two slopes of a roof as a cylinder have twice that of one slope.
+constexpr double most_noise_wider = 1.3;
+constexpr double least_share = 0.2;
 
 class LocalSearch {
 public:
@@ -39,6 +50,7 @@ public:
         if (options_.radius > 0 || options_.count > 0) {
             best.near = neighbourhood(options_.radius, options_.count, 1000000, 0.1, 0.3);
             best.fit = fitted(best.near, 0.3, 1);
+            doubt_several_surfaces(best);
             return best;
         }
         best.near = best.close;
@@ -67,6 +79,7 @@ public:
             best.fit.issue = FitIssue::no_consensus;
             best.fit.message = "it does not pass through the points nearest to the place: take a smaller neighbourhood";
         }
+        doubt_several_surfaces(best);
         return best;
     }
 
@@ -176,14 +189,42 @@ private:
         }
     }
 
-    bool is_at_places(const LocalFit& found) const { return found.fit.has_shape() && passes(found.fit, found.near); }
+    bool is_at_places(const LocalFit& found) const
+    {
+        return found.fit.has_shape() && passes(found.fit, found.near) && is_of_one_surface(found.fit, found.near);
+    }
+
+    // A threshold that is given says what lies on the surface.
+    bool is_of_one_surface(const ShapeFit& fit, const NearPoints& near) const
+    {
+        if (options_.fit.threshold > 0 || !fit.has_shape() || !(fit.threshold > 0)) return true;
+        return evidence_of(fit, near).is_one_surface();
+    }
+
+    SurfaceEvidence evidence_of(const ShapeFit& fit, const NearPoints& near) const
+    {
+        std::vector<Vec3d> positions;
+        for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
+        const Vec3d& scale = cloud_.info().grid.scale;
+        return surface_evidence(fit.shape, spread_of(fit), std::max({scale[0], scale[1], scale[2]}), positions);
+    }
+
+    void doubt_several_surfaces(LocalFit& found) const
+    {
+        if (found.fit.verdict != FitVerdict::good || is_of_one_surface(found.fit, found.near)) return;
+        found.fit.verdict = FitVerdict::doubtful;
+        found.fit.issue = FitIssue::other_surface;
+        found.fit.message = evidence_of(found.fit, found.near).message();
+    }
 
     // Where another surface has more points around the place; returns how many of the nearest points were taken.
     std::size_t look_closer(LocalFit& best)
     {
         NearPoints near = neighbourhood(0, closer_count, closer_count, 0.2, 0.22);
         ShapeFit fit = fitted(near, 0.22, 0.3);
-        if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near)) return first_count;
+        if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near) ||
+            !is_of_one_surface(fit, near))
+            return first_count;
         best.near = std::move(near);
         best.fit = std::move(fit);
         return closer_count;
@@ -207,7 +248,7 @@ private:
             const std::vector<Vec3d>& core = cores_[k];
             if (core.empty()) continue;
             const double to_cloud = length(core.front() - places_[k]);
-            if (distance_to(fit.shape, places_[k]) > to_cloud + 2 * fit.threshold) return false;
+            if (distance_to(fit.shape, places_[k]) > to_cloud + farthest_place(fit)) return false;
             double on_it = 0;
             for (const Vec3d& p : core) on_it += distance_to(fit.shape, p) <= fit.threshold;
             if (on_it < 0.5 * share_of(fit, near) * static_cast<double>(core.size())) return false;
@@ -219,6 +260,9 @@ private:
     {
         if (!fit.has_shape() || !passes(fit, near)) return false;
         if (!best.fit.has_shape() || !passes(best.fit, best.near)) return true;
+        const bool is_one = is_of_one_surface(fit, near);
+        if (is_one != is_of_one_surface(best.fit, best.near)) return is_one;
+        if (options_.fit.threshold == 0 && is_one && takes_in_beside(fit, near, best.fit)) return false;
         if (!follows(fit, best) ||
             !(chance_of(fit, near.points, near.radius) < chance_of(best.fit, near.points, near.radius)))
             return false;
@@ -227,6 +271,19 @@ private:
                      now = share_of(fit, near) * static_cast<double>(near.found);
         return now >= 1.5 * before;
     }
+
+    // Whether a wider neighbourhood holds a part of what lies beside the surface: of another kind with more noise, or
+    // within a threshold that cuts the noise, which was not so before, and neighbours do not share it.
+    bool takes_in_beside(const ShapeFit& fit, const NearPoints& near, const ShapeFit& before) const
+    {
+        if (!holds_noise(before)) return false;
+        if (!holds_noise(fit) && !evidence_of(fit, near).has_shared_errors()) return true;
+        if (fit.shape.kind == before.shape.kind) return false;
+        const bool has_more = sizes_of(fit.shape.kind) > sizes_of(before.shape.kind);
+        return fit.noise > (has_more ? most_noise_wider : most_noise_raised) * before.noise;
+    }
+
+    static int sizes_of(ShapeKind kind) { return int(traits_of(kind).radius) + int(traits_of(kind).second); }
 
     // Half of the former inliers are still near.
     static bool follows(const ShapeFit& fit, const LocalFit& best)
@@ -238,17 +295,36 @@ private:
         return 2 * near >= best.fit.inliers;
     }
 
-    // Of the best kind.
+    // Of the best kind; kinds that hold several surfaces only where no kind holds one that passes through the places.
     ShapeFit fitted(const NearPoints& near, double begin, double end) const
     {
-        std::vector<ShapeFit> fits;
+        std::vector<ShapeFit> fits, of_one_surface;
         for (std::size_t k = 0; k < kinds_.size(); ++k) {
             const double share = (end - begin) / static_cast<double>(kinds_.size());
-            fits.push_back(fitted(near, kinds_[k], begin + share * static_cast<double>(k),
-                                  begin + share * static_cast<double>(k + 1)));
+            ShapeFit fit = fitted(near, kinds_[k], begin + share * static_cast<double>(k),
+                                  begin + share * static_cast<double>(k + 1));
+            if (is_determined(fit) && passes(fit, near) && is_of_one_surface(fit, near)) of_one_surface.push_back(fit);
+            fits.push_back(std::move(fit));
         }
+        if (!of_one_surface.empty()) fits = std::move(of_one_surface);
+        leave_out_noisier(near, fits);
         return std::move(fits[best_of(fits, near.points, near.radius).value_or(0)]);
     }
+
+    // Thresholds differ from kind to kind: one that is wide enough for several surfaces holds more points.
+    void leave_out_noisier(const NearPoints& near, std::vector<ShapeFit>& fits) const
+    {
+        if (options_.fit.threshold > 0) return;
+        double least = std::numeric_limits<double>::infinity();
+        for (const ShapeFit& fit : fits)
+            if (is_determined(fit) && holds_noise(fit) && share_of(fit, near) >= least_share && passes(fit, near))
+                least = std::min(least, fit.noise);
+        fits.erase(std::remove_if(fits.begin(), fits.end(),
+                                  [&](const ShapeFit& fit) { return fit.noise > most_noise_beside * least; }),
+                   fits.end());
+    }
+
+    static bool holds_noise(const ShapeFit& fit) { return fit.noise < most_of_threshold * fit.threshold; }
 
     // Whether points of another surface are near the shape, with a threshold twice as large as before.
     static bool takes_in_another(const ShapeFit& fit, const ShapeFit& before)
@@ -256,13 +332,14 @@ private:
         return fit.has_shape() && before.has_shape() && fit.noise > most_noise_raised * before.noise;
     }
 
-    // With the threshold that is least probable by chance.
+    // With the threshold that is least probable by chance, of those that hold one surface where there are any.
     ShapeFit fitted(const NearPoints& near, ShapeKind kind, double begin, double end) const
     {
         ShapeFitOptions options = options_.fit;
         options.kind = kind;
         ShapeFit best, before;
         double least = 0;
+        bool is_one = false;
         for (int raised = 0; raised <= most_raised; ++raised) {
             const double share = (end - begin) / (most_raised + 1);
             options.threshold = std::ldexp(noise_, raised);
@@ -271,23 +348,48 @@ private:
             ShapeFit fit = fit_shape(near.points, options);
             if (takes_in_another(fit, before)) break;
             if (fit.has_shape()) before = fit;
+            const bool is_now = is_of_one_surface(fit, near);
+            if (is_one && (!is_now || (holds_noise(best) && fit.noise > most_noise_beside * best.noise))) continue;
             const double chance = chance_of(fit, near.points, near.radius);
             const double gain = least_gain * static_cast<double>(fit.inliers);
-            if (raised == 0 || (fit.has_shape() && (!best.has_shape() || chance + gain < least))) {
+            const bool is_first = !best.has_shape() || (is_now && !is_one);
+            if (raised == 0 || (fit.has_shape() && (is_first || chance + gain < least))) {
                 best = std::move(fit);
                 least = chance;
+                is_one = best.has_shape() && is_now;
             }
             if (options_.fit.threshold > 0 || !(noise_ > 0)) break;
         }
-        // Beyond the noise there is nothing of the surface.
-        const double enough = std::max(noise_, noises * 1.1 * best.noise);
-        if (options_.fit.threshold == 0 && best.has_shape() && enough < best.threshold) {
-            options.threshold = enough;
-            options.progress = part_of(options_.progress, end, end);
-            ShapeFit fit = fit_shape(near.points, options);
-            if (fit.has_shape() && fit.verdict <= best.verdict) best = std::move(fit);
-        }
+        if (best.has_shape() && !is_one) lower(near, options, end, best);
+        narrow(near, options, end, best);
         return best;
+    }
+
+    // Where the points closest to the place are those of two faces, so is their noise.
+    void lower(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
+    {
+        options.progress = part_of(options_.progress, at, at);
+        for (int lowered = 1; lowered <= most_lowered; ++lowered) {
+            options.threshold = std::ldexp(noise_, -lowered);
+            ShapeFit fit = fit_shape(near.points, options);
+            if (!is_determined(fit) || !holds_noise(fit) || share_of(fit, near) < least_share || !passes(fit, near) ||
+                !is_of_one_surface(fit, near))
+                continue;
+            best = std::move(fit);
+            return;
+        }
+    }
+
+    // Beyond the noise there is nothing of the surface.
+    void narrow(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
+    {
+        const double enough = std::max(noise_, noises * 1.1 * best.noise);
+        if (options_.fit.threshold > 0 || !best.has_shape() || !(enough < best.threshold)) return;
+        options.threshold = enough;
+        options.progress = part_of(options_.progress, at, at);
+        ShapeFit fit = fit_shape(near.points, options);
+        if (!fit.has_shape() || fit.verdict > best.verdict) return;
+        if (is_of_one_surface(fit, near) || !is_of_one_surface(best, near)) best = std::move(fit);
     }
 
     const PointCloud& cloud_;
