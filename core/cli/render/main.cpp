@@ -249,7 +249,7 @@ int render(const RenderArguments& arguments)
     OffscreenScene scene({arguments.trees.begin(), arguments.trees.end()}, l1, l2);
     check_attributes(style, scene.clouds());
     scene.clip(std::move(clips));
-    const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.box(), size);
+    const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.clouds(), scene.box(), size);
     Summary summary;
     if (auto note = other_meaning(style, scene.clouds())) summary.notices.insert(*note);
     summary.files = files_of(arguments, cameras.size());
