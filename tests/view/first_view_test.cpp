@@ -101,6 +101,20 @@ TEST(FirstView, AScanIsSeenFromItsScanner)
     EXPECT_NEAR(pose->focus, 4, 0.5);
 }
 
+// What was cut out of a depth image is seen from the side of its camera, and fills the picture.
+TEST(FirstView, APartOfADepthImageFillsThePicture)
+{
+    std::vector<Vec3d> part;
+    for (const Vec3d& p : depth_image(2))
+        if (p[0] > 0.4 && p[1] < -0.3) part.push_back(p);
+    const auto pose = view(part, {block("pcd.viewpoint", "0 0 0 1 0 0 0")});
+    ASSERT_TRUE(pose);
+    EXPECT_LT(away(pose->back, {0, 0, -1}), 1e-9);
+    EXPECT_LT(away(pose->up, {0, -1, 0}), 1e-9);
+    EXPECT_GT(pose->eye[2], 0.5);
+    EXPECT_NEAR(pose->eye[0], 0.75, 0.1);
+}
+
 TEST(FirstView, WhereNoScanWasTakenFromOneIsFromAbove)
 {
     const Vec3d at{500, 4000, 20};
