@@ -138,7 +138,8 @@ void place(EyePose& pose, const std::vector<Vec3d>& points, const PictureShape& 
     }
     const double extent = largest_but_few(distances);
     // A single point is seen from a distance that is a number beside its coordinates.
-    const double least = std::max({0.01 * extent, 1e-5 * largest_magnitude(middle), 1e-6});
+    const double least = extent > 0 ? std::max(0.01 * extent, 1e-9 * largest_magnitude(middle))
+                                    : std::max(1e-5 * largest_magnitude(middle), 1e-6);
     const double away = std::max({least_distance(offsets, pose.back, pose.right, filled * half * width / height),
                                   least_distance(offsets, pose.back, free_up, slope),
                                   largest_but_few(depths) + least});  // not within the cloud

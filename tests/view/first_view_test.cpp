@@ -154,6 +154,21 @@ TEST(FirstView, NoiseFarAwayDoesNotPushTheCameraAway)
     EXPECT_LT(away(noisy->eye, alone->eye), 0.1 * length(alone->eye));
 }
 
+// The same picture at map coordinates, and of any unit.
+TEST(FirstView, WhereverACloudIsAndHoweverLarge)
+{
+    const std::vector<Vec3d> points = room({0, 0, 0});
+    const auto usual = view(points, {});
+    for (const double unit : {1e-30, 1e-3, 1.0, 1e25})
+        for (const Vec3d& at : {Vec3d{0, 0, 0}, Vec3d{5e5 * unit, 5e6 * unit, 100 * unit}}) {
+            std::vector<Vec3d> moved;
+            for (const Vec3d& p : points) moved.push_back(at + unit * p);
+            const auto pose = view(moved, {});
+            ASSERT_TRUE(pose);
+            EXPECT_LT(away((1 / unit) * (pose->eye - at), usual->eye), 1e-4) << unit;
+        }
+}
+
 TEST(FirstView, OfAnySmallCloud)
 {
     EXPECT_FALSE(view({}, {}));
