@@ -75,7 +75,7 @@ float shade(ivec2 at, float depth, float side)
 {
     const ivec2 half_ring[4] = ivec2[4](ivec2(2, 0), ivec2(0, 2), ivec2(1, 1), ivec2(-1, 1));
     float here = eye_distance(depth);
-    float wide = max(6.0, side);  // radius of the second ring
+    float wide = max(max(6.0, float(size.y) / 36.0), side);  // radius of the second ring: as wide as a bend that an eye sees
     vec2 edges[4], bends[4];
     vec2 slope = vec2(0.0);  // of the surface, on each ring
     float pairs = 0.0;
@@ -84,7 +84,7 @@ float shade(ivec2 at, float depth, float side)
         compare(at, ivec2(0.5 * wide * vec2(half_ring[i])), here, bends[i]);
         slope = max(slope, vec2(edges[i].y, bends[i].y));
     }
-    vec2 own = 0.75 * side * relief_of_pixel + vec2(0.3, 0.4 * side / wide) * slope;
+    vec2 own = vec2(0.75, 0.35) * side * relief_of_pixel + vec2(0.3, 0.4 * side / wide) * slope;
     float ratios = 1.0, bent = 0.0;  // the sum of the logarithms of ratios is the logarithm of their product
     for (int i = 0; i < 4; i += EYE_DOME) {
         ratios *= 1.0 + max(0.0, edges[i].x - own.x);
@@ -93,7 +93,7 @@ float shade(ivec2 at, float depth, float side)
         bent += bend / (1.0 + bend * bend / 9.0);
     }
     // Edges of large splats are seen anyway. Points that stand alone are no surface: between them relief is noise.
-    float dark = 12.5 * log2(min(ratios, 1e30)) * min(1.0, 12.0 / side) + 0.08 * bent;
+    float dark = 12.5 * log2(min(ratios, 1e30)) * min(1.0, 12.0 / side) + 0.1 * bent;
     return exp(-float(EYE_DOME) * strength * dark * smoothstep(0.2, 0.6, pairs));
 }
 #endif

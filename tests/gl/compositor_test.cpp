@@ -238,7 +238,9 @@ TEST(Compositor, EyeDomeLightingShowsSteps)
                 }
                 EXPECT_LT(least, 200) << parallel << " " << unit << " " << samples;
                 EXPECT_NEAR(place, 48, 6);
-                EXPECT_GT(shaded[static_cast<std::size_t>(50 * 100 + place + 6)].g, 250);
+                // On the upper side a soft shade, of the second ring, and that only near the edge.
+                EXPECT_GT(shaded[static_cast<std::size_t>(50 * 100 + place + 6)].g, 230);
+                EXPECT_GT(shaded[static_cast<std::size_t>(50 * 100 + place + 12)].g, 250);
                 darkest = std::min(darkest, static_cast<double>(least));
             }
     EXPECT_GE(darkest, 0);
@@ -273,8 +275,8 @@ TEST(Compositor, EyeDomeLightingLeavesPlanesAsTheyAre)
                         SCOPED_TRACE(testing::Message()
                                      << tilt << " degrees from " << distance << (parallel ? ", parallel" : "")
                                      << (moving ? ", moving" : "") << ", " << samples << " samples: " << dark.mean);
-                        EXPECT_LT(dark.mean, tilt == 0 ? 0.001 : tilt < 80 ? 0.005 : moving ? 0.08 : 0.04);
-                        EXPECT_LT(dark.rims, tilt < 80 ? 0.002 : moving ? 0.12 : 0.06);
+                        EXPECT_LT(dark.mean, tilt == 0 ? 0.001 : tilt < 80 ? 0.005 : moving ? 0.1 : 0.04);
+                        EXPECT_LT(dark.rims, tilt < 80 ? 0.002 : moving ? 0.17 : 0.06);
                     }
             }
 }
