@@ -1,12 +1,18 @@
 #version 330 core
 // Composites a picture of splats, colour and depth, into another framebuffer. Permutations: SAMPLES n (of the picture; absent: one per
-// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), EYE_DOME n (of the eight neighbours
-// every n-th is looked at).
+// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), EYE_DOME n (of the
+// pairs of opposite neighbours every n-th is looked at).
 //
 // With several samples, the colours of the covered ones are averaged, their fraction becomes the alpha, and the nearest depth is written.
 //
-// Eye-dome lighting (Boucheny 2009): the farther a pixel lies behind its neighbours, the darker it is, so that edges and relief show
-// without normals. In perspective, relief is a ratio of distances, so that it does not depend on the unit of length.
+// Eye-dome lighting (after Boucheny 2009): the farther a pixel lies behind its neighbours, the darker it is, so that edges and relief show
+// without normals. In perspective, relief is a ratio of distances, so that it does not depend on the unit of length. Two things are no
+// relief, and leave a pixel as it is:
+//   the slope of a surface: a pixel is compared with the middle between opposite neighbours. In perspective 1 / distance is linear on the
+//     screen along a plane, so h / a + h / b - 2 is 0 for all planes, seen face-on or at any grazing angle, and (h - b) / b of a step beside
+//     a surface at distance h = a;
+//   the shape of splats: steps below the splats' own radii are of how the surface was sampled (splat.frag marks each pixel with its splat's
+//     width), and so are those that a splat's width makes of a slope.
 
 #ifdef SAMPLES
 uniform sampler2DMS colours;
@@ -28,9 +34,15 @@ float nearer(float a, float b) { return min(a, b); }
 const float farthest = 1.0;
 #endif
 
+// Alpha, as splat.frag writes it: how much of the pixel is covered, in 15 steps, and how wide its splat is.
+float coverage_of(float alpha) { return floor(alpha * 255.0 / 16.0 + 0.01) / 15.0; }
+float mark_of(float alpha) { return mod(floor(alpha * 255.0 + 0.5), 16.0); }
+float side_of(float alpha) { return exp2(0.5 * (15.0 - mark_of(alpha))); }
+
 #ifdef EYE_DOME
 uniform vec4 distance_of_depth;     // distance = (x + y * d) / (z + w * d), where d is 1 at the near plane
 uniform float relief_of_distance;   // orthographic: 1 / visible height; 0: perspective
+uniform float relief_of_pixel;      // of a step as deep as a pixel is wide
 uniform float strength;
 uniform ivec2 size;
 
@@ -44,27 +56,45 @@ float eye_distance(float depth)
     return (distance_of_depth.x + distance_of_depth.y * d) / (distance_of_depth.z + distance_of_depth.w * d);
 }
 
-float shade(ivec2 at, float depth)
+// How far a pixel lies behind the middle between two opposite neighbours, and by how much one of these is farther than the other: x and y.
+// False where there is no such pair. The background is behind everything.
+bool compare(ivec2 at, ivec2 away, float here, out vec2 relief)
 {
-    const ivec2 ring[8] = ivec2[8](ivec2(2, 0), ivec2(1, 1), ivec2(0, 2), ivec2(-1, 1), ivec2(-2, 0), ivec2(-1, -1), ivec2(0, -2), ivec2(1, -1));
+    ivec2 a = at + away, b = at - away;
+    relief = vec2(0.0);
+    if (any(lessThan(min(a, b), ivec2(0))) || any(greaterThanEqual(max(a, b), size))) return false;
+    vec2 there = vec2(texelFetch(depths, a, 0).r, texelFetch(depths, b, 0).r);
+    if (there.x == farthest || there.y == farthest) return false;
+    there = vec2(eye_distance(there.x), eye_distance(there.y));
+    vec2 steps = relief_of_distance > 0.0 ? (here - there) * relief_of_distance : here / there - 1.0;
+    relief = vec2(steps.x + steps.y, abs(steps.x - steps.y));
+    return true;
+}
+
+float shade(ivec2 at, float depth, float side)
+{
+    const ivec2 half_ring[4] = ivec2[4](ivec2(2, 0), ivec2(0, 2), ivec2(1, 1), ivec2(-1, 1));
     float here = eye_distance(depth);
-    float relief = 0.0, ratios = 1.0;  // the sum of the logarithms of ratios is the logarithm of their product
-    float covered = 0.0;
-    for (int i = 0; i < 8; i += EYE_DOME) {
-        ivec2 beside = at + ring[i];
-        if (any(lessThan(beside, ivec2(0))) || any(greaterThanEqual(beside, size))) continue;
-        float depth_there = texelFetch(depths, beside, 0).r;
-        if (depth_there == farthest) continue;  // the background is behind everything
-        covered += float(EYE_DOME) / 8.0;
-        float there = eye_distance(depth_there);
-        if (relief_of_distance > 0.0)
-            relief += max(0.0, (here - there) * relief_of_distance);
-        else
-            ratios *= max(1.0, here / there);
+    float wide = max(max(6.0, float(size.y) / 36.0), side);  // radius of the second ring: as wide as a bend that an eye sees
+    vec2 edges[4], bends[4];
+    vec2 slope = vec2(0.0);  // of the surface, on each ring
+    float pairs = 0.0;
+    for (int i = 0; i < 4; i += EYE_DOME) {
+        if (compare(at, half_ring[i], here, edges[i])) pairs += 0.25 * float(EYE_DOME);
+        compare(at, ivec2(0.5 * wide * vec2(half_ring[i])), here, bends[i]);
+        slope = max(slope, vec2(edges[i].y, bends[i].y));
     }
-    relief += log2(min(ratios, 1e30));
-    // Points that stand alone are no surface: between them relief is noise.
-    return exp(-12.5 * float(EYE_DOME) * strength * relief * smoothstep(0.2, 0.6, covered));
+    vec2 own = vec2(0.75, 0.35) * side * relief_of_pixel + vec2(0.3, 0.4 * side / wide) * slope;
+    float ratios = 1.0, bent = 0.0;  // the sum of the logarithms of ratios is the logarithm of their product
+    for (int i = 0; i < 4; i += EYE_DOME) {
+        ratios *= 1.0 + max(0.0, edges[i].x - own.x);
+        // In widths of the ring. A step, which is far more, is not a bend.
+        float bend = max(0.0, max(bends[i].x, -0.5 * bends[i].x) - own.y) / (wide * relief_of_pixel);
+        bent += bend / (1.0 + bend * bend / 9.0);
+    }
+    // Edges of large splats are seen anyway. Points that stand alone are no surface: between them relief is noise.
+    float dark = 12.5 * log2(min(ratios, 1e30)) * min(1.0, 12.0 / side) + 0.1 * bent;
+    return exp(-float(EYE_DOME) * strength * dark * smoothstep(0.2, 0.6, pairs));
 }
 #endif
 
@@ -75,22 +105,28 @@ void main()
 #ifdef SAMPLES
     vec3 sum = vec3(0.0);
     int covered = 0;
+    float mark = 15.0;
     for (int i = 0; i < SAMPLES; ++i) {
         vec4 colour = texelFetch(colours, at, i);
         if (colour.a == 0.0) continue;
         sum += colour.rgb;
+        mark = min(mark, mark_of(colour.a));
         ++covered;
         depth = nearer(depth, texelFetch(depths, at, i).r);
     }
     if (covered == 0) discard;
     fragment = vec4(sum / float(covered), float(covered) / float(SAMPLES));
+#ifdef RESOLVE
+    fragment.a = (max(1.0, floor(15.0 * fragment.a + 0.5)) * 16.0 + mark) / 255.0;
+#endif
 #else
     fragment = texelFetch(colours, at, 0);
     if (fragment.a == 0.0) discard;
     depth = texelFetch(depths, at, 0).r;
-#endif
 #ifdef EYE_DOME
-    fragment.rgb *= shade(at, depth);
+    fragment.rgb *= shade(at, depth, side_of(fragment.a));
+#endif
+    fragment.a = coverage_of(fragment.a);
 #endif
 #ifdef RESOLVE
     gl_FragDepth = depth;

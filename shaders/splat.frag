@@ -7,6 +7,10 @@
 flat in vec3 splat_colour;
 layout(location = 0) out vec4 fragment;
 
+// Alpha of a covered sample: 15 sixteenths, and how wide its splat is on the screen, in half octaves from 1 to 181 pixels: the low four bits,
+// 15 for the smallest. composite.frag needs to know: what is less than a splat's own size is no relief of the surface.
+float mark_of(float side) { return (255.0 - clamp(floor(2.0 * log2(max(side, 1.0)) + 0.5), 0.0, 15.0)) / 255.0; }
+
 #if defined(AFFINE) || defined(DISC)
 
 // See splat.vert.
@@ -51,7 +55,9 @@ void main()
     // The near and the far plane. Hits behind the eye have depths beyond the near one.
     if (!(depth >= 0.0 && depth <= 1.0)) discard;
     gl_FragDepth = depth;
-    fragment = vec4(splat_colour, 1.0);
+    // The ellipse on the screen is as wide as a circle of its area. (Near the eye, where the divisor varies, that is a guess.)
+    float places = abs(along.x * along.w - along.y * along.z) / (divisor.x * divisor.x);  // area of a pixel, in radii squared
+    fragment = vec4(splat_colour, mark_of(2.0 * inversesqrt(max(places, 1e-6))));
 }
 
 #elif defined(PARABOLOID)
@@ -81,11 +87,26 @@ void main()
 #endif
     // Where a paraboloid reaches beyond the far plane it is drawn at it, just before what the buffer was cleared with: its point is in view.
     gl_FragDepth = clamp(depth, 6e-8, 0.99999994);
-    fragment = vec4(splat_colour, 1.0);
+    fragment = vec4(splat_colour, mark_of(depth_radius_side.z));
 }
 
 #else
 
-void main() { fragment = vec4(splat_colour, 1.0); }
+#if !defined(ADAPTIVE)
+uniform float point_size;
+uniform float least_pixels;
+#endif
+
+void main()
+{
+#if defined(ADAPTIVE) && !defined(QUADS)
+    float side = 1.0 / max(abs(dFdx(gl_PointCoord.x)), 1e-4);
+#elif defined(ADAPTIVE)
+    float side = 64.0;  // drawn as quads because they are large
+#else
+    float side = max(point_size, least_pixels);
+#endif
+    fragment = vec4(splat_colour, mark_of(side));
+}
 
 #endif

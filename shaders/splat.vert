@@ -1,6 +1,6 @@
 #version 330 core
 // A point becomes a splat. Permutations:
-//   colour: VERTEX_COLOUR, VALUE_COLOUR, HEIGHT_COLOUR, or none for one colour;
+//   colour: VERTEX_COLOUR, VALUE_COLOUR, HEIGHT_COLOUR, SHADED_HEIGHT_COLOUR, or none for one colour;
 //   kind: none for a square of a constant size; ADAPTIVE a square as large as the point's sphere; AFFINE and DISC the point's disc,
 //     found in splat.frag;
 //   PARABOLOID (of ADAPTIVE): a round splat whose depth grows from the centre on, so that of several splats the one whose centre is nearest
@@ -46,7 +46,7 @@ flat out vec3 splat_colour;
 layout(location = 1) in vec4 colour;
 uniform vec2 tone;  // a factor and an exponent; (1, 1) leaves the bits of a colour as they are
 vec3 colour_of_point() { return tone == vec2(1.0) ? colour.rgb : pow(min(colour.rgb * tone.x, vec3(1.0)), vec3(tone.y)); }
-#elif defined(HEIGHT_COLOUR) || defined(VALUE_COLOUR)
+#elif defined(HEIGHT_COLOUR) || defined(SHADED_HEIGHT_COLOUR) || defined(VALUE_COLOUR)
 uniform vec3 ramp[17];     // at even steps
 uniform vec3 ramp_place;   // a value is at the place (value * x + y) ^ z, from 0 to 1
 
@@ -61,6 +61,11 @@ vec3 ramp_colour(float value)
 #if defined(VALUE_COLOUR)
 layout(location = 1) in float value;
 vec3 colour_of_point() { return value < -1e25 ? vec3(0.4) : ramp_colour(value); }  // not a number: grey
+#elif defined(SHADED_HEIGHT_COLOUR)
+layout(location = 1) in float value;
+uniform float value_exponent;
+// Dark enough to be seen beside bright ones, and bright enough for their hue.
+vec3 colour_of_point() { return ramp_colour(position.z) * mix(0.4, 1.0, pow(clamp(value, 0.0, 1.0), value_exponent)); }
 #else
 vec3 colour_of_point() { return ramp_colour(position.z); }
 #endif

@@ -1,6 +1,7 @@
 #include "pcm/cli/camera_options.h"
 
 #include "pcm/system/error.h"
+#include "pcm/view/first_view.h"
 
 #include <cstdio>
 
@@ -8,6 +9,28 @@ namespace pcm::cli {
 namespace {
 
 Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
+
+std::optional<CameraFrame> first_frame(const std::vector<std::shared_ptr<PointCloud>>& clouds, double angle,
+                                       PictureSize size)
+{
+    if (!(angle > 0 && angle < 180)) return std::nullopt;  // an error elsewhere
+    std::vector<Vec3d> points;
+    std::vector<ScanPose> poses;
+    for (const auto& cloud : clouds) {
+        const std::vector<Vec3d> more = sampled_places(cloud->cache());
+        points.insert(points.end(), more.begin(), more.end());
+        if (clouds.size() == 1) poses = scan_poses(cloud->info().metadata);
+    }
+    const auto pose = first_view(points, poses, {angle, size.width, size.height, 0});
+    if (!pose) return std::nullopt;
+    CameraFrame frame;
+    frame.eye = pose->eye;
+    frame.target = pose->centre();
+    frame.up = pose->up;
+    frame.angle = angle;
+    check(frame);
+    return frame;
+}
 
 }  // namespace
 
@@ -47,8 +70,11 @@ std::vector<Option> CameraOptions::add_to(Options& options, const char* group)
     return {of_eye, of_target, of_up, of_angle, parallel, of_height};
 }
 
-CameraFrame CameraOptions::frame(const Box3d& box, PictureSize size) const
+CameraFrame CameraOptions::frame(const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box,
+                                 PictureSize size) const
 {
+    if (eye.empty() && target.empty() && up.empty() && !height && !orthographic)
+        if (const auto frame = first_frame(clouds, angle.value_or(45), size)) return *frame;
     const bool parallel = orthographic || height;
     CameraFrame frame =
         overview_of(box, parallel ? std::nullopt : std::optional<double>(angle.value_or(45)), size.width, size.height);

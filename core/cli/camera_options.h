@@ -2,8 +2,10 @@
 #pragma once
 
 #include "pcm/cli/command_line.h"
+#include "pcm/point_cloud.h"
 #include "pcm/view/camera_path.h"
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -24,8 +26,10 @@ struct CameraOptions {
 
     std::vector<Option> add_to(Options& options, const char* group);  // these options
     bool given() const { return !eye.empty() || !target.empty() || !up.empty() || angle || height || orthographic; }
-    // What is not given is as in an oblique view of the whole box. Throws Error(invalid_argument).
-    CameraFrame frame(const Box3d& box, PictureSize size) const;
+    // Without a camera, the first view of the clouds, as in a window (view/first_view.h). Else what is not given is as
+    // in an oblique view of the whole box. Throws Error(invalid_argument), and what reading a sample of the clouds
+    // throws.
+    CameraFrame frame(const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box, PictureSize size) const;
 };
 
 }  // namespace pcm::cli

@@ -30,8 +30,9 @@ struct Arguments {
     throw Error(ErrorCode::invalid_argument, {}, what, hint);
 }
 
-PickRay ray_of(const Arguments& arguments, const Box3d& box)
+PickRay ray_of(const Arguments& arguments, const std::shared_ptr<PointCloud>& cloud)
 {
+    const Box3d box = cloud->info().bounds();
     if (!arguments.ray.empty()) {
         if (arguments.camera.given() || !arguments.at.empty())
             refuse("--ray and a camera or --at were both given", "give one of them");
@@ -46,7 +47,8 @@ PickRay ray_of(const Arguments& arguments, const Box3d& box)
     if (arguments.pixel_angle || arguments.pixel_size)
         refuse("--pixel-angle and --pixel-size belong to --ray", "the size of a view's pixel follows from its camera");
     const PictureSize size = parse_size(arguments.size);
-    const Camera camera = view_of(arguments.camera.frame(box, size), box.centre(), box, size.width, size.height);
+    const Camera camera =
+        view_of(arguments.camera.frame({cloud}, box, size), box.centre(), box, size.width, size.height);
     const auto ray = PickRay::through(camera, arguments.at[0], arguments.at[1]);
     if (!ray)
         refuse("this camera shows nothing at the pixel " + exact(arguments.at[0]) + " " + exact(arguments.at[1]), "");
@@ -119,7 +121,7 @@ int pick(const Arguments& arguments)
     const auto progress = console_progress(arguments.common);  // Ctrl-C
     options.cancelled = [&] { return !progress({}); };
     PointPicker picker(cloud->cache());
-    const PickResult result = picker.exact(ray_of(arguments, cloud->info().bounds()), options);
+    const PickResult result = picker.exact(ray_of(arguments, cloud), options);
     std::optional<PointDescription> point;
     if (result.hit) point = describe_point(cloud->cache(), picker.sizes(), result.hit->node, result.hit->index);
     end_progress(arguments.common);
@@ -136,7 +138,7 @@ Run add_pick(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
-    const char* group = "Pixel of a view (default camera: an oblique view of everything)";
+    const char* group = "Pixel of a view (default camera: as that of pcmlab render)";
     options
         .option("--at", arguments->at,
                 "Place x y in the picture: pixels from its upper left corner, right and down: --at 640 360")

@@ -7,7 +7,7 @@ namespace pcm::cli {
 
 void Standstill::look(const DrawingProgress& now, double seconds)
 {
-    const bool changed = !begun_ || now.points_drawn != last_.points_drawn ||
+    const bool changed = !begun_ || now.points_drawn != last_.points_drawn || now.points_added != last_.points_added ||
                          now.uploaded_bytes != last_.uploaded_bytes || now.loaded_bytes != last_.loaded_bytes ||
                          now.chunks_missing != last_.chunks_missing;
     if (changed) {

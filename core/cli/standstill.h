@@ -9,6 +9,9 @@ namespace pcm::cli {
 // What has come about so far, after a frame.
 struct DrawingProgress {
     std::uint64_t points_drawn = 0, uploaded_bytes = 0, loaded_bytes = 0;
+    // By all frames so far. A picture that is drawn behind the one that is shown adds points, while those that are
+    // shown stay the same for as long as it takes.
+    std::uint64_t points_added = 0;
     std::uint64_t chunks_missing = 0;  // wanted, and not in video memory
     std::uint64_t refused = 0;         // uploads for which video memory had no room
     std::uint64_t frames = 0;

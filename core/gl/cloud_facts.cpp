@@ -1,6 +1,7 @@
 #include "pcm/gl/cloud_facts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 namespace pcm {
@@ -13,6 +14,33 @@ bool is_one_grey(const Column& column)
         for (std::uint32_t c = 0; scalars && c < column.components(); ++c)
             if (column.value(i, c) != column.value(0)) return false;
     return true;
+}
+
+// Whether the differences from one value to the next are smaller than between values in any order, of which they are
+// then by chance less than once in a thousand (von Neumann 1941). Points of a chunk are in Morton order: the next one
+// is near.
+bool varies_smoothly(const std::vector<double>& values)
+{
+    double sum = 0, squares = 0, steps = 0;
+    const auto n = static_cast<double>(values.size());
+    for (const double v : values) sum += v / n;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        squares += (values[i] - sum) * (values[i] - sum);
+        if (i > 0) steps += (values[i] - values[i - 1]) * (values[i] - values[i - 1]);
+    }
+    if (!(squares > 0) || !std::isfinite(squares)) return false;
+    return steps / squares < 2 * (1 - 3 / std::sqrt(n));
+}
+
+// Whether at least two classes that say what a point belongs to (LAS 1.4: not unclassified, noise or overlap) have a
+// share of a hundredth each.
+bool says_classes(const std::vector<double>& values)
+{
+    std::map<double, std::size_t> counts;
+    for (const double v : values) ++counts[v];
+    for (const double nothing : {0.0, 1.0, 7.0, 12.0, 18.0}) counts.erase(nothing);
+    return std::count_if(counts.begin(), counts.end(),
+                         [&](const auto& entry) { return 100 * entry.second >= values.size(); }) >= 2;
 }
 
 // The first points of several columns, one after the other.
@@ -67,8 +95,10 @@ CloudFact CloudFacts::fact_of(const Key& key, const Handles& chunks) const
             values.push_back(column.value(i, component) * attribute.scale + attribute.offset);
         parts.emplace_back(&column, points);
     }
+    fact.has_shape = varies_smoothly(values);
+    const bool is_classified = source != ColourSource::classification || says_classes(values);
     fact.values = summary_of(values);
-    fact.is_blank = fact.values.is_constant();
+    fact.is_blank = fact.values.is_constant() || !is_classified;
     fact.range = source == ColourSource::intensity ? balanced_range(fact.values) : linear_range(fact.values);
     if (source == ColourSource::rgb && !parts.empty()) {
         const Column all = joined(parts);
@@ -90,8 +120,7 @@ const CloudFact* CloudFacts::find(const CloudStyle& usable, const std::function<
 {
     const ColourTraits& traits = traits_of(usable.colour);
     const auto place = colour_place(usable, cloud_->info().schema);
-    if ((!place && traits.colouring != Colouring::height) || traits.source == ColourSource::classification)
-        return nullptr;
+    if (!place && traits.colouring != Colouring::height) return nullptr;
     const AttributePlace at = place.value_or(AttributePlace{});
     if (const CloudFact* const fact = known(traits.source, at)) return fact;
 

@@ -20,10 +20,12 @@ namespace pcm {
 
 // Of one attribute, or of the heights.
 struct CloudFact {
-    ValueSummary values;  // as users see them; of rgb those of the first component
-    ColourScale scale;    // of rgb
-    bool is_blank =
-        false;  // all sampled points have the same value; of rgb, the same shade of grey: the default of many writers
+    ValueSummary values;    // as users see them; of rgb those of the first component
+    ColourScale scale;      // of rgb
+    bool is_blank = false;  // all sampled points have the same value; of rgb, the same shade of grey: the default of
+                            // many writers; of classes, fewer than two say what points belong to
+    // Neighbours' values are more alike than those of any two points: they show surfaces and not noise alone.
+    bool has_shape = true;
     // Of intensities balanced, else linear.
     ValueRange range;
 };
@@ -32,8 +34,8 @@ class CloudFacts {
 public:
     explicit CloudFacts(std::shared_ptr<PointCloud> cloud);
 
-    // The fact that a usable style needs; null while its chunks are being loaded, and for a style that needs none. What
-    // is asked for after begin_frame() is missing() until it is known.
+    // The fact that a usable style's attribute or, without one, its heights have; null while its chunks are being
+    // loaded, and for a style without either. What is asked for after begin_frame() is missing() until it is known.
     void begin_frame()
     {
         held_ = std::move(asked_);

@@ -32,14 +32,14 @@ const std::vector<ColourTraits>& colour_modes()
     using Mode = ColourMode;
     using Source = ColourSource;
     static const std::vector<ColourTraits> table{
-        {Mode::rgb, "rgb", "RGB", "its own colour", Colouring::vertex, Source::rgb, "colours", Mode::intensity, nullptr,
-         false},
+        {Mode::rgb, "rgb", "RGB", "its own colour", Colouring::vertex, Source::rgb, "colours", Mode::classification,
+         nullptr, false},
         {Mode::intensity, "intensity", "Intensity", "its intensity", Colouring::value, Source::intensity, "intensity",
          Mode::height, nullptr, false},
         {Mode::height, "height", "Height", "height (z)", Colouring::height, Source::none, "", Mode::height, nullptr,
          false},
         {Mode::classification, "classification", "Classification", "its class", Colouring::vertex,
-         Source::classification, "classes", Mode::height, nullptr, false},
+         Source::classification, "classes", Mode::height_intensity, nullptr, false},
         {Mode::level, "level", "Level", "how coarse the level of detail of its chunk is", Colouring::chunk,
          Source::none, "", Mode::level, &colour_of_level, false},
         {Mode::error, "error", "Error", "how far apart points are on the screen there", Colouring::chunk, Source::none,
@@ -48,6 +48,9 @@ const std::vector<ColourTraits>& colour_modes()
          &uniform_colour, false},
         {Mode::attribute, "attribute", "Attribute", "an attribute that you name", Colouring::value, Source::attribute,
          "attribute", Mode::height, nullptr, false},
+        {Mode::height_intensity, "height-intensity", "Height and intensity",
+         "height (z), and the intensity as its brightness", Colouring::shaded_height, Source::intensity, "intensity",
+         Mode::height, nullptr, false},
     };
     return table;
 }

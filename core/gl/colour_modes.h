@@ -25,15 +25,17 @@ enum class ColourMode : std::uint8_t {
     level,           // the coarsest level of detail among the chunk's points
     error,           // on the screen, the distance between points where no finer chunk is drawn below this one
     uniform,
-    attribute,  // any other, named in the style
+    attribute,         // any other, named in the style
+    height_intensity,  // z, and the intensity as brightness
 };
 
 // Where the shader finds the colour.
 enum class Colouring : std::uint8_t {
-    vertex,  // in the vertex, made from the mode's source
-    value,   // on the style's ramp, by the number in the vertex, made from the mode's source
-    height,  // on the ramp, by the vertex's z
-    chunk,   // one colour for all points of a chunk
+    vertex,         // in the vertex, made from the mode's source
+    value,          // on the style's ramp, by the number in the vertex, made from the mode's source
+    height,         // on the ramp, by the vertex's z
+    chunk,          // one colour for all points of a chunk
+    shaded_height,  // on the ramp, by the vertex's z, as bright as the number in the vertex is large
 };
 
 struct ColourTraits {
@@ -42,7 +44,7 @@ struct ColourTraits {
     const char* label;        // for lists that people choose from
     const char* description;  // for tooltips, after "What the colour of a point shows: "
     Colouring colouring;
-    ColourSource source;     // Colouring::vertex and value: the attribute that it reads
+    ColourSource source;     // Colouring::vertex, value and shaded_height: the attribute that it reads
     const char* absent;      // with a source: what a cloud without it lacks, for messages
     ColourMode when_absent;  // with a source: shown in its place then, and where it is the same for all points
     // Colouring::chunk; else null.
@@ -60,7 +62,7 @@ inline const char* name_of(ColourMode mode) { return traits_of(mode).name; }
 inline bool has_range(ColourMode mode)
 {
     const Colouring colouring = traits_of(mode).colouring;
-    return colouring == Colouring::value || colouring == Colouring::height;
+    return colouring == Colouring::value || colouring == Colouring::height || colouring == Colouring::shaded_height;
 }
 
 }  // namespace pcm

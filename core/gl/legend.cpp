@@ -26,6 +26,7 @@ std::string title_of(const CloudReport& report, const std::string& height_unit)
 {
     switch (report.style.colour) {
         case ColourMode::height:
+        case ColourMode::height_intensity:
             return with_unit("Height", height_unit);
         case ColourMode::attribute:
             return with_unit(report.style.attribute, attribute_unit(report.style.attribute));

@@ -37,6 +37,27 @@ GLuint make_texture(GLenum format, GLenum components, GLenum type, int width, in
     return texture;
 }
 
+// The uniforms of eye-dome lighting.
+void set_eye_dome(const ShaderProgram& composite, const RenderTarget& from, const Matrix4d& projection, float strength)
+{
+    // Scaled, so that near planes of 1e-30 do not underflow.
+    std::array<double, 4> k = distance_of_depth(projection);
+    double largest = 0;
+    for (const double v : k) largest = std::max(largest, std::abs(v));
+    for (double& v : k) v /= largest > 0 ? largest : 1;
+    glUniform4f(composite.uniform("distance_of_depth"), static_cast<float>(k[0]), static_cast<float>(k[1]),
+                static_cast<float>(k[2]), static_cast<float>(k[3]));
+    const bool orthographic = projection[3] == 0 && projection[7] == 0 && projection[11] == 0;
+    const double height = projection[5] != 0 ? std::abs(2 * projection[15] / projection[5]) : 0;
+    glUniform1f(composite.uniform("relief_of_distance"),
+                orthographic && height > 0 ? static_cast<float>(1 / height) : 0.0f);
+    // A pixel over the distance, or over the visible height.
+    const double slope = projection[5] != 0 ? std::abs(2 / projection[5]) : 0;
+    glUniform1f(composite.uniform("relief_of_pixel"), static_cast<float>((orthographic ? 1 : slope) / from.height()));
+    glUniform1f(composite.uniform("strength"), strength);
+    glUniform2i(composite.uniform("size"), from.width(), from.height());
+}
+
 }  // namespace
 
 bool RenderTarget::prepare(int width, int height, unsigned samples)
@@ -132,19 +153,7 @@ void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const
         glUniform2i(composite.uniform("corner"), to_host ? host.viewport()[0] : 0, to_host ? host.viewport()[1] : 0);
         glUniform2f(composite.uniform("depth_range"), host.depth_range()[0], host.depth_range()[1]);
         if (into == the_host_shaded || into == the_host_shaded_fast) {
-            // Scaled, so that near planes of 1e-30 do not underflow.
-            std::array<double, 4> k = distance_of_depth(projection);
-            double largest = 0;
-            for (const double v : k) largest = std::max(largest, std::abs(v));
-            for (double& v : k) v /= largest > 0 ? largest : 1;
-            glUniform4f(composite.uniform("distance_of_depth"), static_cast<float>(k[0]), static_cast<float>(k[1]),
-                        static_cast<float>(k[2]), static_cast<float>(k[3]));
-            const bool orthographic = projection[3] == 0 && projection[7] == 0 && projection[11] == 0;
-            const double height = projection[5] != 0 ? std::abs(2 * projection[15] / projection[5]) : 0;
-            glUniform1f(composite.uniform("relief_of_distance"),
-                        orthographic && height > 0 ? static_cast<float>(1 / height) : 0.0f);
-            glUniform1f(composite.uniform("strength"), eye_dome);
-            glUniform2i(composite.uniform("size"), from.width(), from.height());
+            set_eye_dome(composite, from, projection, eye_dome);
         }
         glDrawArrays(GL_TRIANGLES, 0, 3);
     };

@@ -28,8 +28,11 @@ public:
     int height() const { return height_; }
     unsigned samples() const { return samples_; }
     bool reversed() const { return reversed_; }
-    std::uint32_t colours() const { return colours_; }  // RGBA8; alpha 0 where nothing was drawn
-    std::uint32_t depths() const { return depths_; }    // 32-bit float
+    std::uint32_t colours() const
+    {
+        return colours_;
+    }  // RGBA8; alpha 0 where nothing was drawn, else as shaders/splat.frag marks it
+    std::uint32_t depths() const { return depths_; }  // 32-bit float
 
     void release();
 

@@ -95,11 +95,21 @@ struct Renderer::Impl {
         cloud.style = usable_style(asked, schema, &report.notice, [&](const CloudStyle& style) {
             // With a range of its own a value says something where it is the same everywhere.
             if (has_range(asked.colour) && style.range) return false;
+            // Classes that are asked for are shown, whatever they are.
+            const bool is_fallback = style.colour != asked.colour;
+            if (style.colour == ColourMode::classification && !is_fallback) return false;
             const CloudFact* const fact = feed.fact_of(style);
-            return fact && fact->is_blank;
+            return fact && (fact->is_blank ||
+                            (is_fallback && style.colour == ColourMode::height_intensity && !fact->has_shape));
         });
-        const CloudFact* const fact = feed.fact_of(cloud.style);
+        const CloudFact* fact = cloud.style.colour == ColourMode::classification ? nullptr : feed.fact_of(cloud.style);
         const Colouring colouring = traits_of(cloud.style.colour).colouring;
+        if (colouring == Colouring::shaded_height) {
+            cloud.values.shade_exponent = fact ? fact->range.exponent : 1;
+            CloudStyle heights = cloud.style;
+            heights.colour = ColourMode::height;
+            fact = feed.fact_of(heights);
+        }
         if (fact && has_range(cloud.style.colour)) {
             cloud.values.range = cloud.style.range.value_or(fact->range);
             cloud.values.stored_low = fact->range.low;

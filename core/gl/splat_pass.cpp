@@ -170,6 +170,8 @@ struct SplatPass::Impl {
             p.colouring = entry.format.colour == ColourSource::none ? Colouring::chunk
                           : is_value(entry.format.colour)           ? Colouring::value
                                                                     : Colouring::vertex;
+        if (p.colouring == Colouring::shaded_height && entry.format.colour != ColourSource::intensity)
+            p.colouring = Colouring::height;
         p.samples = is_disc && device->sample_mask ? samples : 1;
         p.selected = entry.selection != 0;
         p.doubles = traits_of(p.mode).has_doubles && device->doubles && may_use_doubles;
@@ -204,7 +206,8 @@ struct SplatPass::Impl {
                 current = &program;
             }
             program.set_chunk(*view, entry, look);
-            enable(1, p.colouring == Colouring::vertex || p.colouring == Colouring::value);
+            enable(1, p.colouring == Colouring::vertex || p.colouring == Colouring::value ||
+                          p.colouring == Colouring::shaded_height);
             enable(2, traits.reads_radius);
             enable(3, traits.reads_normal);
             draw_runs(entry, runs, quads);

@@ -29,6 +29,7 @@ std::vector<std::string> SplatPermutation::defines() const
     if (colouring == Colouring::vertex) list.emplace_back("VERTEX_COLOUR");
     if (colouring == Colouring::value) list.emplace_back("VALUE_COLOUR");
     if (colouring == Colouring::height) list.emplace_back("HEIGHT_COLOUR");
+    if (colouring == Colouring::shaded_height) list.emplace_back("SHADED_HEIGHT_COLOUR");
     if (const std::string define = traits_of(mode).define; !define.empty()) list.push_back(define);
     if (orthographic) list.emplace_back("ORTHOGRAPHIC");
     if (quads) list.emplace_back("QUADS");
@@ -60,13 +61,13 @@ SplatProgram::SplatProgram(const SplatPermutation& permutation)
 {
     const auto find = [&](const char* name) { return program_.uniform(name); };
     at_ = {
-        find("projection"),   find("to_eye"),          find("eye_scale"),     find("point_size"),   find("pixels"),
-        find("radius_scale"), find("viewport"),        find("guard"),         find("focal"),        find("principal"),
-        find("depth_of"),     find("sample_places"),   find("normal_to_eye"), find("pixel_x"),      find("pixel_y"),
-        find("centre_ray"),   find("centre_pixel"),    find("pixel_bounds"),  find("near"),         find("reference"),
-        find("translation"),  find("from_eye"),        find("least_radius"),  find("least_pixels"), find("ramp"),
-        find("ramp_place"),   find("uniform_colour"),  find("clip_planes"),   find("clip_ends"),    find("clip_count"),
-        find("clip_outside"), find("selected_colour"), find("tone")};
+        find("projection"),   find("to_eye"),          find("eye_scale"),     find("point_size"),    find("pixels"),
+        find("radius_scale"), find("viewport"),        find("guard"),         find("focal"),         find("principal"),
+        find("depth_of"),     find("sample_places"),   find("normal_to_eye"), find("pixel_x"),       find("pixel_y"),
+        find("centre_ray"),   find("centre_pixel"),    find("pixel_bounds"),  find("near"),          find("reference"),
+        find("translation"),  find("from_eye"),        find("least_radius"),  find("least_pixels"),  find("ramp"),
+        find("ramp_place"),   find("uniform_colour"),  find("clip_planes"),   find("clip_ends"),     find("clip_count"),
+        find("clip_outside"), find("selected_colour"), find("tone"),          find("value_exponent")};
 }
 
 void SplatProgram::set(std::int32_t place, const Vec3d& v) const
@@ -120,6 +121,7 @@ void SplatProgram::set_view(const SplatView& view) const
         const bool toned = view.style.colour == ColourMode::rgb;
         glUniform2f(at_.tone, toned ? view.style.brightness : 1.0f, toned ? 1 / view.style.gamma : 1.0f);
     }
+    if (at_.value_exponent >= 0) glUniform1f(at_.value_exponent, static_cast<float>(view.values.shade_exponent));
     if (at_.selected_colour >= 0) glUniform3fv(at_.selected_colour, 1, view.selected_colour.data());
     if (at_.focal >= 0) set_disc(view);
 }
@@ -139,7 +141,7 @@ void SplatProgram::set_values(const SplatView& view, const VertexEntry& entry) c
     const TreeInfo& info = *view.info;
     ValueRange range{0, 1, 1};
     double step = 1, first = 0;  // the value of a vertex that holds 0, and what 1 adds to it
-    if (colouring_ == Colouring::height) {
+    if (colouring_ == Colouring::height || colouring_ == Colouring::shaded_height) {
         range = view.values.range.value_or(
             ValueRange{info.grid.to_source(info.box.min[2], 2), info.grid.to_source(info.box.max[2], 2), 1});
         first = info.grid.to_source(entry.origin[2], 2);

@@ -81,7 +81,7 @@ private:
         std::int32_t focal, principal, depth_of, sample_places, normal_to_eye;
         std::int32_t pixel_x, pixel_y, centre_ray, centre_pixel, pixel_bounds, near;
         std::int32_t reference, translation, from_eye, least_radius, least_pixels, ramp, ramp_place, uniform_colour;
-        std::int32_t clip_planes, clip_ends, clip_count, clip_outside, selected_colour, tone;
+        std::int32_t clip_planes, clip_ends, clip_count, clip_outside, selected_colour, tone, value_exponent;
     };
     ShaderProgram program_;
     Colouring colouring_;

@@ -35,6 +35,12 @@ std::string absent_text(const CloudStyle& style, const Schema& schema)
            (names.empty() ? "" : " (attributes: " + names + ")");
 }
 
+std::string blank_text(const CloudStyle& style)
+{
+    if (style.colour == ColourMode::height_intensity) return "the intensity shows no shape";
+    return "all sampled points have the same " + source_of(style);
+}
+
 }  // namespace
 
 bool operator==(const CloudStyle& a, const CloudStyle& b)
@@ -70,16 +76,19 @@ CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::stri
     style.splats = drawable_mode(asked.splats, true, has(schema, attribute_name::normal, 3));
     if (style.splats != asked.splats)
         add(notice, "the cloud has no normals", std::string(name_of(style.splats)) + " splats are drawn");
+    std::string reasons;
     for (;;) {
         const ColourTraits& traits = traits_of(style.colour);
-        if (traits.source == ColourSource::none) return style;
-        const bool is_absent = !colour_place(style, schema);
-        if (!is_absent && !(is_blank && is_blank(style))) return style;
-        const std::string reason =
-            is_absent ? absent_text(style, schema) : "all sampled points have the same " + source_of(style);
+        const bool is_absent = traits.source != ColourSource::none && !colour_place(style, schema);
+        if (traits.source == ColourSource::none || (!is_absent && !(is_blank && is_blank(style)))) {
+            if (!reasons.empty()) add(notice, reasons, std::string(name_of(style.colour)) + " is shown");
+            return style;
+        }
+        // Classes that nobody has asked for are not missed.
+        if (style.colour == asked.colour || style.colour != ColourMode::classification)
+            reasons += (reasons.empty() ? "" : ", ") + (is_absent ? absent_text(style, schema) : blank_text(style));
         style.colour = traits.when_absent;
         if (has_range(asked.colour)) style.range.reset();  // of another quantity
-        add(notice, reason, std::string(name_of(style.colour)) + " is shown");
     }
 }
 

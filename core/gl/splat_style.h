@@ -41,19 +41,22 @@ struct ShownValues {
         range;  // at the ramp's ends; absent: 0 to 1 of what the vertices hold, or the whole height
     // The numbers in the vertices are 0 and 1 for these values (Colouring::value).
     double stored_low = 0, stored_high = 1;
+    double shade_exponent = 1;  // Colouring::shaded_height: of the numbers in the vertices, for the brightness
 };
 inline bool operator==(const ShownValues& a, const ShownValues& b)
 {
-    return a.range == b.range && a.stored_low == b.stored_low && a.stored_high == b.stored_high;
+    return a.range == b.range && a.stored_low == b.stored_low && a.stored_high == b.stored_high &&
+           a.shade_exponent == b.shade_exponent;
 }
 
 // The ramp that a style means by `automatic`, else its own.
 ColourRamp ramp_of(const CloudStyle& style);
 
-// The nearest style that a cloud of this schema supports: without normals adaptive splats;
-// without rgb intensity, without intensity, classes or the named attribute height. The same where `is_blank`, which may
-// be empty, says that all points of a sample would have one colour. `notice`, which may be null, becomes a sentence
-// that says what is missing and what is shown instead; empty when nothing is missing.
+// The nearest style that a cloud of this schema supports, which is also what a cloud looks like at first: without
+// normals adaptive splats; without rgb classes, without these height with the intensity as brightness, without
+// intensity or the named attribute height. The same where `is_blank`, which may be empty, says that the colours would
+// show nothing. `notice`, which may be null, becomes a sentence that says what is missing and what is shown instead;
+// empty when nothing is missing.
 CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::string* notice,
                         const std::function<bool(const CloudStyle&)>& is_blank = {});
 

@@ -214,7 +214,9 @@ Camera view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, 
         farthest += 0.05 * std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]});
     const double aspect = static_cast<double>(width) / height;
     if (frame.angle) {
-        const double far = farthest > 0 ? 1.01 * farthest : 1, near = std::max(0.99 * nearest, far / 20000);
+        // Noise far behind what is looked at does not push the near plane beyond it.
+        const double far = farthest > 0 ? 1.01 * farthest : 1,
+                     near = std::max(0.99 * nearest, std::min(far / 20000, 0.1 * length(frame.target - frame.eye)));
         const double f = 1 / std::tan(*frame.angle / 2 * degree);
         view.projection[0] = f / aspect;
         view.projection[5] = f;

@@ -52,7 +52,8 @@ struct CameraPath {
 
 // The camera of a picture of width x height pixels, relative to `origin`. The near and the far plane enclose `box`, and
 // splats that curve away behind it by up to a twentieth of its size, but the near plane is never nearer than 1/20000 of
-// the far plane: what is closer is clipped. `frame` is in source coordinates, and passes check().
+// the far plane or a tenth of the way to the target: what is closer than both is clipped. `frame` is in source
+// coordinates, and passes check().
 Camera view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, int width, int height);
 
 // The whole box seen obliquely from above, with a vertical angle of view in degrees or, without one, orthographically;

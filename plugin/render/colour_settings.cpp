@@ -73,8 +73,9 @@ void add_colour_settings(RichParameterList& parameters)
     const CloudStyle style;
     parameters.addParam(RichEnum(colour, static_cast<int>(style.colour), labels_of(colour_modes()), "Colour by",
                                  "What the colour of a point shows: " + descriptions_of(colour_modes()) +
-                                     ". A cloud whose colours are absent or all the same shows its intensity, and one "
-                                     "without that its height. Default RGB."));
+                                     ". A cloud whose colours are absent or all the same shows its classes, and one "
+                                     "without these its height, with the intensity as brightness where that shows "
+                                     "shape. Default RGB."));
     parameters.addParam(RichString(attribute, "", "Attribute",
                                    "With Colour by Attribute: the name of the attribute, such as gps_time or "
                                    "return_number, or of one of its components, such as normal[2]. Tree Information "

@@ -64,17 +64,30 @@ int covered_by_info(const GLArea& area)
     return height < area.height() / 3 ? height : 0;
 }
 
-// The vertices of everything that the view shows; nothing if it shows anything but trees.
-std::optional<std::vector<Vec3d>> points_of_trees(GLArea& area)
+// What a view shows, in the document's coordinates.
+struct Shown {
+    std::vector<Vec3d> points;    // of samples
+    std::vector<ScanPose> poses;  // of the only scan, where that is where it was taken
+};
+
+// Nothing if the view shows anything but trees.
+std::optional<Shown> shown_trees(GLArea& area)
 {
-    std::vector<Vec3d> points;
+    Shown shown;
+    std::size_t layers = 0;
     for (const MeshModel* layer : area.md()->meshList) {
         if (!layer || !area.meshVisibilityMap.value(layer->id())) continue;
-        if (!Registry::instance().drawn(*layer)) return std::nullopt;
+        const auto tree = Registry::instance().drawn(*layer);
+        if (!tree) return std::nullopt;
         const std::vector<Vec3d> more = placed_vertices(*layer);
-        points.insert(points.end(), more.begin(), more.end());
+        shown.points.insert(shown.points.end(), more.begin(), more.end());
+        shown.poses.clear();
+        if (++layers > 1 || layer->cm.Tr != Matrix44m::Identity()) continue;
+        shown.poses = scan_poses(tree->cloud->info().metadata);
+        for (ScanPose& pose : shown.poses)
+            for (std::size_t a = 0; a < 3; ++a) pose.eye[a] -= tree->origin[a];
     }
-    return points;
+    return shown;
 }
 
 }  // namespace
@@ -130,9 +143,10 @@ void Opening::look()
     const bool may_move = resized || is_reset(*area_);
     to_look_ = false;
     if (!may_move || area_->isRaster() || !read_settings(*area_->glas.currentGlobalParamSet).oblique_first_view) return;
-    const auto points = points_of_trees(*area_);
-    if (!points) return;
-    if (const auto view = first_view(*points, area_->fov, area_->width(), area_->height(), covered_by_info(*area_))) {
+    const auto shown = shown_trees(*area_);
+    if (!shown) return;
+    if (const auto view = first_view(shown->points, area_->fov, area_->width(), area_->height(),
+                                     covered_by_info(*area_), shown->poses)) {
         track = *view;
         looked_ = track;
         looked_size_ = area_->size();

@@ -124,7 +124,8 @@ void add_first_view(RichParameterList& parameters)
 {
     parameters.addParam(RichEnum(first_view, 0, {"Obliquely from above", "From above"}, "First view",
                                  "Where a view looks from when a cloud is opened in it and it shows nothing else: "
-                                 "obliquely from above, or straight down as MeshLab does. Default obliquely."));
+                                 "obliquely from above, or, of a single scan whose file states it, from where it was "
+                                 "taken; or straight down as MeshLab does. Default obliquely."));
 }
 
 // Limits of time and memory.

@@ -221,12 +221,19 @@ TEST_F(Render, TheDefaultLook)
     render(white + " --eye-dome 0");
     const Image flat = picture("a.png");
     EXPECT_EQ(covered(flat), covered(usual));
-    std::size_t darker = 0;
     for (std::size_t i = 0; i < flat.rgba.size(); i += 4) {
         if (flat.rgba[i + 3] == 0) continue;
         EXPECT_EQ(flat.rgba[i], 255);
-        darker += usual.rgba[i] < 240;
     }
+    // Stairs show their steps.
+    std::ofstream stairs(folder_ / "stairs.xyz");
+    for (int i = 0; i < 14400; ++i) stairs << i % 120 << " " << i / 120 << " " << 9 * (i / 120 / 30) << "\n";
+    stairs.close();
+    ASSERT_EQ(pcmlab("build " + path("stairs.xyz")).code, 0);
+    render(path("stairs.pct") + " --uniform-colour '#ffffff' --eye 60 280 150 --target 60 60 10 -o " + path("s.png"));
+    const Image steps = picture("s.png");
+    std::size_t darker = 0;
+    for (std::size_t i = 0; i < steps.rgba.size(); i += 4) darker += steps.rgba[i + 3] != 0 && steps.rgba[i] < 240;
     EXPECT_GT(darker, 100u);
     // A flat cloud seen from the front: its splats curve away behind it, and are seen whole.
     std::ofstream text(folder_ / "flat.xyz");

@@ -40,8 +40,9 @@ TEST(StandstillTest, WaitsWhileAnythingProgresses)
             ++(progress.*counter);
         };
     };
-    for (const auto counter : {&DrawingProgress::points_drawn, &DrawingProgress::uploaded_bytes,
-                               &DrawingProgress::loaded_bytes, &DrawingProgress::chunks_missing})
+    for (const auto counter :
+         {&DrawingProgress::points_drawn, &DrawingProgress::uploaded_bytes, &DrawingProgress::loaded_bytes,
+          &DrawingProgress::points_added, &DrawingProgress::chunks_missing})
         EXPECT_EQ(watched(20000, 0.25, every(500, counter)), "");
 }
 
@@ -59,6 +60,17 @@ TEST(StandstillTest, CountersAreNotAdded)
 TEST(StandstillTest, AFewLongFramesAreNoStandstill)
 {
     EXPECT_EQ(watched(19 * 70, 70, [](DrawingProgress& progress, double) { progress.chunks_missing = 0; }), "");
+}
+
+// A resting view on a slow machine: what is shown stays, all chunks are loaded, and each frame adds to what comes next.
+TEST(StandstillTest, AFrameInProgressIsProgress)
+{
+    EXPECT_EQ(watched(2000, 0.25,
+                      [](DrawingProgress& progress, double) {
+                          progress.chunks_missing = 0;
+                          progress.points_added += 5000;
+                      }),
+              "");
 }
 
 TEST(StandstillTest, SaysTheTrueCause)

@@ -32,13 +32,16 @@ TEST(ColourModes, RowsAreInTheOrderOfTheEnumeratorsAndNamesAreUnique)
         EXPECT_TRUE(labels.insert(row.label).second) << row.label;
         EXPECT_STRNE(row.description, "") << row.name;
         EXPECT_EQ(row.colouring == Colouring::chunk, row.of_chunk != nullptr) << row.name;
-        const bool reads = row.colouring == Colouring::vertex || row.colouring == Colouring::value;
+        const bool reads = row.colouring == Colouring::vertex || row.colouring == Colouring::value ||
+                           row.colouring == Colouring::shaded_height;
         EXPECT_EQ(reads, row.source != ColourSource::none) << row.name;
-        EXPECT_EQ(row.colouring == Colouring::value, is_value(row.source)) << row.name;
+        EXPECT_EQ(row.colouring == Colouring::value || row.colouring == Colouring::shaded_height, is_value(row.source))
+            << row.name;
         if (reads) EXPECT_STRNE(row.absent, "") << row.name;
     }
     EXPECT_EQ(static_cast<int>(ColourMode::uniform), 6);  // MeshLab stores the number
     EXPECT_EQ(static_cast<int>(ColourMode::attribute), 7);
+    EXPECT_EQ(static_cast<int>(ColourMode::height_intensity), 8);
 }
 
 TEST(ColourModes, WhatACloudLacksIsReplacedAndNamed)
@@ -53,10 +56,16 @@ TEST(ColourModes, WhatACloudLacksIsReplacedAndNamed)
     const Attribute rgb{"rgb", ScalarType::u8, 3}, grey{"rgb", ScalarType::u8, 1};
     const Attribute intensity{"intensity", ScalarType::u16};
     EXPECT_EQ(usable(ColourMode::rgb, {rgb}), "rgb | ");
-    EXPECT_EQ(usable(ColourMode::rgb, {intensity}), "intensity | the cloud has no colours: intensity is shown");
+    const Attribute classes{"classification", ScalarType::u8};
+    EXPECT_EQ(usable(ColourMode::rgb, {intensity}),
+              "height-intensity | the cloud has no colours: height-intensity is shown");
+    EXPECT_EQ(usable(ColourMode::rgb, {intensity, classes}),
+              "classification | the cloud has no colours: classification is shown");
     EXPECT_EQ(usable(ColourMode::rgb, {grey}),
-              "height | the cloud has no colours: intensity is shown; the cloud has no intensity: height is shown");
-    EXPECT_EQ(usable(ColourMode::classification, {rgb}), "height | the cloud has no classes: height is shown");
+              "height | the cloud has no colours, the cloud has no intensity: height is shown");
+    EXPECT_EQ(usable(ColourMode::intensity, {rgb}), "height | the cloud has no intensity: height is shown");
+    EXPECT_EQ(usable(ColourMode::classification, {intensity}),
+              "height-intensity | the cloud has no classes: height-intensity is shown");
     for (const ColourMode mode : {ColourMode::height, ColourMode::level, ColourMode::error, ColourMode::uniform})
         EXPECT_EQ(usable(mode, {}), std::string(name_of(mode)) + " | ");
 }

@@ -118,33 +118,88 @@ TEST(ColourValues, TheRangeIsThatOfTheCloudWhateverIsInViewOrLoadedFirst)
     }
 }
 
+// The first look: colours, else classes, else heights, as bright as the intensity where that is more than noise.
 TEST(ColourValues, CloudsWithoutColoursShowTheirShape)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
     const Framebuffer framebuffer(60, 60);
-    const auto shown = [&](const char* name, std::uint16_t colour, std::uint16_t other_red, bool has_intensity) {
+    const auto shown = [&](const char* name, ColourMode asked, const std::function<void(LasPoint&, std::size_t)>& set) {
         std::vector<LasPoint> points = random_points(3000, 10000, 33);
         for (std::size_t i = 0; i < points.size(); ++i) {
-            points[i].red = points[i].green = points[i].blue = colour;
-            if (i == 5) points[i].red = other_red;
-            if (!has_intensity) points[i].intensity = 77;
+            points[i].red = points[i].green = points[i].blue = 0;
+            points[i].classification = 1;
+            set(points[i], i);
         }
         Drawing drawing(make_cloud(folder, name, grid_at({0, 0, 0}), points));
-        drawing.style.colour = ColourMode::rgb;
+        drawing.style.colour = asked;
         const CloudReport report = first_report(drawing, framebuffer, camera_of(5, 5, 5, 6));
         EXPECT_GT(count_lit(framebuffer.read()), 1000u) << name;
         drawing.release();
         return std::string(name_of(report.style.colour)) + " | " + report.notice;
     };
-    EXPECT_EQ(shown("coloured", 1000, 60000, true), "rgb | ");
-    EXPECT_EQ(shown("black", 0, 0, true), "intensity | all sampled points have the same colours: intensity is shown");
-    EXPECT_EQ(shown("white", 65535, 65535, true),
-              "intensity | all sampled points have the same colours: intensity is shown");
-    EXPECT_EQ(shown("blank", 0, 0, false),
-              "height | all sampled points have the same colours: intensity is shown; all sampled points have the same "
-              "intensity: "
-              "height is shown");
+    const std::string blank = "all sampled points have the same colours";
+    const auto smooth = [](LasPoint& p) { p.intensity = static_cast<std::uint16_t>(100 + p.x / 10); };
+    EXPECT_EQ(shown("coloured", ColourMode::rgb, [](LasPoint& p, std::size_t i) { p.red = i == 5 ? 60000 : 0; }),
+              "rgb | ");
+    EXPECT_EQ(shown("black", ColourMode::rgb, [&](LasPoint& p, std::size_t) { smooth(p); }),
+              "height-intensity | " + blank + ": height-intensity is shown");
+    EXPECT_EQ(shown("white", ColourMode::rgb,
+                    [&](LasPoint& p, std::size_t) {
+                        smooth(p);
+                        p.red = p.green = p.blue = 65535;
+                    }),
+              "height-intensity | " + blank + ": height-intensity is shown");
+    EXPECT_EQ(shown("noise", ColourMode::rgb,
+                    [](LasPoint& p, std::size_t i) { p.intensity = static_cast<std::uint16_t>(i * 7919 % 1000); }),
+              "height | " + blank + ", the intensity shows no shape: height is shown");
+    EXPECT_EQ(shown("constant", ColourMode::rgb, [](LasPoint& p, std::size_t) { p.intensity = 77; }),
+              "height | " + blank + ", the intensity shows no shape: height is shown");
+    // Ground and buildings are classes; one of both beside points that nobody has classified is not enough.
+    const auto classed = [&](std::uint8_t few) {
+        return [smooth, few](LasPoint& p, std::size_t i) {
+            smooth(p);
+            p.classification = i % 10 == 0 ? few : 2;
+        };
+    };
+    EXPECT_EQ(shown("classified", ColourMode::rgb, classed(6)),
+              "classification | " + blank + ": classification is shown");
+    EXPECT_EQ(shown("ground", ColourMode::rgb, classed(1)),
+              "height-intensity | " + blank + ": height-intensity is shown");
+    // What is asked for is shown.
+    EXPECT_EQ(shown("asked_classes", ColourMode::classification, classed(2)), "classification | ");
+    EXPECT_EQ(shown("asked_intensity", ColourMode::intensity,
+                    [](LasPoint& p, std::size_t i) { p.intensity = static_cast<std::uint16_t>(i * 7919 % 1000); }),
+              "intensity | ");
+}
+
+// At one height the hue is one, and brightness grows with the intensity, from two fifths on.
+TEST(ColourValues, IntensityIsTheBrightnessOfHeight)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const TemporaryFolder folder;
+    std::vector<LasPoint> points = row(11);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        points[i].intensity = static_cast<std::uint16_t>(1000 + 100 * i);
+        points[i].z = 0;
+    }
+    points.push_back(points.back());
+    points.back().z = 5000;  // there is a range of heights
+    Drawing drawing(make_cloud(folder, "row", grid_at({0, 0, 0}), points));
+    const Framebuffer framebuffer(88, 44);
+    drawing.style.point_size_px = 5;
+    drawing.style.colour = ColourMode::height_intensity;
+    drawing.style.range = ValueRange{-5, 0, 1};
+    const CloudReport report = first_report(drawing, framebuffer, row_camera());
+    EXPECT_EQ(report.style.colour, ColourMode::height_intensity);
+    EXPECT_EQ(*report.range, (ValueRange{-5, 0, 1}));
+    const auto pixels = framebuffer.read();
+    for (const std::size_t i : {std::size_t(0), std::size_t(5), std::size_t(10)}) {
+        std::array<float, 3> colour = ramp_colour(1);
+        for (float& c : colour) c *= 0.4f + 0.06f * static_cast<float>(i);
+        EXPECT_TRUE(shows(pixel_of(pixels, i), colour)) << i;
+    }
+    drawing.release();
 }
 
 TEST(ColourValues, AnyAttributeOnAnyRampInAnyRange)

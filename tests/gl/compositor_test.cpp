@@ -2,6 +2,7 @@
 #include "tests/gl/gl_support.h"
 
 #include <algorithm>
+#include <cmath>
 
 using namespace pcm;
 using namespace pcm::test;
@@ -24,6 +25,43 @@ double mean_brightness(const std::vector<Pixel>& pixels)
             ++lit;
         }
     return lit > 0 ? sum / lit : 0;
+}
+
+// How much darker eye-dome lighting makes what this view shows of a cloud: the mean over all pixels five away from any
+// empty one, and the share of these that loses more than a quarter.
+struct Darkening {
+    double mean = 0, rims = 0;
+};
+Darkening darkening(const std::shared_ptr<PointCloud>& cloud, const Camera& view, const RenderOptions& options)
+{
+    const Framebuffer framebuffer(view.width, view.height);
+    std::vector<std::vector<Pixel>> pictures;
+    for (const float strength : {0.0f, 1.0f}) {
+        Drawing drawing(cloud);
+        drawing.style = CloudStyle();
+        drawing.style.colour = ColourMode::uniform;
+        drawing.style.uniform_colour = {1, 1, 1};
+        RenderOptions with = options;
+        with.eye_dome = strength;
+        draw_until_done(drawing, framebuffer, view, {0, 0, 0}, with);
+        pictures.push_back(framebuffer.read());
+        drawing.release();
+    }
+    Darkening sum;
+    std::size_t inside = 0;
+    for (int y = 5; y + 5 < view.height; ++y)
+        for (int x = 5; x + 5 < view.width; ++x) {
+            const auto at = [&](int dx, int dy) { return static_cast<std::size_t>((y + dy) * view.width + x + dx); };
+            bool is_inside = true;
+            for (int k = 0; k < 121; ++k) is_inside = is_inside && pictures[0][at(k % 11 - 5, k / 11 - 5)].a == 255;
+            if (!is_inside) continue;
+            const double dark = 1 - pictures[1][at(0, 0)].g / 255.0;
+            ++inside;
+            sum.mean += dark;
+            sum.rims += dark > 0.25;
+        }
+    EXPECT_GT(inside, 3000u);
+    return {sum.mean / static_cast<double>(inside), sum.rims / static_cast<double>(inside)};
 }
 
 }  // namespace
@@ -200,8 +238,73 @@ TEST(Compositor, EyeDomeLightingShowsSteps)
                 }
                 EXPECT_LT(least, 200) << parallel << " " << unit << " " << samples;
                 EXPECT_NEAR(place, 48, 6);
-                EXPECT_GT(shaded[static_cast<std::size_t>(50 * 100 + place + 6)].g, 250);
+                // On the upper side a soft shade, of the second ring, and that only near the edge.
+                EXPECT_GT(shaded[static_cast<std::size_t>(50 * 100 + place + 6)].g, 230);
+                EXPECT_GT(shaded[static_cast<std::size_t>(50 * 100 + place + 12)].g, 250);
                 darkest = std::min(darkest, static_cast<double>(least));
             }
     EXPECT_GE(darkest, 0);
+}
+
+// A wall stays as it is, seen face-on or at a grazing angle, near or far, in either projection, moving or at rest: its
+// slope is no relief, and neither are the splats that it is drawn with.
+TEST(Compositor, EyeDomeLightingLeavesPlanesAsTheyAre)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    auto points = random_points(80000, 20000, 5);
+    for (LasPoint& p : points) p.x -= 10000, p.y -= 10000, p.z = 0;
+    const auto cloud = make_cloud(folder, "plane", grid_at({0, 0, 0}), points);
+    constexpr double degree = 3.14159265358979 / 180;
+    for (const double tilt : {0.0, 60.0, 85.0})
+        for (const double distance : {4.0, 30.0})
+            for (const bool parallel : {false, true}) {
+                Matrix modelview = rotation_x(-tilt * degree);
+                modelview[14] = -distance;
+                const double half = tilt < 80 ? 0.15 * distance : 0.03 * distance;
+                const Matrix projection = parallel ? orthographic(half, half, 0.1, 200)
+                                                   : perspective(2 * std::atan(half / distance), 1, 0.1, 200);
+                const Camera view = view_of(modelview, projection, 300, 300);
+                for (const bool moving : {false, true})
+                    for (const unsigned samples : {1u, 4u}) {
+                        if (samples > 1 && (moving || parallel)) continue;
+                        RenderOptions options = everything();
+                        options.samples = samples;
+                        options.converge = !moving;
+                        const Darkening dark = darkening(cloud, view, options);
+                        SCOPED_TRACE(testing::Message()
+                                     << tilt << " degrees from " << distance << (parallel ? ", parallel" : "")
+                                     << (moving ? ", moving" : "") << ", " << samples << " samples: " << dark.mean);
+                        EXPECT_LT(dark.mean, tilt == 0 ? 0.001 : tilt < 80 ? 0.005 : moving ? 0.1 : 0.04);
+                        EXPECT_LT(dark.rims, tilt < 80 ? 0.002 : moving ? 0.17 : 0.06);
+                    }
+            }
+}
+
+// A crown is no heap of balls with black rims, and yet what lies in front of something else stands out.
+TEST(Compositor, EyeDomeLightingHasNoRimsAroundSplats)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    // Twigs in a ball of 8 units.
+    std::vector<LasPoint> points = random_points(20000, 8000, 9);
+    points.erase(
+        std::remove_if(points.begin(), points.end(),
+                       [](const LasPoint& p) { return std::hypot(p.x - 4000.0, p.y - 4000.0, p.z - 4000.0) > 4000; }),
+        points.end());
+    const auto crown = make_cloud(folder, "crown", grid_at({0, 0, 0}), points);
+    const Camera view = view_of(translation(-4, -4, -16), perspective(0.6, 1, 0.5, 100), 200, 200);
+    const Darkening rims = darkening(crown, view, everything());
+    EXPECT_LT(rims.mean, 0.03);
+    EXPECT_LT(rims.rims, 0.01);
+    // A second one in front of it, three units wide.
+    for (const LasPoint& p : std::vector<LasPoint>(points)) {
+        LasPoint near = p;
+        near.x = 2500 + 3 * p.x / 8;
+        near.y = 2500 + 3 * p.y / 8;
+        near.z = 9500 + 3 * p.z / 8;
+        points.push_back(near);
+    }
+    const auto two = make_cloud(folder, "two", grid_at({0, 0, 0}), points);
+    EXPECT_GT(darkening(two, view, everything()).rims, 0.004);
 }

@@ -103,7 +103,8 @@ void require_png(const fs::path& file)
 
 void add_camera(Options& options, RenderArguments& a)
 {
-    const char* const group = "Camera (default: an oblique view of everything)";
+    const char* const group =
+        "Camera (default: where the scan was taken from, where that is known, else an oblique view of everything)";
     const std::vector<Option> of_one_view = a.camera.add_to(options, group);
     const Option path = options.option("--path", a.path, "Camera path (.json): one picture per frame").group(group);
     for (const Option& option : of_one_view) path.excludes(option);
@@ -349,10 +350,12 @@ RenderOptions options_of(const RenderArguments& arguments)
     return options;
 }
 
-std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3d& box, PictureSize size)
+std::vector<CameraFrame> cameras_of(const RenderArguments& arguments,
+                                    const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box,
+                                    PictureSize size)
 {
     if (!arguments.path.empty()) return CameraPath::read(arguments.path).placed(box).frames;
-    return {arguments.camera.frame(box, size)};
+    return {arguments.camera.frame(clouds, box, size)};
 }
 
 std::vector<fs::path> files_of(const RenderArguments& arguments, std::size_t pictures)

@@ -49,7 +49,9 @@ std::optional<std::string> other_meaning(const CloudStyle& style,
 RenderOptions options_of(const RenderArguments& arguments);
 
 // The cameras, in source coordinates. Throws what CameraPath::read() throws and Error(invalid_argument).
-std::vector<CameraFrame> cameras_of(const RenderArguments& arguments, const Box3d& box, PictureSize size);
+std::vector<CameraFrame> cameras_of(const RenderArguments& arguments,
+                                    const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box,
+                                    PictureSize size);
 
 // One file per picture: OUTPUT itself for a single one; NAME%04d.png with numbers from 1; FOLDER/0001.png, ... Throws
 // Error(invalid_argument), and Error(exists) for an existing file without --overwrite.

@@ -29,7 +29,8 @@ struct Drawn {
     double ms = 0;
     unsigned frames = 0;
     std::uint64_t uploaded_bytes = 0;
-    std::uint64_t pixels = 0;  // of the picture that differ from the background
+    std::uint64_t points_added = 0;  // by all frames
+    std::uint64_t pixels = 0;        // of the picture that differ from the background
 };
 
 class Job {
@@ -68,7 +69,8 @@ public:
             if (!progress_({stage, static_cast<double>(number) / static_cast<double>(count)}))
                 throw Error(ErrorCode::cancelled, {}, "drawing was cancelled");
             const L1Statistics l1 = scene_.l1_statistics();
-            standstill.look({drawn.report.points_drawn, l1.uploaded_bytes, scene_.loaded_bytes(),
+            drawn.points_added += drawn.report.points_added;
+            standstill.look({drawn.report.points_drawn, l1.uploaded_bytes, scene_.loaded_bytes(), drawn.points_added,
                              drawn.report.nodes_missing, l1.refused, drawn.frames},
                             seconds_since(start));
             if (!drawn.report.repaint) scene_.wait();
@@ -247,7 +249,7 @@ int render(const RenderArguments& arguments)
     OffscreenScene scene({arguments.trees.begin(), arguments.trees.end()}, l1, l2);
     check_attributes(style, scene.clouds());
     scene.clip(std::move(clips));
-    const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.box(), size);
+    const std::vector<CameraFrame> cameras = cameras_of(arguments, scene.clouds(), scene.box(), size);
     Summary summary;
     if (auto note = other_meaning(style, scene.clouds())) summary.notices.insert(*note);
     summary.files = files_of(arguments, cameras.size());

@@ -139,6 +139,19 @@ void E57Reader::describe()
                               " ignored: only the points are read");
 }
 
+namespace {
+
+std::string text_of_pose(const E57Scan& scan)
+{
+    std::string text;
+    for (const double v : scan.translation) text += exact(v) + " ";
+    for (const double v : scan.rotation) text += exact(v) + " ";
+    text.pop_back();
+    return text;
+}
+
+}  // namespace
+
 void E57Reader::keep_metadata()
 {
     const auto keep = [&](const std::string& key, const std::string& text) {
@@ -161,6 +174,7 @@ void E57Reader::keep_metadata()
         if (bytes > most_metadata_bytes) break;
         keep("e57.scan/" + std::to_string(i + 1) + "/name", scan.name);
         keep("e57.scan/" + std::to_string(i + 1) + "/guid", scan.guid);
+        if (scan.has_pose) keep("e57.scan/" + std::to_string(i + 1) + "/pose", text_of_pose(scan));
     }
 }
 

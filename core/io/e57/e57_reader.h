@@ -14,7 +14,7 @@ namespace pcm {
 // 0 by the standard; some files count from 1), time_stamp, row_index, column_index, is_intensity_invalid,
 // ...; fields of extensions are "prefix:name", those of "las" named as in a LAS file, three normals "normal". "scan"
 // numbers the scans, from 1, where there are several. Metadata: "e57.xml" (up to 4 MB), "e57.coordinateMetadata",
-// "e57.scan/<number from 1>/name" and ".../guid".
+// "e57.scan/<number from 1>/name", ".../guid" and ".../pose": the translation and the quaternion w x y z.
 //
 // The checksum of every page that is read is checked.
 std::unique_ptr<PointReader> open_e57(const std::filesystem::path& path, const ReadOptions& options = {});

@@ -4,6 +4,7 @@
 #include "pcm/system/file.h"
 #include "tests/io/e57/e57_test.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -298,6 +299,14 @@ TEST_F(E57, Metadata)
     };
     EXPECT_EQ(value("e57.scan/1/name"), "east");
     EXPECT_EQ(value("e57.scan/1/guid"), "g1");
+    EXPECT_EQ(value("e57.scan/1/pose"), "missing");
+    const Whole posed = read({simple_scan(1, {}, E57TestScan::pose(0.5, 0.5, 0.5, 0.5, {4e6, 5e6, 0.5}))});
+    const auto& blocks = posed.info.metadata;
+    const auto pose =
+        std::find_if(blocks.begin(), blocks.end(), [](const Metadata& m) { return m.key == "e57.scan/1/pose"; });
+    ASSERT_NE(pose, blocks.end());
+    EXPECT_EQ(std::string(reinterpret_cast<const char*>(pose->value.data()), pose->value.size()),
+              "4000000 5000000 0.5 0.5 0.5 0.5 0.5");
     EXPECT_EQ(value("e57.coordinateMetadata"), "EPSG:25832");
     EXPECT_TRUE(mentions(value("e57.xml"), "<?xml") && mentions(value("e57.xml"), "recordCount=\"1\""));
     EXPECT_EQ(whole.info.format, "E57 1.0, 1 scan");
