@@ -128,7 +128,7 @@ class Comparison:
                     labels[px] = draw(files[1], px)
                 cost, pictures = colours[px]
                 figures = truth.figures(pictures[2 * i], labels[px][1][2 * i], pictures[2 * i + 1])
-                self.add(view["name"], name, "both", {**figures, "jolt": 0.0}, cost["cpu_seconds"][2 * i], cost["points_drawn"][2 * i])
+                self.add(view["name"], name, "both", {**figures, "jolt": 0.0, "offset": truth.offset(labels[px][1][2 * i])}, cost["cpu_seconds"][2 * i], cost["points_drawn"][2 * i])
                 shown[view["name"]][name] = pictures[2 * i]
 
     def add(self, view, method, state, figures, cpu, points):

@@ -104,6 +104,14 @@ class Truth:
         other = (np.abs(labels.astype(int) - self.labels.astype(int)).max(axis=2) > 12) & ((labels[:, :, 3] >= 128) | (self.labels[:, :, 3] >= 128))
         return {"holes": float(other[self.inside].mean()) if self.inside.any() else 0.0, "spill": float((other & self.beside).sum() / max(1, (self.edge & self.asked).sum() / 2))}
 
+    def offset(self, labels):
+        """By how many pixels, to the right and down, a picture in labels must be moved to be most like the truth where something is drawn: 0, 0 unless a camera is wrong."""
+        def unlike(shift):
+            moved = np.roll(labels, shift, axis=(1, 0))
+            return (moved[:, :, :3] != self.labels[:, :, :3]).any(axis=2)[self.asked & (moved[:, :, 3] >= 128)].mean()
+
+        return min(((x, y) for x in range(-3, 4) for y in range(-3, 4)), key=unlike)
+
     def own(self):
         """What of the figures the truth itself has."""
         moved = np.abs(metrics.on_black(self.colours) - turn_picture(self.colours, self.view, TURN_PX))
