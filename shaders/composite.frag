@@ -89,11 +89,11 @@ float shade(ivec2 at, float depth, float side)
     for (int i = 0; i < 4; i += EYE_DOME) {
         ratios *= 1.0 + max(0.0, edges[i].x - own.x);
         // In widths of the ring. A step, which is far more, is not a bend.
-        float bend = max(0.0, max(bends[i].x, -0.5 * bends[i].x) - own.y) / (wide * relief_of_pixel);
+        float bend = max(0.0, max(bends[i].x, -0.3 * bends[i].x) - own.y) / (wide * relief_of_pixel);
         bent += bend / (1.0 + bend * bend / 9.0);
     }
     // Edges of large splats are seen anyway. Points that stand alone are no surface: between them relief is noise.
-    float dark = 12.5 * log2(min(ratios, 1e30)) * min(1.0, 12.0 / side) + 0.1 * bent;
+    float dark = 12.5 * log2(min(ratios, 1e30)) * min(1.0, 12.0 / side) + 0.09 * bent;
     return exp(-float(EYE_DOME) * strength * dark * smoothstep(0.2, 0.6, pairs));
 }
 #endif

@@ -92,17 +92,17 @@ void main()
 
 #else
 
-#if !defined(ADAPTIVE)
+#if defined(ADAPTIVE)
+flat in float splat_side;  // pixels
+#else
 uniform float point_size;
 uniform float least_pixels;
 #endif
 
 void main()
 {
-#if defined(ADAPTIVE) && !defined(QUADS)
-    float side = 1.0 / max(abs(dFdx(gl_PointCoord.x)), 1e-4);
-#elif defined(ADAPTIVE)
-    float side = 64.0;  // drawn as quads because they are large
+#if defined(ADAPTIVE)
+    float side = splat_side;
 #else
     float side = max(point_size, least_pixels);
 #endif

@@ -65,7 +65,7 @@ vec3 colour_of_point() { return value < -1e25 ? vec3(0.4) : ramp_colour(value); 
 layout(location = 1) in float value;
 uniform float value_exponent;
 // Dark enough to be seen beside bright ones, and bright enough for their hue.
-vec3 colour_of_point() { return ramp_colour(position.z) * mix(0.4, 1.0, pow(clamp(value, 0.0, 1.0), value_exponent)); }
+vec3 colour_of_point() { return ramp_colour(position.z) * mix(0.5, 1.0, pow(clamp(value, 0.0, 1.0), value_exponent)); }
 #else
 vec3 colour_of_point() { return ramp_colour(position.z); }
 #endif
@@ -154,6 +154,8 @@ flat out vec3 depth_radius_side;  // eye units, eye units, pixels
 #if defined(QUADS)
 out vec2 place_in_square;  // -1 .. 1
 #endif
+#else
+flat out float splat_side;  // pixels
 #endif
 uniform vec2 guard;    // scales x and y: the clip volume is wider by half the largest point, pixels
 
@@ -171,6 +173,8 @@ void main()
     splat_colour = shown_colour();
 #if defined(PARABOLOID)
     depth_radius_side = vec3(-eye.z, eye_scale * side / unit, side);
+#else
+    splat_side = side;
 #endif
     if (!(place.w > 0.0)) {
         draw_nothing();

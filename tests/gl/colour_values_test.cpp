@@ -173,7 +173,7 @@ TEST(ColourValues, CloudsWithoutColoursShowTheirShape)
               "intensity | ");
 }
 
-// At one height the hue is one, and brightness grows with the intensity, from two fifths on.
+// At one height the hue is one, and brightness grows with the intensity, from a half on.
 TEST(ColourValues, IntensityIsTheBrightnessOfHeight)
 {
     PCM_REQUIRE_GL(context, Profile::core);
@@ -196,7 +196,7 @@ TEST(ColourValues, IntensityIsTheBrightnessOfHeight)
     const auto pixels = framebuffer.read();
     for (const std::size_t i : {std::size_t(0), std::size_t(5), std::size_t(10)}) {
         std::array<float, 3> colour = ramp_colour(1);
-        for (float& c : colour) c *= 0.4f + 0.06f * static_cast<float>(i);
+        for (float& c : colour) c *= 0.5f + 0.05f * static_cast<float>(i);
         EXPECT_TRUE(shows(pixel_of(pixels, i), colour)) << i;
     }
     drawing.release();
