@@ -189,7 +189,7 @@ TEST_F(SeveralSurfaces, PipesSideBySideAreNoPlane)
         y += pipe.radius + 0.012;
         pipe.axis = {1, 0, 0};
         pipes.push_back(pipe);
-        for (int i = 0; i < 1200; ++i) points_.push_back(point_on(pipe, 1.2, 1.3 * pi, sigma, dice_));
+        for (int i = 0; i < 4000; ++i) points_.push_back(point_on(pipe, 1.2, 1.3 * pi, sigma, dice_));
     }
     int found = 0, asked = 0;
     for (const pcm::Shape& pipe : pipes) {
