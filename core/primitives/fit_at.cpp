@@ -30,8 +30,8 @@ constexpr double most_noise_grown = 3;      // of a surface whose noise differs 
 // Racks as planes and wide cylinders leave these by 4.5 to 6 times the noise of the closest points, with bends (see
 // one_surface.h) of 0.04 to 0.23 mostly; scans of real things by as much, with bends of 0.27 (Tango) to 0.95 (a mug).
 constexpr double most_noise_close = 4, least_shared = 0.25;
-// Standard deviations of noise per threshold: a third where nothing is cut. Of 216 clicks two of 93 right fits are
-// above, and three of 12 wrong ones.
+// Standard deviations of noise per threshold: a third where nothing is cut. Of 105 good answers
+// two of 93 right ones are above, and three of 12 wrong ones.
 constexpr double most_of_threshold = 0.46;
 constexpr double is_at_limit = 2.4;  // times the first threshold, of a threshold that growth raised (grow_shape.h)
 const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
