@@ -24,9 +24,16 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t left_out_points = 500;
-constexpr std::size_t most_judged = 20000;      // points, for whether they are a piece of another surface
-constexpr std::size_t least_narrow = 120;       // points of a surface beside which the noise rises
-constexpr double most_noise_grown = 3;          // of a surface whose noise differs from place to place
+constexpr std::size_t most_judged = 20000;  // points, for whether they are a piece of another surface
+constexpr std::size_t least_narrow = 120;   // points of a surface beside which the noise rises
+constexpr double most_noise_grown = 3;      // of a surface whose noise differs from place to place
+// Racks as planes and wide cylinders leave these by 4.5 to 6 times the noise of the closest points, with bends (see
+// one_surface.h) of 0.04 to 0.23 mostly; scans of real things by as much, with bends of 0.27 (Tango) to 0.95 (a mug).
+constexpr double most_noise_close = 4, least_shared = 0.25;
+// Standard deviations of noise per threshold: a third where nothing is cut. Of 105 good answers
+// two of 93 right ones are above, and three of 12 wrong ones.
+constexpr double most_of_threshold = 0.46;
+constexpr double is_at_limit = 2.4;  // times the first threshold, of a threshold that growth raised (grow_shape.h)
 const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
@@ -299,6 +306,21 @@ private:
         const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
         if (options_.fit.threshold == 0 && !evidence.is_one_surface())
             return doubt(fit, FitIssue::other_surface, evidence.message());
+        if (options_.fit.threshold == 0 && is_far_above_close_noise(fit, noise, evidence, result.near))
+            return doubt(fit, FitIssue::other_surface,
+                         "its points leave it by " + brief(noise) + ", those next to each other at the place by " +
+                             brief(noise_) +
+                             ": it may hold several surfaces, so take a smaller neighbourhood, or give "
+                             "a threshold");
+        if (options_.fit.threshold == 0 && fit.threshold > is_at_limit * result.local.threshold &&
+            !evidence.has_shared_errors())
+            return doubt(fit, FitIssue::other_surface,
+                         "its points leave it farther and farther the more of them there are, by " + brief(noise) +
+                             " at last: it may be a piece of another surface, so take a smaller neighbourhood");
+        if (options_.fit.threshold == 0 && fit.noise > most_of_threshold * fit.threshold)
+            return doubt(fit, FitIssue::no_consensus,
+                         "the threshold cuts the noise of its points, which may be those of another surface: give a "
+                         "larger threshold, or take a smaller neighbourhood");
         if (options_.fit.threshold == 0 && !passes_places(fit, result.near))
             return doubt(fit, FitIssue::no_consensus,
                          "it does not pass through the place that was picked: pick another place of the surface");
@@ -318,6 +340,18 @@ private:
                       " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
                       "where the noise is larger");
         }
+    }
+
+    // Errors that neighbours share are no part of the noise of the points next to each other; they show there or in the
+    // whole.
+    bool is_far_above_close_noise(const ShapeFit& fit, double noise, const SurfaceEvidence& whole,
+                                  const NearPoints& near) const
+    {
+        if (!(noise_ > 0) || !(noise > most_noise_close * noise_)) return false;
+        std::vector<Vec3d> positions;
+        for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
+        const SurfaceEvidence at_place = surface_evidence(fit.shape, spread_of(fit), resolution(), positions);
+        return std::max(whole.bend, at_place.bend) < least_shared;
     }
 
     // A place of another surface may be beside a fit that was narrowed or followed.

@@ -11,6 +11,9 @@
 //   least probable that points spread evenly over the neighbourhood's depth lie so near a surface by chance (Moisan,
 //   Stival 2004: an a contrario RANSAC). One at which the noise rises by more than the threshold has taken in another
 //   surface, and ends that; the threshold is then lowered to 3.3 times the noise found.
+//   Thresholds and kinds that hold several surfaces (one_surface.h), and fits of twice the noise of another one at the
+//   place, are taken only where there is nothing else, and are doubtful; where the closest points are those of two
+//   surfaces, a half, a quarter and an eighth of the threshold are tried.
 #pragma once
 
 #include "pcm/fit/shape_fit.h"

@@ -144,15 +144,15 @@ protected:
 // Before, each of these places was a "cylinder: good" through the four faces, of four times the scanner's noise.
 TEST_F(SeveralSurfaces, ASquarePostIsNoCylinder)
 {
-    const double half = 0.05;
+    const double half = 0.04;
     for (const int side : {-1, 1}) {
-        add(5000, {side * half, -half, -0.75}, {0, 2 * half, 0}, {0, 0, 1.5});
-        add(5000, {-half, side * half, -0.75}, {2 * half, 0, 0}, {0, 0, 1.5});
+        add(1800, {side * half, -half, -0.75}, {0, 2 * half, 0}, {0, 0, 1.5});
+        add(1800, {-half, side * half, -0.75}, {2 * half, 0, 0}, {0, 0, 1.5});
     }
     add_clutter(400, {0.1, 0.1, 0.8});
     int faces = 0;
     for (int i = 0; i < 6; ++i) {
-        const ShapeFit fit = at({half, -0.03 + 0.012 * i, -0.4 + 0.17 * i});
+        const ShapeFit fit = at({half, -0.024 + 0.0095 * i, -0.4 + 0.17 * i});
         if (fit.verdict != FitVerdict::good) continue;
         ASSERT_EQ(fit.shape.kind, ShapeKind::plane) << i << ": " << text_of(fit.shape) << ", noise " << fit.noise;
         EXPECT_GT(std::fabs(fit.shape.axis[0]), 0.999) << i;
@@ -189,7 +189,7 @@ TEST_F(SeveralSurfaces, PipesSideBySideAreNoPlane)
         y += pipe.radius + 0.012;
         pipe.axis = {1, 0, 0};
         pipes.push_back(pipe);
-        for (int i = 0; i < 1200; ++i) points_.push_back(point_on(pipe, 1.2, 1.3 * pi, sigma, dice_));
+        for (int i = 0; i < 4000; ++i) points_.push_back(point_on(pipe, 1.2, 1.3 * pi, sigma, dice_));
     }
     int found = 0, asked = 0;
     for (const pcm::Shape& pipe : pipes) {
