@@ -19,9 +19,9 @@ using namespace pcm::test;
 namespace fs = std::filesystem;
 
 // So few points that there is one bin, which is also the first.
-class InterruptedPartition : public testing::Test {
+class InterruptedPartitionFaults : public testing::Test {
 protected:
-    InterruptedPartition()
+    InterruptedPartitionFaults()
     {
         fs::create_directory(work());
         write_las(folder_ / "in.las", records(Shape::surface, 4000, 31), {});
@@ -92,7 +92,7 @@ protected:
     Contents reference_;
 };
 
-TEST_F(InterruptedPartition, IsResumedWhereItsBinsAreThere)
+TEST_F(InterruptedPartitionFaults, IsResumedWhereItsBinsAreThere)
 {
     kill_after_partition();
     const auto [resumes, notes] = build_again();
@@ -100,8 +100,8 @@ TEST_F(InterruptedPartition, IsResumedWhereItsBinsAreThere)
     EXPECT_NE(notes.find("was resumed"), std::string::npos) << notes;
 }
 
-// It is found before the first point is sorted, and nobody is told that the build resumes.
-TEST_F(InterruptedPartition, IsRestartedAtOnceWhereTheFirstBinIsMissing)
+// That is found before the first point is sorted; no progress report says that the build resumes.
+TEST_F(InterruptedPartitionFaults, IsRestartedAtOnceWhereTheFirstBinIsMissing)
 {
     kill_after_partition();
     fs::resize_file(part() / scratch_file_name, 0);
