@@ -241,4 +241,24 @@ TEST(EraseFloats, BoxesThatEndAtPoints)
     expect_tree(folder / "tree.pct", rows, "without one");
 }
 
+// Where no points are left, none is inexact: what the deleted ones lost by rounding is not reported of others.
+TEST(EraseFloats, NoPointsHaveNoPositionError)
+{
+    const TemporaryFolder folder;
+    const fs::path path = folder / "tree.pct";
+    MemoryCloud cloud = random_cloud({}, std::nullopt, 3000, 6);
+    // One far away: the grid has no digits for all of the others'.
+    cloud.points.xyz[0][0] = 1e12;
+    build(cloud, path);
+    const double error = Tree::open(path)->info().position_error;
+    ASSERT_GT(error, 0);
+    erase_points(path, where("x<0"), two_threads());
+    ASSERT_GT(Tree::open(path)->info().points, 0u);
+    EXPECT_EQ(Tree::open(path)->info().position_error, error);  // of the others
+    erase_points(path, where("x>=-1e9"), two_threads());
+    ASSERT_EQ(Tree::open(path)->info().points, 0u);
+    EXPECT_EQ(Tree::open(path)->info().position_error, 0);
+    EXPECT_EQ(verify_tree(path, 1).position_error, 0);
+}
+
 }  // namespace
