@@ -75,7 +75,7 @@ float shade(ivec2 at, float depth, float side)
 {
     const ivec2 half_ring[4] = ivec2[4](ivec2(2, 0), ivec2(0, 2), ivec2(1, 1), ivec2(-1, 1));
     float here = eye_distance(depth);
-    float wide = max(max(6.0, float(size.y) / 36.0), side);  // radius of the second ring: as wide as a bend that an eye sees
+    float wide = max(6.0, side);  // radius of the second ring; in pixels, so that tiles of a picture show what it would
     vec2 edges[4], bends[4];
     vec2 slope = vec2(0.0);  // of the surface, on each ring
     float pairs = 0.0;

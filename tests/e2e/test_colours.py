@@ -36,6 +36,7 @@ class Colours(MeshLabTest):
             names.append(name)
 
         look("default")
+        look("height", Colour=MODES["height"])
         look("range", Range="100:102")
         look("attribute", Range="", Colour=MODES["attribute"], Attribute="column", Ramp=3)
         look("classes", Colour=MODES["classification"], Ramp=0)
@@ -57,9 +58,9 @@ class Colours(MeshLabTest):
             """)
         self.assertDriven(run)
         legends = run.legends()
-        # No colours and no intensities: the height, without the point far above.
-        self.assertEqual(legends["default"][0], "Height (source units)")
-        low, _, high = (float(value) for value in legends["default"][1:])
+        # The height, without the point far above.
+        self.assertEqual(legends["height"][0], "Height (source units)")
+        low, _, high = (float(value) for value in legends["height"][1:])
         self.assertLess(high, 105)
         self.assertLess(low, 100.5)
         self.assertEqual(legends["range"], ["Height (source units)", "100", "101", "102"])
@@ -67,6 +68,7 @@ class Colours(MeshLabTest):
         self.assertAlmostEqual(float(legends["attribute"][3]), 198, delta=1)
         classes = ["Classification", "2  ground", "5  high vegetation", "7  low point (noise)"]
         self.assertEqual(legends["classes"], classes)
+        self.assertEqual(legends["default"], classes)  # there are no colours, and the classes say something
         self.assertEqual(legends["condition"], ["Classification", "5  high vegetation"])
         self.assertEqual(legends["hidden"], ["Classification", "2  ground (hidden)", "5  high vegetation", "7  low point (noise) (hidden)"])
         self.assertEqual(legends["all"], classes)
@@ -74,7 +76,7 @@ class Colours(MeshLabTest):
         self.assertIn("condition 'z'", re.search(r"driver: log (.*)", run.text)[1])
         self.assertEqual(legends["none"], [])
         picture = {name: self.result(name + ".png") for name in names}
-        for a, b in (("default", "range"), ("default", "attribute"), ("attribute", "classes"), ("classes", "condition"),
+        for a, b in (("default", "height"), ("height", "range"), ("height", "attribute"), ("attribute", "classes"), ("classes", "condition"),
                      ("condition", "hidden"), ("hidden", "all"), ("all", "none")):
             self.assertGreater(different(picture[a], picture[b]), 0.005, (a, b))
         self.assertEqual(different(picture["classes"], picture["all"]), 0)

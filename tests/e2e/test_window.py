@@ -14,7 +14,7 @@ SAME_PICTURE = 0.02
 class Window(MeshLabTest):
     def test_open_draw_orbit_delete_quit(self):
         _, tree = self.generate("scene", 400000, "--seed", 5)
-        opened, turned, closer, gone = (self.result(f"{name}.png") for name in ("opened", "turned", "closer", "gone"))
+        opened, plain, turned, closer, gone = (self.result(f"{name}.png") for name in ("opened", "plain", "turned", "closer", "gone"))
         run = self.gui(f"""
             wait-view
             wait-layers 1
@@ -22,6 +22,10 @@ class Window(MeshLabTest):
             wait-status complete
             picture {opened}
             screen {self.result("screen.png")}
+            parameter MeshLab::PointCloud::EyeDomeLighting = 0
+            wait-status complete
+            picture {plain}
+            parameter MeshLab::PointCloud::EyeDomeLighting = 1
             drag 0.4 0.5 0.6 0.6
             wait-status complete
             picture {turned}
@@ -47,6 +51,7 @@ class Window(MeshLabTest):
             """, tree)
         self.assertDriven(run)
         self.assertGreater(different(opened, gone), 0.2, "nothing was drawn")
+        self.assertGreater(different(opened, plain), 0.005, "eye-dome lighting draws no outlines")
         self.assertGreater(different(opened, turned), 0.1, "the drag did not rotate the cloud")
         self.assertGreater(different(turned, closer), 0.1, "the wheel did not move the camera closer")
         reference = REFERENCE / "scene.png"

@@ -435,8 +435,8 @@ class Words(MeshLabTest):
             wait-view
             open {tree / "index.pct"}
             press OK
-            expect-message pcmlab repair "{tree}"
-            wait-log pcmlab repair "{tree}"
+            expect-message pcmlab repair '{tree}'
+            wait-log pcmlab repair '{tree}'
             quit
             """)
         self.assertDriven(run)
