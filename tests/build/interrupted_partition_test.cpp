@@ -43,7 +43,8 @@ protected:
     {
         if (!fs::exists(part() / "journal")) return false;
         std::set<std::uint32_t> kinds;
-        for (const Journal::Record& record : Journal(part() / "journal").records()) kinds.insert(record.kind);
+        const Journal journal(part() / "journal");
+        for (const Journal::Record& record : journal.records()) kinds.insert(record.kind);
         return kinds.count(Checkpoints::partitioned) && !kinds.count(Checkpoints::sorted) &&
                fs::file_size(part() / scratch_file_name) > 0;
     }
