@@ -90,7 +90,8 @@ TEST(ChanceBounds, NeedsMorePointsThanParameters)
 TEST(ChanceBounds, SharesAreThoseOfTheBox)
 {
     const ShapeModel& model = model_of(ShapeKind::plane);
-    const ChanceTest cube(points_in({2, 2, 2}, 50));
+    const WorkingPoints in_cube = points_in({2, 2, 2}, 50);
+    const ChanceTest cube(in_cube);
     for (const double threshold : {0.05, 0.1, 0.3, 0.7})
         EXPECT_NEAR(cube.share(model, flat, threshold), threshold, 0.004);
     EXPECT_EQ(cube.share(model, flat, 1.01), 1);
@@ -98,7 +99,8 @@ TEST(ChanceBounds, SharesAreThoseOfTheBox)
     for (const double threshold : {1e-3, 1e-5, 1e-9})
         EXPECT_NEAR(cube.share(model, flat, threshold) / threshold, 1, 0.05) << threshold;
     // A flat box counts as a tenth as thick as it is wide.
-    const ChanceTest slab(points_in({2, 1, 1e-6}, 50));
+    const WorkingPoints thin = points_in({2, 1, 1e-6}, 50);
+    const ChanceTest slab(thin);
     EXPECT_NEAR(slab.share(model, flat, 0.05), 0.5, 0.01);
     // A shape that is moved out of the middle, in a box that is too.
     WorkingPoints points = points_in({2, 2, 2}, 50);
@@ -127,7 +129,8 @@ TEST(ChanceBounds, TheBestThresholdIsTheBandsOwn)
             }
         }
     // Where all is by chance, any threshold is as good as the first.
-    const ChanceTest chance(points_in({2, 2, 2}, 100));
+    const WorkingPoints anywhere = points_in({2, 2, 2}, 100);
+    const ChanceTest chance(anywhere);
     EXPECT_EQ(chance.best_threshold(model, flat, 0.4), 0.4);
 }
 
