@@ -80,13 +80,8 @@ private:
 
 Scene make_interior(std::uint64_t seed)
 {
-    Scene scene;
-    scene.name = "interior";
+    Scene scene = empty_scene("interior", 20, seed);
     Site& site = scene.site;
-    site.side = 20;
-    site.block = 1000;
-    site.street = -10;
-    site.seed = seed;
     Random random(hash(seed, 0x726f6f6d));
     Room room(site);
     const double x = 7, y = 5, z = 2.7;

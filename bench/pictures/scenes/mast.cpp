@@ -49,13 +49,8 @@ void wire(Site& site, const Vec3d& from, const Vec3d& to, double sag, std::uint1
 
 Scene make_mast(std::uint64_t seed)
 {
-    Scene scene;
-    scene.name = "mast";
+    Scene scene = empty_scene("mast", 80, seed);
     Site& site = scene.site;
-    site.side = 80;
-    site.block = 1000;
-    site.street = -10;
-    site.seed = seed;
     site.ground = Ground(seed);
     const auto at = [&](double x, double y, double over) { return Vec3d{x, y, site.ground.height(x, y) + over}; };
     const Vec3d foot = at(40, 40, 0);

@@ -38,6 +38,17 @@ void add_leaf(Site& site, const Vec3d& centre, double radius, const Colour& colo
 
 }  // namespace
 
+Scene empty_scene(const char* name, double side, std::uint64_t seed)
+{
+    Scene scene;
+    scene.name = name;
+    scene.site.side = side;
+    scene.site.block = 1000;
+    scene.site.street = -10;  // none
+    scene.site.seed = seed;
+    return scene;
+}
+
 void add_cylinder(Site& site, const Vec3d& from, const Vec3d& to, double radius, Material material,
                   const Colour& colour, std::uint16_t label)
 {
@@ -83,13 +94,8 @@ void plant(Site& site, const Vec3d& foot, const TreeDesign& design, std::uint16_
 
 Scene make_forest(std::uint64_t seed)
 {
-    Scene scene;
-    scene.name = "forest";
+    Scene scene = empty_scene("forest", 40, seed);
     Site& site = scene.site;
-    site.side = 40;
-    site.block = 1000;
-    site.street = -10;  // none
-    site.seed = seed;
     site.ground = Ground(seed);
     Random random(hash(seed, 0x666f72));
     const auto at = [&](double x, double y, double over) { return Vec3d{x, y, site.ground.height(x, y) + over}; };

@@ -57,6 +57,9 @@ inline constexpr std::array<SceneRow, 5> all_scenes{{{"site", make_site_scene},
                                                      {"forest", make_forest},
                                                      {"mast", make_mast}}};
 
+// The empty scene of a seed: a square of `side` metres, without streets and blocks.
+Scene empty_scene(const char* name, double side, std::uint64_t seed);
+
 // A tree of cylinders and leaves (discs), all with the label of the tree: `height` metres of it, `leaves` in number,
 // in clumps of `clump` metres radius. Appends to the site.
 struct TreeDesign {
