@@ -19,13 +19,14 @@ bool concerns_copy(ErrorCode code)
            code == ErrorCode::exists;
 }
 
-void check_choice(const fs::path& tree, const TargetChoice& choice)
+// The folder of the tree that is copied; empty for a change in place.
+fs::path check_choice(const fs::path& tree, const TargetChoice& choice)
 {
     if (choice.in_place && !choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree,
                     "is to be changed in place, and an output (" + choice.copy.string() + ") is given too",
                     "choose one of the two");
-    if (choice.in_place) return;
+    if (choice.in_place) return {};
     if (choice.copy.empty())
         throw Error(ErrorCode::invalid_argument, tree, "no output is given, and the tree is not to be changed in place",
                     "name the tree to write, or choose to change this one in place");
@@ -35,6 +36,7 @@ void check_choice(const fs::path& tree, const TargetChoice& choice)
     if (fs::equivalent(original, choice.copy, ignored))
         throw Error(ErrorCode::invalid_argument, choice.copy, "the output is the input tree",
                     "give the new tree another name, or change the tree in place");
+    return original;
 }
 
 }  // namespace
@@ -48,9 +50,9 @@ void check_target(const fs::path& tree, const TargetChoice& choice)
 UpdateTarget::UpdateTarget(const fs::path& tree, const TargetChoice& choice)
     : tree_(tree), path_(choice.in_place ? tree : choice.copy), is_copy_(!choice.in_place)
 {
-    check_choice(tree, choice);
+    const fs::path original = check_choice(tree, choice);
     if (!is_copy_) return;
-    tree_ = Tree::open(tree)->folder();
+    tree_ = original;
     made_ = std::make_unique<BuildFolder>(path_, choice.overwrite);
     if (made_->left_over()) made_->clear();
     try {
