@@ -60,6 +60,33 @@ void main()
     fragment = vec4(splat_colour, mark_of(2.0 * inversesqrt(max(places, 1e-6))));
 }
 
+#elif defined(FITTED)
+
+// See splat.vert.
+flat in vec3 conic;
+flat in vec2 centre;
+flat in vec4 depth_line;
+flat in float depth_most;
+flat in float splat_side;
+uniform vec2 depth_of;
+
+void main()
+{
+    vec2 p = gl_FragCoord.xy - centre;
+    float q = dot(conic, vec3(p.x * p.x, p.x * p.y, p.y * p.y));
+    if (!(q <= 1.0)) discard;
+    float depth = depth_line.x + clamp(dot(p, depth_line.yz), -depth_most, depth_most) + depth_line.w * q;
+    // What lies before the near plane is cut off. Where a rim reaches beyond the far plane it is drawn at it: its point is in view.
+#if defined(ORTHOGRAPHIC)
+    bool near_is_1 = depth_of.y < 0.0;
+#else
+    bool near_is_1 = depth_of.y > 0.0;
+#endif
+    if (near_is_1 ? depth > 1.0 : depth < 0.0) discard;
+    gl_FragDepth = clamp(depth, 6e-8, 0.99999994);
+    fragment = vec4(splat_colour, mark_of(splat_side));
+}
+
 #elif defined(PARABOLOID)
 
 flat in vec3 depth_radius_side;

@@ -2,10 +2,10 @@
 // A point becomes a splat. Permutations:
 //   colour: VERTEX_COLOUR, VALUE_COLOUR, HEIGHT_COLOUR, SHADED_HEIGHT_COLOUR, or none for one colour;
 //   kind: none for a square of a constant size; ADAPTIVE a square as large as the point's sphere; AFFINE and DISC the point's disc,
-//     found in splat.frag;
+//     found in splat.frag; FITTED an ellipse by the point's surroundings;
 //   PARABOLOID (of ADAPTIVE): a round splat whose depth grows from the centre on, so that of several splats the one whose centre is nearest
 //     is seen;
-//   ORTHOGRAPHIC (of DISC): parallel rays;
+//   ORTHOGRAPHIC (of DISC, FITTED and PARABOLOID): parallel rays;
 //   QUADS: drawn as an instanced strip of four vertices in place of a point: points have a largest size, and vanish when their centre
 //     leaves the clip volume;
 //   DOUBLE (of DISC): values common to a splat's fragments are computed in double;
@@ -114,7 +114,7 @@ uniform float eye_scale;     // eye units per source unit
 uniform float least_radius;  // source units,
 uniform float least_pixels;  // limited to this diameter on the screen
 
-#if !defined(ADAPTIVE) && !defined(AFFINE) && !defined(DISC)
+#if !defined(ADAPTIVE) && !defined(AFFINE) && !defined(DISC) && !defined(FITTED)
 
 uniform float point_size;
 uniform float pixels;  // side of a square for a radius of 1 at a depth of 1 (orthographic: anywhere)
@@ -145,6 +145,16 @@ float radius_of_splat(float pixel) { return max(radius * radius_scale, min(least
 // This vertex's corner of a box.
 vec2 corner(vec2 low, vec2 high) { return vec2((gl_VertexID & 1) == 0 ? low.x : high.x, (gl_VertexID & 2) == 0 ? low.y : high.y); }
 #endif
+
+// Two directions that are perpendicular to n and to each other, all of length 1 (Duff et al. 2017).
+void tangents(vec3 n, out vec3 t1, out vec3 t2)
+{
+    float s = n.z >= 0.0 ? 1.0 : -1.0;
+    float a = -1.0 / (s + n.z);
+    float b = n.x * n.y * a;
+    t1 = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
+    t2 = vec3(b, s + n.y * n.y * a, -n.y);
+}
 
 #if defined(ADAPTIVE)
 
@@ -192,6 +202,121 @@ void main()
 #endif
 }
 
+#elif defined(FITTED)
+
+// The ellipse is the point's disc as the projection's derivative at its centre shows it, a little wider: its covariance in pixels has 0.5 added
+// on the diagonal, so that it covers the centre of a pixel at least, and is no narrower where it is seen edge-on. (The idea of a filter in
+// pixels is that of Zwicker et al. 2001.) With p the fragment's pixel relative to the centre,
+//   q = dot(conic, (p.x * p.x, p.x * p.y, p.y * p.y)),   inside where q <= 1
+//   depth = depth_line.x + dot(p, depth_line.yz), no farther from the first than depth_most, + depth_line.w * q
+flat out vec3 conic;
+flat out vec2 centre;  // pixels
+flat out vec4 depth_line;
+flat out float depth_most;
+flat out float splat_side;  // pixels, of a square for the radius that the point would have on a surface: what is between points of a volume
+                            // is no relief either
+uniform vec2 focal;         // pixels: window = principal + focal * eye.xy / depth; orthographic: without the division
+uniform vec2 principal;
+uniform vec2 depth_of;      // window depth is x + y / depth; orthographic: x + y * depth
+uniform vec2 guard;
+
+const float volume_pixels = 10.0;  // among leaves a splat is no wider
+const float volume_factor = 0.15;  // least_volume_factor of view/point_shapes.h
+const float volume_growth = 0.6;   // and where finer points are missing it grows so far
+const float line_width = 0.25;     // of a line's length
+// How far behind its plane an ellipse's rim lies, in radii: where splats overlap, the one whose centre is nearest is seen.
+const float rim_depth = 1.0;
+
+// The octahedral code of view/point_shapes.h.
+vec3 direction_of(uint code)
+{
+    vec2 p = vec2(float(code >> 8u & 255u), float(code & 255u)) / 127.5 - 1.0;
+    vec3 d = vec3(p, 1.0 - abs(p.x) - abs(p.y));
+    if (d.z < 0.0) d.xy = (1.0 - abs(d.yx)) * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
+    return normalize(d);
+}
+
+void main()
+{
+    if (is_clipped()) {
+        draw_nothing();
+        return;
+    }
+    vec3 eye = to_eye * (position - reference) + translation;
+    vec4 place = projection * vec4(eye, 1.0);
+    float depth = -eye.z;
+    if (!(place.w > 0.0)) {
+        draw_nothing();
+        return;
+    }
+    splat_colour = shown_colour();
+    uint bits = floatBitsToUint(radius);
+    uint kind = bits >> 16u & 3u;
+    float volume = kind == 2u ? float(bits & 0xffffu) / 65535.0 : 0.0;
+#if defined(ORTHOGRAPHIC)
+    vec2 zoom = focal;
+    vec2 slope = vec2(0.0);
+    vec3 ray = vec3(0.0, 0.0, -1.0);
+#else
+    vec2 zoom = focal / depth;
+    vec2 slope = eye.xy / depth;
+    vec3 ray = vec3(slope, -1.0);
+#endif
+    float pixel = abs(1.0 / zoom.y) / eye_scale;  // source units
+    float r = uintBitsToFloat(bits & ~0x3ffffu | 0x20000u) * radius_scale;
+    if (bits < 0x40000u) r = 0.0;
+    float least_r = min(least_radius, 0.5 * least_pixels * pixel);
+    splat_side = 2.8 * max(r / mix(1.0, volume_factor, volume), least_r) / pixel;
+    r = max(r, mix(1.0, volume_growth, volume) * least_r);
+    // Rounder surroundings are more surely a volume.
+    if (volume > 0.0) r = min(r, 0.5 * volume_pixels * pixel / (volume * volume * volume * volume));
+    float reach = r * eye_scale;
+    vec3 u = vec3(1.0, 0.0, 0.0) * reach, v = vec3(0.0, 1.0, 0.0) * reach;
+    bool lies = kind == 1u;
+#if !defined(ORTHOGRAPHIC)
+    lies = lies && reach < 0.5 * depth;
+#endif
+    if (lies) {
+        vec3 t1, t2;
+        tangents(direction_of(bits & 0xffffu), t1, t2);
+        u = to_eye * (r * t1);
+        v = to_eye * (r * t2);
+    } else if (kind == 3u) {
+        u = to_eye * (r * direction_of(bits & 0xffffu));
+        vec3 across = cross(ray, u);
+        float length_across = length(across);
+        if (length_across > 1e-3 * reach) v = across * (line_width * reach / length_across);
+    }
+    vec2 pu = zoom * (u.xy + slope * u.z);
+    vec2 pv = zoom * (v.xy + slope * v.z);
+    float area = pu.x * pv.y - pu.y * pv.x;
+    float xx = pu.x * pu.x + pv.x * pv.x + 0.5, yy = pu.y * pu.y + pv.y * pv.y + 0.5, xy = pu.x * pu.y + pv.x * pv.y;
+    float determinant = area * area + 0.5 * (dot(pu, pu) + dot(pv, pv)) + 0.25;
+    conic = vec3(yy, -2.0 * xy, xx) / determinant;
+    vec3 n = cross(u, v);
+    float towards = dot(n, ray);
+    float least = 0.02 * length(n) * length(ray);
+    towards = towards < 0.0 ? min(towards, -least) : max(towards, least);
+    vec2 tilt = lies && least > 0.0 ? n.xy / (focal * towards) : vec2(0.0);  // of depth (orthographic) or of 1 / depth, a pixel
+#if defined(ORTHOGRAPHIC)
+    depth_line = vec4(depth_of.x + depth_of.y * depth, depth_of.y * tilt, depth_of.y * rim_depth * reach);
+    depth_most = abs(depth_of.y) * reach;
+    centre = principal + focal * eye.xy;
+#else
+    depth_line = vec4(depth_of.x + depth_of.y / depth, depth_of.y * tilt / depth, -depth_of.y * rim_depth * reach / (depth * depth));
+    depth_most = abs(depth_of.y) * reach / (depth * depth);
+    centre = principal + focal * slope;
+#endif
+    vec2 extent = sqrt(vec2(xx, yy));
+#if defined(QUADS)
+    vec2 middle = place.xy / place.w;
+    gl_Position = vec4(corner(middle - 2.0 * extent / viewport, middle + 2.0 * extent / viewport), place.z / place.w, 1.0);
+#else
+    gl_Position = vec4(place.xy * guard, place.zw);
+    gl_PointSize = 2.0 * max(extent.x, extent.y);
+#endif
+}
+
 #else
 
 // A fragment's place in its disc is a linear function of its pixel, or a quotient of linear functions. With p the fragment's pixel relative to a
@@ -210,16 +335,6 @@ layout(location = 3) in vec3 normal;  // source axes; 0 for a point without one
 uniform rvec2 focal;      // pixels: window = principal + focal * eye.xy / depth; orthographic: without the division
 uniform rvec2 principal;
 uniform vec2 depth_of;    // window depth is x + y / depth; orthographic: x + y * depth
-
-// Two directions that are perpendicular to n and to each other, all of length 1 (Duff et al. 2017).
-void tangents(vec3 n, out vec3 t1, out vec3 t2)
-{
-    float s = n.z >= 0.0 ? 1.0 : -1.0;
-    float a = -1.0 / (s + n.z);
-    float b = n.x * n.y * a;
-    t1 = vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x);
-    t2 = vec3(b, s + n.y * n.y * a, -n.y);
-}
 
 // Draws the part of a box (normalised device coordinates) that lies in the viewport, with a margin of one pixel. The centre of that part
 // lies in the clip volume, wherever the splat's own centre is.

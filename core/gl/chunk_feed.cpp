@@ -205,7 +205,7 @@ ColumnSet ChunkFeed::columns_of(const VertexFormat& format) const
 {
     std::vector<std::string> names;
     if (format.radius) names.emplace_back(attribute_name::radius);
-    if (format.normal) names.emplace_back(attribute_name::normal);
+    if (format.normal || format.shape) names.emplace_back(attribute_name::normal);
     ColumnSet columns = ColumnSet::named(cloud_->info().schema, names);
     columns.sizes = format.radius;
     if (format.colour != ColourSource::none) columns.attributes.set(colour_place_of(format).attribute);
@@ -243,8 +243,10 @@ VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const
     if (format.colour != ColourSource::none) attributes = colours_of(chunk, format);
     if (format.radius) {
         if (!sizes_) sizes_.emplace(*cloud_->tree());
-        sizes_->find_radii(node, chunk, radii_);
+        if (format.shape) use_own_normals(chunk);
+        sizes_->find_radii(node, chunk, radii_, format.shape ? &shapes_ : nullptr);
         attributes.radii = radii_.data();
+        if (format.shape) attributes.shapes = shapes_.data();
     }
     if (format.normal) {
         const std::size_t place = *schema.find(attribute_name::normal);
@@ -252,6 +254,31 @@ VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const
         attributes.normals = normals_.data();
     }
     return attributes;
+}
+
+void ChunkFeed::find_shapes_of(NodeId node, const Chunk& whole, const std::vector<std::uint32_t>* points)
+{
+    find_shapes(*whole.positions, cloud_->info().grid.scale, points_of_segments(cloud_->tree()->node(node)), shapes_);
+    if (!points) return;
+    for (std::size_t i = 0; i < points->size(); ++i) shapes_[i] = shapes_[(*points)[i]];
+    shapes_.resize(points->size());
+}
+
+void ChunkFeed::use_own_normals(const Chunk& chunk)
+{
+    const Schema& schema = cloud_->info().schema;
+    const auto normal = schema.find(attribute_name::normal), radius = schema.find(attribute_name::radius);
+    if (!normal || schema[*normal].components < 3) return;
+    make_normals(*chunk.attributes[*normal], schema[*normal], normals_);
+    radii_.assign(chunk.points, 0);
+    if (radius) make_radii(*chunk.attributes[*radius], schema[*radius], radii_);
+    for (std::size_t i = 0; i < chunk.points; ++i) {
+        const Vec3d n{static_cast<double>(normals_[3 * i]), static_cast<double>(normals_[3 * i + 1]),
+                      static_cast<double>(normals_[3 * i + 2])};
+        // Among leaves a normal says something of a leaf, if there is a radius with it.
+        if (dot(n, n) > 0 && (radii_[i] > 0 || surroundings_of(shapes_[i]) != Surroundings::volume))
+            shapes_[i] = shape_of(Surroundings::surface, n);
+    }
 }
 
 void ChunkFeed::select(std::shared_ptr<const PointSet> points)
@@ -299,6 +326,7 @@ Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& 
         const Grid& grid = cloud_->info().grid;
         const auto points = format.filter ? filters_[format.filter - 1].shown(whole, grid) : std::nullopt;
         const Chunk shown = points ? ChunkFilter::take(whole, *points, columns_of(format)) : whole;
+        if (format.shape) find_shapes_of(node, whole, points ? &*points : nullptr);
         VertexAttributes attributes = attributes_of(node, shown, format);
         attributes.selection = selection_of(node);
         if (attributes.selection) {

@@ -107,6 +107,10 @@ private:
     AttributePlace colour_place_of(const VertexFormat& format) const;
     VertexAttributes colours_of(const Chunk& chunk, const VertexFormat& format);
     VertexAttributes attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format);
+    // In shapes_: of these points of the node, null for all.
+    // Replaces shapes by the points' own normals, where there are some.
+    void use_own_normals(const Chunk& chunk);
+    void find_shapes_of(NodeId node, const Chunk& whole, const std::vector<std::uint32_t>* points);
     void fail(NodeId node, std::string error);
     std::uint64_t selection_of(NodeId node);
     // In flags_: whether these points of the node, null for all, are selected.
@@ -129,6 +133,7 @@ private:
     std::uint32_t classes_filter_ = 0;  // that the points of these meet
     std::vector<std::uint8_t> rgba_, flags_;
     std::vector<float> values_, radii_, normals_;
+    std::vector<PointShape> shapes_;
     std::optional<PointSizes> sizes_;  // when first needed
     std::shared_ptr<const PointSet> selected_;
     std::vector<std::optional<std::uint64_t>> selections_;  // of each node, once it was asked for

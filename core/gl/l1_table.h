@@ -49,7 +49,7 @@ class L1Table {
 public:
     using Owner = std::uint64_t;
     static constexpr std::uint64_t frames_protected = 16;
-    static constexpr unsigned max_forms = 32;
+    static constexpr unsigned max_forms = 64;
 
     struct Key {
         Owner owner;

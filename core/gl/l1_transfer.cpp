@@ -1,5 +1,6 @@
 // Converts chunks to bytes in the pages of L1.
 #include "pcm/gl/l1_cache.h"
+#include "pcm/view/point_shapes.h"
 
 #include <GL/glew.h>
 
@@ -28,7 +29,11 @@ void write_vertices(std::byte* to, const std::array<PageVector<T>, 3>& xyz, cons
         if (attributes.selected && attributes.selected[first + i] != 0) position[0] = -position[0];
         std::memcpy(to, position, 12);
         if (colours) std::memcpy(to + VertexFormat::colour_place, colours + 4 * (first + i), 4);
-        if (format.radius) std::memcpy(to + radius_place, attributes.radii + first + i, 4);
+        if (format.radius) {
+            float radius = attributes.radii[first + i];
+            if (format.shape) radius = with_shape(radius, attributes.shapes ? attributes.shapes[first + i] : 0);
+            std::memcpy(to + radius_place, &radius, 4);
+        }
         if (format.normal) std::memcpy(to + VertexFormat::normal_place, attributes.normals + 3 * (first + i), 12);
     }
 }

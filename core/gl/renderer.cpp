@@ -42,6 +42,7 @@ struct Renderer::Impl {
         }
         former.radius = former.radius || cloud.format.radius;
         former.normal = former.normal || cloud.format.normal;
+        former.shape = former.shape || cloud.format.shape;
         for (FrameCloud& other : frame.clouds)
             if (other.leader == cloud.leader) other.format = former;
         cloud.format = former;

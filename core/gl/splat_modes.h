@@ -18,14 +18,17 @@ enum class SplatMode : std::uint8_t {
     adaptive,     // a square as large as a sphere of the point's radius appears
     affine,       // the point's disc, projected as if the view were parallel around its centre
     perspective,  // the disc itself: each fragment's ray is intersected with its plane, depth included
+    fitted,  // by the point's surroundings (view/point_shapes.h): a disc in the surface, thin along a line, small and
+             // round among leaves
 };
 
 // What bounds a splat on the screen. Culling, the largest size of GL_POINTS and the estimate of a frame's cost follow
 // from it.
 enum class SplatShape : std::uint8_t {
-    pixels,  // a square of a fixed number of pixels, visible only while its centre is in the view
-    sphere,  // the image-aligned square around a sphere of the point's radius
-    disc,    // the box around the disc of the point's radius and normal; splat.frag finds the pixels and their depths
+    pixels,   // a square of a fixed number of pixels, visible only while its centre is in the view
+    sphere,   // the image-aligned square around a sphere of the point's radius
+    ellipse,  // an ellipse within the square around a sphere of the point's radius, half a pixel wider
+    disc,     // the box around the disc of the point's radius and normal; splat.frag finds the pixels and their depths
 };
 
 struct SplatTraits {
@@ -35,6 +38,7 @@ struct SplatTraits {
     const char* description;  // for tooltips, after "What a point is drawn as: "
     bool reads_radius;        // or the size
     bool reads_normal;
+    bool reads_shape;  // of the points' surroundings
     SplatShape shape;
     const char* define;     // the shaders' permutation; empty for none
     bool has_doubles;       // the shaders have a permutation DOUBLE of it
@@ -48,6 +52,6 @@ const SplatTraits& traits_of(SplatMode mode);
 inline const char* name_of(SplatMode mode) { return traits_of(mode).name; }
 
 // The mode itself, or the nearest one that can be drawn with these attributes.
-SplatMode drawable_mode(SplatMode mode, bool has_radius, bool has_normal);
+SplatMode drawable_mode(SplatMode mode, bool has_radius, bool has_normal, bool has_shape = true);
 
 }  // namespace pcm

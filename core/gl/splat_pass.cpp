@@ -159,10 +159,10 @@ struct SplatPass::Impl {
     SplatPermutation permutation_for(const VertexEntry& entry) const
     {
         SplatPermutation p;
-        p.mode = drawable_mode(view->style.splats, entry.format.radius, entry.format.normal);
+        p.mode = drawable_mode(view->style.splats, entry.format.radius, entry.format.normal, entry.format.shape);
         const bool is_disc = traits_of(p.mode).shape == SplatShape::disc;
         p.paraboloid = paraboloids && traits_of(p.mode).shape == SplatShape::sphere;
-        p.orthographic = (is_disc || p.paraboloid) && view->camera.orthographic;
+        p.orthographic = (is_disc || p.paraboloid || p.mode == SplatMode::fitted) && view->camera.orthographic;
         if (p.orthographic) p.mode = traits_of(p.mode).in_parallel;
         p.colouring = traits_of(view->style.colour).colouring;
         // The entry may still hold what another style shows.
@@ -202,7 +202,7 @@ struct SplatPass::Impl {
             if (current != &program) {
                 glUseProgram(program.id());
                 program.set_view(*view);
-                set_guard(traits.shape == SplatShape::sphere && !quads);
+                set_guard((traits.shape == SplatShape::sphere || traits.shape == SplatShape::ellipse) && !quads);
                 current = &program;
             }
             program.set_chunk(*view, entry, look);

@@ -19,8 +19,15 @@
 //   perspective  the disc itself: each fragment's ray is intersected with the splat's plane (eqs 7.5 to 7.8), in the
 //                cloud's own axes, and the hit's depth written. Where the near plane cuts the disc, what is behind it
 //                is visible. Exactly edge-on discs cover nothing.
-// Discs that are smaller than a pixel and cover no pixel's centre are invisible. A normal of (0, 0, 0) faces the eye. A
-// radius of 0 draws nothing in the last two kinds; NaN was replaced on upload (view/vertex_discs.h).
+//   fitted       by the point's surroundings (view/point_shapes.h), found when its chunk was uploaded: on a surface its
+//                disc, on a line one that faces the eye and is a quarter as wide as long, else one that faces the eye,
+//                among leaves smaller and at most 10 pixels wide. What is drawn is the ellipse that the projection's
+//                derivative at the centre makes of it, widened by a filter (covariance + 0.5 square pixels), so that no
+//                point vanishes and nothing is edge-on. Its depth is the plane's, at most a radius from the centre's,
+//                plus a radius times the square of the relative distance from the centre.
+// Discs of the affine and perspective kinds that are smaller than a pixel and cover no pixel's centre are invisible. A
+// normal of (0, 0, 0) faces the eye. A radius of 0 draws nothing in the last two kinds; NaN was replaced on upload
+// (view/vertex_discs.h).
 //
 // Accuracy of the perspective mode, relative to the points as they were uploaded: 1e-4 of the radius in place and
 // depth, from a graze of 0.1 degree on, for any radius and origin, where the depth buffer resolves it, apart from

@@ -1,6 +1,7 @@
 #include "pcm/gl/splat_sieve.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/view/point_shapes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,6 +85,11 @@ bool SplatSieve::needs_quads(SplatShape shape, const Box3d& box, float largest_r
     const auto least = static_cast<double>(look.least_px);
     if (shape == SplatShape::disc)
         return !(std::max(camera_.largest_box(box, radius), camera_.largest_box_of(least)) <= largest_point_);
+    if (shape == SplatShape::ellipse) {
+        const double box_px =
+            largest_of_packed * std::max(camera_.largest_box(box, radius), camera_.largest_box_of(least)) + 2;
+        return !(box_px <= largest_point_ && box_px <= 2 * guard_);
+    }
     const double largest = std::max(camera_.largest_square(box, radius), least);
     return !(largest <= largest_point_ && largest <= 2 * guard_);
 }
@@ -92,7 +98,8 @@ bool SplatSieve::needs_quads(SplatShape shape, const Box3d& box, float largest_r
 double SplatSieve::reach(SplatShape shape, float largest_radius, const ChunkLook& look) const
 {
     if (shape == SplatShape::pixels) return 0;
-    return camera_.squeeze * static_cast<double>(std::max(largest_radius * style_.radius_scale, look.least_radius));
+    const double radius = static_cast<double>(std::max(largest_radius * style_.radius_scale, look.least_radius));
+    return camera_.squeeze * radius * (shape == SplatShape::ellipse ? largest_of_packed : 1);
 }
 
 double SplatSieve::depth_range(const Box3d& box) const

@@ -73,7 +73,7 @@ CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::stri
     if (notice) notice->clear();
     CloudStyle style = asked;
     // Every point has a size, which stands for its radius.
-    style.splats = drawable_mode(asked.splats, true, has(schema, attribute_name::normal, 3));
+    style.splats = drawable_mode(asked.splats, true, has(schema, attribute_name::normal, 3), true);
     if (style.splats != asked.splats)
         add(notice, "the cloud has no normals", std::string(name_of(style.splats)) + " splats are drawn");
     std::string reasons;

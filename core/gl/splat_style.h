@@ -16,7 +16,7 @@
 namespace pcm {
 
 struct CloudStyle {
-    SplatMode splats = SplatMode::adaptive;
+    SplatMode splats = SplatMode::fitted;
     ColourMode colour = ColourMode::rgb;
     float point_size_px = 2;  // SplatShape::pixels: side of the square, clamped to the driver's range
     float radius_scale = 1;   // the other shapes: factor on the points' radii or sizes

@@ -19,6 +19,7 @@ struct VertexFormat {
     ColourSource colour = ColourSource::none;
     bool radius = false;
     bool normal = false;
+    bool shape = false;  // in the lowest bits of the radius (view/point_shapes.h); only with a radius
     // Numbers that the owner of the vertices gives, not 0: of the attribute, for ColourSource::attribute; of the
     // conditions that all points of the chunk's vertices meet.
     std::uint32_t attribute = 0;
@@ -37,10 +38,14 @@ struct VertexFormat {
     bool serves(const VertexFormat& wanted) const
     {
         return (wanted.colour == ColourSource::none || (wanted.colour == colour && wanted.attribute == attribute)) &&
-               (radius || !wanted.radius) && (normal || !wanted.normal) && filter == wanted.filter;
+               (radius || !wanted.radius) && (normal || !wanted.normal) && (shape || !wanted.shape) &&
+               filter == wanted.filter;
     }
     // Unique for each format but for `attribute` and `filter`, and below L1Table::max_forms.
-    unsigned number() const { return (radius ? 1u : 0u) + (normal ? 2u : 0u) + 4u * static_cast<unsigned>(colour); }
+    unsigned number() const
+    {
+        return (radius ? 1u : 0u) + (normal ? 2u : 0u) + (shape ? 4u : 0u) + 8u * static_cast<unsigned>(colour);
+    }
 };
 inline bool operator==(const VertexFormat& a, const VertexFormat& b)
 {
@@ -52,7 +57,7 @@ inline bool operator!=(const VertexFormat& a, const VertexFormat& b) { return !(
 inline VertexFormat format_of(const CloudStyle& usable)
 {
     const SplatTraits& splats = traits_of(usable.splats);
-    return {traits_of(usable.colour).source, splats.reads_radius, splats.reads_normal};
+    return {traits_of(usable.colour).source, splats.reads_radius, splats.reads_normal, splats.reads_shape};
 }
 
 }  // namespace pcm

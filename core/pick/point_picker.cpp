@@ -122,7 +122,10 @@ private:
     std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> nodes_;
     std::optional<PickHit> best_;
     std::atomic<double> best_depth_{infinity};
-    std::vector<float> radii_;  // of the chunk that is looked at; empty until they are needed
+    // Of the chunk, or part of one, that is looked at; empty until they are needed.
+    std::vector<float> radii_;
+    std::vector<PointShape> shapes_;
+    std::vector<std::uint32_t> segments_;  // points of its segments
     PickResult counts_;
 };
 
@@ -217,6 +220,7 @@ void Search::look_at(const Job& job)
     const Node& node = tree_.node(job.of.node);
     const ChunkPart& part = *job.part;
     radii_.clear();
+    segments_.assign(part.count.begin(), part.count.end());
     for (std::size_t k = 0, begin = 0; k < part.first.size(); begin += part.count[k], ++k)
         look_at_points(job.of.node, part.chunk, static_cast<std::uint32_t>(begin),
                        static_cast<std::uint32_t>(begin + part.count[k]), part.first[k],
@@ -229,6 +233,7 @@ void Search::look_at_whole(NodeId id, const Chunk& chunk)
     const auto parts = blocks_.get(id, tree_, *chunk.positions);
     const Node& node = tree_.node(id);
     radii_.clear();
+    segments_ = points_of_segments(node);
     for (std::size_t g = 0; g < parts->groups.size(); ++g) {
         const std::uint32_t first_block = parts->group_first[g], end_block = parts->group_first[g + 1];
         const double limit = cone_.limit(level_of(node, parts->first[first_block]));
@@ -266,7 +271,10 @@ void Search::look_at_points(NodeId id, const Chunk& chunk, std::uint32_t begin, 
 void Search::try_point(NodeId id, const Chunk& chunk, std::uint32_t i, std::uint32_t number, const Vec3d& p,
                        const PickCone::Place& place, double limit)
 {
-    if (radii_.empty()) sizes_.find_radii(id, chunk, radii_);
+    if (radii_.empty()) {
+        if (options_.fitted) find_shapes(*chunk.positions, tree_.info().grid.scale, segments_, shapes_);
+        sizes_.find_radii(id, chunk, radii_, options_.fitted ? &shapes_ : nullptr);
+    }
     const auto size = static_cast<double>(radii_[i]);
     const double radius = std::min(options_.size_scale * size, limit);
     const double reach = cone_.reach_at(place.t, radius), beside = std::sqrt(place.square);

@@ -1,7 +1,9 @@
 // The point of a cloud that a user sees at a pixel, exactly: of all points, not of those that a picture had time for.
 //
-// A picture at full resolution shows each point as a paraboloid (gl/splat_pass.h), and where several cover a pixel the
-// one that is nearest there. This is the same for one ray. For a point p, with o the ray's start and u its direction,
+// A picture at full resolution shows each point as a splat whose depth grows from its centre on (gl/splat_pass.h), and
+// where several cover a pixel the one that is nearest there. This is the same for one ray, but that splats are spheres
+// to it: on a surface seen at a graze it picks a point up to a radius before the one whose disc is seen. For a point p,
+// with o the ray's start and u its direction,
 //     t = u . (p - o)                                 how far along the ray
 //     s = |(p - o) - t u|                             how far beside it
 //     R = clamp(size_scale r, tolerance_px pixel(t), largest_px pixel(t))
@@ -9,7 +11,8 @@
 // equal ones the lower node, then the lower index. So where a splat is seen its point is picked, between far points one
 // within the tolerance is, and what lies behind a closed surface is not.
 //
-// r is the point's own radius or, without one, its size, as views draw it (view/point_sizes.h), but at most four times
+// r is the point's own radius or, without one, its size, as views draw it (view/point_sizes.h, and where splats are
+// fitted the factors of view/point_shapes.h), but at most four times
 // the spacing of the level before the point's own: each point of a level has a neighbour nearer than once that spacing.
 // Only the rim of a splat that stands all alone is lost by that, and without it all points around the ray would have to
 // be read.
@@ -33,13 +36,14 @@
 
 namespace pcm {
 
-// Radii of paraboloids for sizes of points (gl/splat_pass.h).
-inline constexpr double picked_size_scale = 1.25;
+// Radii of splats for sizes of points, as views draw them at first; of paraboloids: gl/splat_pass.h.
+inline constexpr double picked_size_scale = 1;
 
 struct PickOptions {
     double tolerance_px = 4;                // how far beside a point one may click
     double largest_px = 100;                // larger splats are hit this near to their centre
     double size_scale = picked_size_scale;  // 0: points are drawn as squares of a few pixels
+    bool fitted = true;                     // sizes depend on the points' surroundings (SplatMode::fitted)
     std::vector<Condition> where;           // only points that meet all of these are shown
     std::vector<Clip> clips;                // and that all of these hold
     // Hits that are deeper are not looked for: where another cloud is hit already.

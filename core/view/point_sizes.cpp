@@ -43,20 +43,25 @@ PointSizes::PointSizes(const Tree& tree) : schema_(tree.info().schema), unknown_
     }
 }
 
-void PointSizes::find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii) const
+void PointSizes::find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii,
+                            const std::vector<PointShape>* shapes) const
 {
     if (const auto place = schema_.find(attribute_name::radius); place && schema_[*place].components > 0)
         make_radii(*chunk.attributes[*place], schema_[*place], radii);
     else
         radii.assign(chunk.points, 0);
-    fill_in(node, *chunk.sizes, radii);
+    fill_in(node, *chunk.sizes, radii, shapes);
 }
 
-void PointSizes::fill_in(NodeId node, const Column& codes, std::vector<float>& radii) const
+void PointSizes::fill_in(NodeId node, const Column& codes, std::vector<float>& radii,
+                         const std::vector<PointShape>* shapes) const
 {
     const auto* code = codes.as<std::uint8_t>();
     for (std::size_t i = 0; i < radii.size(); ++i)
-        if (radii[i] == 0) radii[i] = code[i] == unknown_size ? unknown_[node] : radius_[code[i]];
+        if (radii[i] == 0) {
+            radii[i] = code[i] == unknown_size ? unknown_[node] : radius_[code[i]];
+            if (shapes) radii[i] *= static_cast<float>(size_factor((*shapes)[i]));
+        }
 }
 
 }  // namespace pcm

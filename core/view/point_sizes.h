@@ -3,6 +3,7 @@
 
 #include "pcm/cloud/attribute.h"
 #include "pcm/tree/tree.h"
+#include "pcm/view/point_shapes.h"
 
 #include <array>
 #include <vector>
@@ -15,11 +16,14 @@ public:
 
     // The radius of each of the node's points: its own or, where it has none, its size. `chunk` has the sizes and, if
     // the cloud has one, the attribute of radii.
-    void find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii) const;
+    // Sizes are multiplied by the factors of `shapes`, which may be null: of each point.
+    void find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii,
+                    const std::vector<PointShape>* shapes = nullptr) const;
     // Replaces each radius of 0 by the size of that point of the node, source units. Points whose size is not known get
     // the spacing of the finest level below the node. No size is larger than a twentieth of the cloud, so that a
     // handful of points stay points.
-    void fill_in(NodeId node, const Column& codes, std::vector<float>& radii) const;
+    void fill_in(NodeId node, const Column& codes, std::vector<float>& radii,
+                 const std::vector<PointShape>* shapes = nullptr) const;
 
 private:
     const Schema schema_;

@@ -92,6 +92,7 @@ std::vector<Target> targets_of(GLArea& area, const Camera& camera, const ShownCl
         target.ray = *ray;
         target.options.tolerance_px = tolerance * area.devicePixelRatioF();
         target.options.size_scale = shown.size_scale;
+        target.options.fitted = shown.fitted;
         target.options.where = applicable(shown.where, tree->cloud->info().schema);
         if (const auto clip = clip_of(*layer)) target.options.clips.push_back(*clip);
         target.picker = picker_of(tree->cloud);

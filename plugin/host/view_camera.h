@@ -25,6 +25,7 @@ struct ShownClouds {
     std::vector<Condition> where;  // only points that meet these are shown; those on attributes that a cloud lacks, or
                                    // that name no component of several, leave that cloud as it is
     double size_scale = 0;         // radii of splats for sizes of points; 0: squares of a few pixels
+    bool fitted = false;           // these depend on the points' surroundings
 };
 
 // Nothing until the view has painted.

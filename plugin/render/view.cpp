@@ -83,8 +83,10 @@ ShownClouds shown_clouds(const std::vector<MeshModel*>& drawn, const CloudStyle&
     ShownClouds shown;
     for (const MeshModel* layer : drawn) shown.layers.push_back(layer->id());
     shown.where = style.where;
-    const bool sized = traits_of(style.splats).shape != SplatShape::pixels;
-    shown.size_scale = sized ? static_cast<double>(style.radius_scale * radius_of_paraboloid) : 0;
+    const SplatTraits& splats = traits_of(style.splats);
+    const float drawn = splats.shape == SplatShape::sphere ? radius_of_paraboloid : 1;
+    shown.size_scale = splats.reads_radius ? static_cast<double>(style.radius_scale * drawn) : 0;
+    shown.fitted = splats.reads_shape;
     return shown;
 }
 

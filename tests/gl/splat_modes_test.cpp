@@ -38,6 +38,7 @@ TEST(SplatModes, RowsAreInTheOrderOfTheEnumeratorsAndNamesAreUnique)
     EXPECT_STREQ(splat_modes()[2].name, "affine");
     EXPECT_STREQ(splat_modes()[3].name, "perspective");
     EXPECT_EQ(static_cast<int>(SplatMode::perspective), 3);
+    EXPECT_STREQ(splat_modes()[4].name, "fitted");
 }
 
 TEST(SplatModes, AShapeReadsWhatItIsMadeOf)
@@ -54,12 +55,17 @@ TEST(SplatModes, TheNearestModeReadsOnlyWhatIsThere)
 {
     for (const SplatTraits& row : splat_modes())
         for (const bool radius : {false, true})
-            for (const bool normal : {false, true}) {
-                const SplatTraits& drawn = traits_of(drawable_mode(row.mode, radius, normal));
-                EXPECT_TRUE(radius || !drawn.reads_radius) << row.name;
-                EXPECT_TRUE(normal || !drawn.reads_normal) << row.name;
-                if ((radius || !row.reads_radius) && (normal || !row.reads_normal)) EXPECT_EQ(drawn.mode, row.mode);
-            }
+            for (const bool normal : {false, true})
+                for (const bool shape : {false, true}) {
+                    const SplatTraits& drawn = traits_of(drawable_mode(row.mode, radius, normal, shape));
+                    EXPECT_TRUE(radius || !drawn.reads_radius) << row.name;
+                    EXPECT_TRUE(normal || !drawn.reads_normal) << row.name;
+                    EXPECT_TRUE(shape || !drawn.reads_shape) << row.name;
+                    if ((radius || !row.reads_radius) && (normal || !row.reads_normal) && (shape || !row.reads_shape))
+                        EXPECT_EQ(drawn.mode, row.mode);
+                }
+    EXPECT_EQ(drawable_mode(SplatMode::fitted, true, false, false), SplatMode::adaptive);
+    EXPECT_EQ(drawable_mode(SplatMode::fitted, true, true, false), SplatMode::adaptive);
     EXPECT_EQ(drawable_mode(SplatMode::perspective, true, false), SplatMode::adaptive);
     EXPECT_EQ(drawable_mode(SplatMode::perspective, false, true), SplatMode::constant);
     EXPECT_EQ(drawable_mode(SplatMode::affine, false, false), SplatMode::constant);

@@ -80,7 +80,8 @@ std::vector<float> DepthFramebuffer::depths() const
     return depths;
 }
 
-SplatScene::SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, const VertexFormat& format)
+SplatScene::SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, const VertexFormat& format,
+                       const std::vector<PointShape>& shapes)
     : owner_(l1_.add_owner())
 {
     info_.grid = grid;
@@ -110,7 +111,9 @@ SplatScene::SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, 
         for (const Vec3i& place : places_)
             positions.wide_xyz[a].push_back(static_cast<std::uint64_t>(place[a] - positions.origin[a]));
     l1_.begin_frame(owner_);
-    EXPECT_TRUE(l1_.upload(owner_, 0, positions, grid.scale, format, {rgba.data(), radii_.data(), normals_.data()}));
+    VertexAttributes attributes{rgba.data(), radii_.data(), normals_.data()};
+    if (!shapes.empty()) attributes.shapes = shapes.data();
+    EXPECT_TRUE(l1_.upload(owner_, 0, positions, grid.scale, format, attributes));
 }
 
 SplatScene::~SplatScene() { l1_.release(); }

@@ -5,6 +5,7 @@
 #include "tests/oracle/disc_oracle.h"
 
 #include "pcm/gl/splat_pass.h"
+#include "pcm/view/point_shapes.h"
 
 #include <memory>
 #include <vector>
@@ -32,7 +33,8 @@ class SplatScene {
 public:
     // Centres are source coordinates and are rounded to the grid.
     SplatScene(const Grid& grid, const std::vector<Disc>& source_discs,
-               const VertexFormat& format = {ColourSource::rgb, true, true});
+               const VertexFormat& format = {ColourSource::rgb, true, true},
+               const std::vector<PointShape>& shapes = {});
     ~SplatScene();
 
     // As they were uploaded: centres relative to the view's origin, rounded to floats relative to the chunk's, radii

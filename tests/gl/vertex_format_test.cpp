@@ -45,7 +45,8 @@ TEST(VertexFormat, StridesDivideThePageAndMembersDoNotOverlap)
 TEST(VertexFormat, AStyleUploadsWhatItReadsAndNothingElse)
 {
     CloudStyle style;
-    EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::rgb, true, false}));
+    EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::rgb, true, false, true}));
+    EXPECT_EQ(format_of(style).stride(), 20u) << "shapes are in the radii";
     style.splats = SplatMode::constant;
     EXPECT_EQ(format_of(style), (VertexFormat{ColourSource::rgb, false, false}));
     style.colour = ColourMode::height;

@@ -123,7 +123,13 @@ TEST(VertexGroups, CulledGroupsAreInvisible)
     std::size_t left_out = 0, quads_too = 0, seen = 0;
     SplatPass pass;
     for (const double largest_radius : {0.3, 30.0}) {
-        const SplatScene scene(grid, ground(random, 5000, largest_radius));
+        std::vector<PointShape> shapes;
+        for (int d = 0; d < 5000; ++d)
+            shapes.push_back(d % 3 == 0   ? volume_shape(0.001 * (d % 1000))
+                             : d % 3 == 1 ? shape_of(Surroundings::line, {0.6, 0.8, 0})
+                                          : shape_of(Surroundings::surface, {0, 0.6, 0.8}));
+        const SplatScene scene(grid, ground(random, 5000, largest_radius), {ColourSource::rgb, true, true, true},
+                               shapes);
         VertexEntry whole = scene.entry();
         for (VertexGroup& group : whole.groups) {
             group.low = {0, 0, 0};

@@ -30,7 +30,7 @@ struct Record {
     std::uint32_t index;
     double limit;  // of its radius
     Vec3d position;
-    double size, classification;
+    double size, fitted, classification;
 };
 
 enum class Cloud {
@@ -127,6 +127,8 @@ protected:
         for (NodeId id = 0; id < tree.nodes().size(); ++id) {
             const Node& node = tree.node(id);
             const Chunk chunk = tree.read_chunk(id, ColumnSet::whole(info.schema));
+            std::vector<PointShape> shapes;
+            find_shapes(*chunk.positions, info.grid.scale, points_of_segments(node), shapes);
             std::uint32_t i = 0;
             for (std::size_t k = 0; k < node.level_points.size(); ++k) {
                 const std::size_t level = node.first_level + k;
@@ -137,12 +139,14 @@ protected:
                     ASSERT_EQ(code == unknown_size, most == 0) << "one place has no neighbours";
                     const double known = code == unknown_size ? 0 : point_size(code, least_point_size(info.grid));
                     auto size = static_cast<float>(std::min(most, known));
+                    float fitted = size * static_cast<float>(size_factor(shapes[i]));
                     if (radius) {
                         const double own = chunk.attributes[*radius]->value(i) * 0.01;
-                        if (own > 0) size = static_cast<float>(own);
+                        if (own > 0) fitted = size = static_cast<float>(own);
                     }
                     all_.push_back({id, i, limit, info.grid.to_source(chunk.positions->grid(i)),
-                                    static_cast<double>(size), chunk.attributes[classification]->value(i)});
+                                    static_cast<double>(size), static_cast<double>(fitted),
+                                    chunk.attributes[classification]->value(i)});
                 }
             }
         }
@@ -160,7 +164,8 @@ protected:
             if (t < ray.begin || t > ray.end) continue;
             const Vec3d across = d - t * ray.direction;
             const double square = dot(across, across), pixel = ray.pixel + t * ray.pixel_growth;
-            const double own = options.size_scale * std::min(record.size, record.limit);
+            const double own =
+                options.size_scale * std::min(options.fitted ? record.fitted : record.size, record.limit);
             const double reach = std::min(std::max(own, options.tolerance_px * pixel), options.largest_px * pixel);
             if (std::sqrt(square) > reach || !shown(record)) continue;
             const double key = square > 0 ? t + square / (2 * reach) : t;
@@ -214,6 +219,7 @@ TEST_P(PointPickerTest, FindsWhatALookAtEveryPointFinds)
         PickOptions options;
         if (i % 3 == 0) options.tolerance_px = 1 + static_cast<double>(random() % 10);
         if (i % 7 == 0) options.size_scale = 0;
+        options.fitted = i % 3 != 0;
         if (i % 11 == 0) options.largest_px = options.tolerance_px;
         options.reads_in_flight = i % 2 ? 8 : 1;
         if (i % 50 == 0) cloud_->cache().clear();
@@ -232,7 +238,7 @@ TEST_P(PointPickerTest, FindsWhatALookAtEveryPointFinds)
         between += found.hit->beside > 0;
         ASSERT_EQ(std::tie(found.hit->node, found.hit->index), std::tie(expected->node, expected->index));
         EXPECT_EQ(found.hit->depth, depth);
-        EXPECT_EQ(found.hit->size, expected->size);
+        EXPECT_EQ(found.hit->size, options.fitted ? expected->fitted : expected->size);
     }
     EXPECT_GT(hits, 300);
     if (GetParam() != Cloud::coincident && GetParam() != Cloud::single) EXPECT_GT(between, 100);
@@ -329,7 +335,7 @@ TEST_P(PointPickerTest, EndsWhereTheRayOrAnotherHitEndsIt)
         ++nearer;
         EXPECT_EQ(std::tie(found->node, found->index), std::tie(expected->node, expected->index));
     }
-    if (GetParam() == Cloud::volume) EXPECT_GT(nearer, 10);
+    if (GetParam() == Cloud::volume) EXPECT_GT(nearer, 4);
 }
 
 TEST_P(PointPickerTest, InMemoryReadsNothingAndKnowsAllOnceAllIsThere)

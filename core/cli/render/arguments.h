@@ -18,7 +18,7 @@ namespace pcm::cli {
 struct RenderArguments {
     Common common;
     std::vector<std::string> trees;
-    std::string output, size = "1280x720", splats = "adaptive", colour = "rgb", uniform_colour, ramp = "auto", range,
+    std::string output, size = "1280x720", splats = "fitted", colour = "rgb", uniform_colour, ramp = "auto", range,
                         background = "transparent", until = "full", path;
     std::vector<std::string> where, clips, clips_outside;
     CameraOptions camera;
