@@ -266,7 +266,7 @@ void main()
     float r = uintBitsToFloat(bits & ~0x3ffffu | 0x20000u) * radius_scale;
     if (bits < 0x40000u) r = 0.0;
     float least_r = min(least_radius, 0.5 * least_pixels * pixel);
-    splat_side = 2.8 * max(r / mix(1.0, volume_factor, volume), least_r) / pixel;
+    splat_side = mix(3.2, 12.0, volume) * max(r / mix(1.0, volume_factor, volume), least_r) / pixel;
     r = max(r, mix(1.0, volume_growth, volume) * least_r);
     // Rounder surroundings are more surely a volume.
     if (volume > 0.0) r = min(r, 0.5 * volume_pixels * pixel / (volume * volume * volume * volume));
