@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Pictures against truth: scenes whose true pictures are known, in several views, beside what other viewers make of the same points.
 
-    truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--before FIGURES] [--cloud FILE]... [--only-clouds] [--python FILE]
+    truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--before FIGURES] [--cloud FILE]... [--only-clouds] [--converge N] [--python FILE]
     truth.py --out FOLDER --report [--before FIGURES]     the report of what FOLDER/figures.json has, nothing is measured
 
 Scenes are generated (scenes/), and seen by scanners that leave shadows and scan lines. The truth of a view is ray-traced from the same surfaces; what no scanner saw, or at
 less than 7 degrees, is left out of all figures. The camera arrives at each view and stays: the picture on arrival (moving), the complete one (rest), and the complete one after
-a turn of 0.4 pixels are compared, without eye-dome lighting. A moving frame has a budget of points (views.py); all else is the library's default. Each --cloud, a file of a
+a turn of 0.4 pixels are compared, without eye-dome lighting. A moving frame has a budget of points (views.py), and a complete picture is the mean of --converge frames as in
+the window; all else is the library's default. Each --cloud, a file of a
 real scan, has no truth: what is covered, calm and spent is measured in an oblique view.
 
 FOLDER gets report.md, a composite of pictures for each view, and figures.json, in which views of earlier runs with as many points stay. Clouds and true pictures are kept in the
@@ -73,7 +74,7 @@ class Comparison:
         """Figures and pictures of a tree along the path: the frames on arrival, and complete."""
         shutil.rmtree(folder, ignore_errors=True)
         drawn = json.loads(call([self.a.bin / "bench_pictures", "views", tree, "--path", path, "--out", folder, "--size", self.picture_size, "--eye-dome", 0,
-                                 "--passes", 2, "--frame-budget-ms", 1e6, "--point-budget", self.size.moving_points, *options]))
+                                 "--passes", 2, "--frame-budget-ms", 1e6, "--point-budget", self.size.moving_points, "--converge", self.a.converge, *options]))
         return drawn, {state: [metrics.read(file) for file in sorted(folder.glob(f"*-{state}.png"))] for state in views.STATES}
 
     def draw_peer(self, cloud, path, folder, rule, *options):
@@ -200,6 +201,7 @@ def main():
     parser.add_argument("--cloud", action="append", default=[], type=pathlib.Path, help="a real scan, in addition")
     parser.add_argument("--before", type=pathlib.Path, metavar="FIGURES", help="figures.json of an earlier run, which the report sets beside these")
     parser.add_argument("--only-clouds", action="store_true", help="of --cloud, without the generated scenes")
+    parser.add_argument("--converge", type=int, default=16, help="frames of which a complete picture is the mean (16, as the window has it); 1: a single one")
     parser.add_argument("--report", action="store_true", help="only the report")
     parser.add_argument("--python", help="start with this interpreter")
     a = parser.parse_args()
