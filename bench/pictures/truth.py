@@ -74,7 +74,7 @@ class Comparison:
         """Figures and pictures of a tree along the path: the frames on arrival, and complete."""
         shutil.rmtree(folder, ignore_errors=True)
         drawn = json.loads(call([self.a.bin / "bench_pictures", "views", tree, "--path", path, "--out", folder, "--size", self.picture_size, "--eye-dome", 0,
-                                 "--passes", 2, "--frame-budget-ms", 1e6, "--point-budget", self.size.moving_points, "--converge", self.a.converge, *options]))
+                                 "--passes", 2, "--frame-budget-ms", 1e6, "--point-budget", self.size.moving_points, *options]))
         return drawn, {state: [metrics.read(file) for file in sorted(folder.glob(f"*-{state}.png"))] for state in views.STATES}
 
     def draw_peer(self, cloud, path, folder, rule, *options):
@@ -102,7 +102,9 @@ class Comparison:
             for name, cloud in (("colours", files[0]), ("labels", files[1])):
                 tree = self.work / f"{scene}-{name}.pct"
                 self.build(cloud, tree, radii)
-                drawn, pictures[name] = self.draw(tree, files[4], self.work / "drawn", *options)
+                # What a pixel shows is asked of its middle: means of labels are no labels.
+                frames = self.a.converge if name == "colours" else 1
+                drawn, pictures[name] = self.draw(tree, files[4], self.work / "drawn", "--converge", frames, *options)
                 if name == "colours":
                     cost = drawn
             for i, (view, truth) in enumerate(zip(of_scene, truths)):
@@ -177,7 +179,7 @@ class Comparison:
             paths = views.paths([view], self.size)
             for kind, path in zip(("both", "arriving"), paths[1:]):
                 (self.work / f"{name}-{kind}.json").write_text(json.dumps(path))
-            drawn, pictures = self.draw(tree, self.work / f"{name}-arriving.json", self.work / "drawn", *options)
+            drawn, pictures = self.draw(tree, self.work / f"{name}-arriving.json", self.work / "drawn", "--converge", self.a.converge, *options)
             for state in views.STATES:
                 self.add(name, method, state, views.without_truth(view, pictures, state), drawn[f"{state}_cpu_seconds"][0], drawn[f"{state}_points"][0])
                 shown[f"{method}, {'moving' if state == 'moving' else 'at rest'}"] = pictures[state][0]
@@ -201,7 +203,7 @@ def main():
     parser.add_argument("--cloud", action="append", default=[], type=pathlib.Path, help="a real scan, in addition")
     parser.add_argument("--before", type=pathlib.Path, metavar="FIGURES", help="figures.json of an earlier run, which the report sets beside these")
     parser.add_argument("--only-clouds", action="store_true", help="of --cloud, without the generated scenes")
-    parser.add_argument("--converge", type=int, default=16, help="frames of which a complete picture is the mean (16, as the window has it); 1: a single one")
+    parser.add_argument("--converge", type=int, default=8, help="frames of which a complete picture is the mean (8, as the window has it); 1: a single one")
     parser.add_argument("--report", action="store_true", help="only the report")
     parser.add_argument("--python", help="start with this interpreter")
     a = parser.parse_args()
