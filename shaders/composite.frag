@@ -1,7 +1,7 @@
 #version 330 core
 // Composites a picture of splats, colour and depth, into another framebuffer. Permutations: SAMPLES n (of the picture; absent: one per
-// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), EYE_DOME n (of the
-// pairs of opposite neighbours every n-th is looked at).
+// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), SUM (colours times
+// coverage, and coverage, to be added up; without depth), EYE_DOME n (of the pairs of opposite neighbours every n-th is looked at).
 //
 // With several samples, the colours of the covered ones are averaged, their fraction becomes the alpha, and the nearest depth is written.
 //
@@ -128,7 +128,9 @@ void main()
 #endif
     fragment.a = coverage_of(fragment.a);
 #endif
-#ifdef RESOLVE
+#if defined(SUM)
+    fragment.rgb *= fragment.a;
+#elif defined(RESOLVE)
     gl_FragDepth = depth;
 #else
 #ifdef REVERSED

@@ -156,6 +156,7 @@ public:
                 row["rest_cpu_seconds"].push_back(processor_seconds() - start);
                 row["rest_points"].push_back(report.points_drawn);
                 row["rest_frames"].push_back(frames);
+                row["frames_averaged"].push_back(report.frames_averaged);
                 write(numbered(rests) + "-rest.png", screen_.read());
             }
         }
@@ -254,6 +255,9 @@ void add_options(CLI::App& app, Arguments& a)
     app.add_option("--point-size", a.style.point_size_px, "Of constant splats, pixels")->capture_default_str();
     app.add_option("--eye-dome", a.options.eye_dome, "Strength of eye-dome lighting; 0: none")->capture_default_str();
     app.add_option("--samples", a.options.samples, "A pixel")->capture_default_str()->check(CLI::Range(1, 8));
+    app.add_option("--converge", a.options.smooth_frames, "A complete picture is the mean of so many frames")
+        ->capture_default_str()
+        ->check(CLI::Range(1, 256));
     app.add_option("--target-px", a.options.target_spacing_px, "Refine until points are no farther apart on screen")
         ->capture_default_str();
     app.add_option("--l1-mb", a.l1_mb, "Capacity of L1, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));

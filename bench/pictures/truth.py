@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Pictures against truth: scenes whose true pictures are known, in several views, beside what other viewers make of the same points.
 
-    truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--before FIGURES] [--cloud FILE]... [--only-clouds] [--python FILE]
+    truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--before FIGURES] [--cloud FILE]... [--only-clouds] [--converge N] [--python FILE]
     truth.py --out FOLDER --report [--before FIGURES]     the report of what FOLDER/figures.json has, nothing is measured
 
 Scenes are generated (scenes/), and seen by scanners that leave shadows and scan lines. The truth of a view is ray-traced from the same surfaces; what no scanner saw, or at
 less than 7 degrees, is left out of all figures. The camera arrives at each view and stays: the picture on arrival (moving), the complete one (rest), and the complete one after
-a turn of 0.4 pixels are compared, without eye-dome lighting. A moving frame has a budget of points (views.py); all else is the library's default. Each --cloud, a file of a
+a turn of 0.4 pixels are compared, without eye-dome lighting. A moving frame has a budget of points (views.py), and a complete picture is the mean of --converge frames as in
+the window; all else is the library's default. Each --cloud, a file of a
 real scan, has no truth: what is covered, calm and spent is measured in an oblique view.
 
 FOLDER gets report.md, a composite of pictures for each view, and figures.json, in which views of earlier runs with as many points stay. Clouds and true pictures are kept in the
@@ -101,7 +102,9 @@ class Comparison:
             for name, cloud in (("colours", files[0]), ("labels", files[1])):
                 tree = self.work / f"{scene}-{name}.pct"
                 self.build(cloud, tree, radii)
-                drawn, pictures[name] = self.draw(tree, files[4], self.work / "drawn", *options)
+                # What a pixel shows is asked of its middle: means of labels are no labels.
+                frames = self.a.converge if name == "colours" else 1
+                drawn, pictures[name] = self.draw(tree, files[4], self.work / "drawn", "--converge", frames, *options)
                 if name == "colours":
                     cost = drawn
             for i, (view, truth) in enumerate(zip(of_scene, truths)):
@@ -176,7 +179,7 @@ class Comparison:
             paths = views.paths([view], self.size)
             for kind, path in zip(("both", "arriving"), paths[1:]):
                 (self.work / f"{name}-{kind}.json").write_text(json.dumps(path))
-            drawn, pictures = self.draw(tree, self.work / f"{name}-arriving.json", self.work / "drawn", *options)
+            drawn, pictures = self.draw(tree, self.work / f"{name}-arriving.json", self.work / "drawn", "--converge", self.a.converge, *options)
             for state in views.STATES:
                 self.add(name, method, state, views.without_truth(view, pictures, state), drawn[f"{state}_cpu_seconds"][0], drawn[f"{state}_points"][0])
                 shown[f"{method}, {'moving' if state == 'moving' else 'at rest'}"] = pictures[state][0]
@@ -200,6 +203,7 @@ def main():
     parser.add_argument("--cloud", action="append", default=[], type=pathlib.Path, help="a real scan, in addition")
     parser.add_argument("--before", type=pathlib.Path, metavar="FIGURES", help="figures.json of an earlier run, which the report sets beside these")
     parser.add_argument("--only-clouds", action="store_true", help="of --cloud, without the generated scenes")
+    parser.add_argument("--converge", type=int, default=8, help="frames of which a complete picture is the mean (8, as the window has it); 1: a single one")
     parser.add_argument("--report", action="store_true", help="only the report")
     parser.add_argument("--python", help="start with this interpreter")
     a = parser.parse_args()

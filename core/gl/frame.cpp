@@ -1,6 +1,7 @@
 #include "pcm/gl/frame.h"
 
 #include "pcm/gl/gl_state.h"
+#include "pcm/view/pixel_offset.h"
 
 #include <GL/glew.h>
 
@@ -69,8 +70,9 @@ DetailLimits Frame::current_limits()
 
 void Frame::begin(const FrameCloud& cloud)
 {
-    splats.begin(cloud.view, cloud.tree->info(), cloud.style, picture.target.reversed(), picture.target.samples(),
-                 at_rest, cloud.values, {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour});
+    splats.begin(shifted(cloud.view, offset), cloud.tree->info(), cloud.style, picture.target.reversed(),
+                 picture.target.samples(), at_rest, cloud.values,
+                 {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour});
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)

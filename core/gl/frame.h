@@ -6,6 +6,7 @@
 #include "pcm/gl/vertex_format.h"
 #include "pcm/gl/view_clips.h"
 
+#include <array>
 #include <chrono>
 #include <cstdint>
 #include <vector>
@@ -53,6 +54,10 @@ struct Frame {
     double drawing_ms = 0;  // of frame_ms
     FrameWork work{};
     bool at_rest = options.paraboloids;  // adaptive splats are drawn as paraboloids
+    // The picture is complete and is drawn once more, for a mean (gl/smoothing.h): into `next`, at this offset in
+    // pixels.
+    bool again = false, drawn_again = false;
+    std::array<double, 2> offset{};
 
     // What the splats of this frame cost.
     bool costs_more() const { return at_rest && !options.paraboloids; }
@@ -135,5 +140,9 @@ bool differs_at_rest(const Frame& frame);
 // to it.
 void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::vector<bool>>& drawn);
 void draw_resting(Frame& frame);
+// Draws a part of all points in view into the picture's `next`, at the frame's offset; `again` says how far that is,
+// and the report is that of the picture that is shown. Returns whether `next` is complete; false in `possible` when it
+// never will be.
+bool draw_again(Frame& frame, PictureState::Rest& again, bool& possible);
 
 }  // namespace pcm

@@ -1,4 +1,4 @@
-// The state of a Picture and of a DrawnCloud, for renderer.cpp, moving_view.cpp and resting_view.cpp.
+// The state of a Picture and of a DrawnCloud, for renderer.cpp, moving_view.cpp, resting_view.cpp and smoothing.cpp.
 #pragma once
 
 #include "pcm/gl/chunk_feed.h"
@@ -65,7 +65,7 @@ struct PictureKey {
 
 struct PictureState {
     RenderTarget target;  // what is shown
-    RenderTarget next;    // of a resting view, while `target` still shows enlarged splats
+    RenderTarget next;    // of a resting view, while `target` still shows enlarged splats; of its frames for the mean
     RenderTarget resolved;
     unsigned asked_samples = 1;
     FrameClock clock;
@@ -99,10 +99,22 @@ struct PictureState {
     };
     std::optional<Rest> rest;
 
+    // Of a view that rests and has its picture: frames at sub-pixel offsets, of which the mean is shown.
+    struct Smoothing {
+        unsigned asked = 1;              // RenderOptions::smooth_frames
+        unsigned goal = 1;               // frames of the mean
+        float eye_dome = 0;              // of these frames
+        unsigned frames = 0;             // that `sum` has; the first is the picture itself
+        std::optional<Rest> unfinished;  // the next one, of which `next` has a part
+    };
+    std::optional<Smoothing> smoothing;
+    PictureSum sum;  // only while there is a smoothing
+
     void forget()
     {
         key.reset();
         rest.reset();
+        smoothing.reset();
         kept.clear();
     }
 };

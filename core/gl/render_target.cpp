@@ -37,6 +37,25 @@ GLuint make_texture(GLenum format, GLenum components, GLenum type, int width, in
     return texture;
 }
 
+GLenum texture_target(const RenderTarget& picture)
+{
+    return picture.samples() > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D;
+}
+
+// For drawing in the host's viewport: depth tested, partly covered pixels blended.
+void begin_in_host(const ShaderProgram& program, const GlStateGuard& host)
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
+    glViewport(host.viewport()[0], host.viewport()[1], host.viewport()[2], host.viewport()[3]);
+    glDepthFunc(GL_LEQUAL);
+    glEnable(GL_BLEND);
+    glBlendEquation(GL_FUNC_ADD);
+    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+    glUseProgram(program.id());
+    glUniform2i(program.uniform("corner"), host.viewport()[0], host.viewport()[1]);
+    glUniform2f(program.uniform("depth_range"), host.depth_range()[0], host.depth_range()[1]);
+}
+
 // The uniforms of eye-dome lighting.
 void set_eye_dome(const ShaderProgram& composite, const RenderTarget& from, const Matrix4d& projection, float strength)
 {
@@ -117,6 +136,41 @@ std::array<double, 4> distance_of_depth(const Matrix4d& p)
     return {p[14] - p[15], 2 * p[15], p[10] - p[11], 2 * p[11]};
 }
 
+bool PictureSum::begin(int width, int height)
+{
+    drain_gl_errors();
+    if (!framebuffer_ || width != width_ || height != height_) {
+        release();
+        width_ = width;
+        height_ = height;
+        sums_ = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, width, height, 1);
+        glGenFramebuffers(1, &framebuffer_);
+        glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+        glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, sums_, 0);
+        if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || !drain_gl_errors().empty()) {
+            release();
+            return false;
+        }
+    }
+    bind();
+    glClearColor(0, 0, 0, 0);
+    glClear(GL_COLOR_BUFFER_BIT);
+    return true;
+}
+
+void PictureSum::bind() const
+{
+    glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
+    glViewport(0, 0, width_, height_);
+}
+
+void PictureSum::release()
+{
+    if (framebuffer_) glDeleteFramebuffers(1, &framebuffer_);
+    if (sums_) glDeleteTextures(1, &sums_);
+    *this = PictureSum();
+}
+
 const ShaderProgram& Compositor::program(unsigned samples, bool reversed, Into into)
 {
     ShaderProgram& program = programs_[{samples, reversed, into}];
@@ -124,59 +178,86 @@ const ShaderProgram& Compositor::program(unsigned samples, bool reversed, Into i
         std::vector<std::string> defines;
         if (samples > 1) defines.push_back("SAMPLES " + std::to_string(samples));
         if (reversed) defines.emplace_back("REVERSED");
-        if (into == the_host_shaded) defines.emplace_back("EYE_DOME 1");
+        if (into == the_host_shaded || into == a_sum_shaded) defines.emplace_back("EYE_DOME 1");
         if (into == the_host_shaded_fast) defines.emplace_back("EYE_DOME 2");
         if (into == another_target) defines.emplace_back("RESOLVE");
-        program = ShaderProgram("composite.vert", "composite.frag", defines);
+        if (into == a_sum || into == a_sum_shaded) defines.emplace_back("SUM");
+        program = ShaderProgram("composite.vert", into == the_host_mean ? "mean.frag" : "composite.frag", defines);
     }
     return program;
+}
+
+void Compositor::run(const ShaderProgram& program, const char* colours, std::uint32_t of_colours,
+                     std::uint32_t colour_target, const RenderTarget& depths)
+{
+    glActiveTexture(GL_TEXTURE0);
+    glBindTexture(colour_target, of_colours);
+    glActiveTexture(GL_TEXTURE1);
+    glBindTexture(texture_target(depths), depths.depths());
+    glUniform1i(program.uniform(colours), 0);
+    glUniform1i(program.uniform("depths"), 1);
+    // Made anew each time: contexts of a share group do not share vertex arrays.
+    GLuint vertex_array = 0;
+    glGenVertexArrays(1, &vertex_array);
+    glBindVertexArray(vertex_array);
+    if (gl_has_clip_control()) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
+    glDrawArrays(GL_TRIANGLES, 0, 3);
+    glBindVertexArray(0);
+    glDeleteVertexArrays(1, &vertex_array);
+}
+
+// Eye-dome lighting is of pictures of one sample.
+const RenderTarget& Compositor::one_sample(const RenderTarget& picture, RenderTarget& resolved, float eye_dome)
+{
+    if (!(eye_dome > 0) || picture.samples() == 1) return picture;
+    resolved.prepare(picture.width(), picture.height(), 1);
+    resolved.bind();
+    resolved.clear();
+    glDisable(GL_BLEND);
+    glDepthFunc(GL_ALWAYS);
+    const ShaderProgram& resolve = program(picture.samples(), picture.reversed(), another_target);
+    glUseProgram(resolve.id());
+    glUniform2i(resolve.uniform("corner"), 0, 0);
+    run(resolve, "colours", picture.colours(), texture_target(picture), picture);
+    return resolved;
 }
 
 void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host,
                       const Matrix4d& projection, float eye_dome, bool fast)
 {
-    GLuint vertex_array = 0;
-    glGenVertexArrays(1, &vertex_array);
-    glBindVertexArray(vertex_array);
-    if (gl_has_clip_control()) glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-    const auto run = [&](const RenderTarget& from, Into into) {
-        const ShaderProgram& composite = program(from.samples(), from.reversed(), into);
-        glUseProgram(composite.id());
-        const GLenum target = from.samples() > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D;
-        glActiveTexture(GL_TEXTURE0);
-        glBindTexture(target, from.colours());
-        glActiveTexture(GL_TEXTURE1);
-        glBindTexture(target, from.depths());
-        glUniform1i(composite.uniform("colours"), 0);
-        glUniform1i(composite.uniform("depths"), 1);
-        const bool to_host = into != another_target;
-        glUniform2i(composite.uniform("corner"), to_host ? host.viewport()[0] : 0, to_host ? host.viewport()[1] : 0);
-        glUniform2f(composite.uniform("depth_range"), host.depth_range()[0], host.depth_range()[1]);
-        if (into == the_host_shaded || into == the_host_shaded_fast) {
-            set_eye_dome(composite, from, projection, eye_dome);
-        }
-        glDrawArrays(GL_TRIANGLES, 0, 3);
-    };
+    const RenderTarget& from = one_sample(picture, resolved, eye_dome);
+    const Into into = !(eye_dome > 0) ? the_host : fast ? the_host_shaded_fast : the_host_shaded;
+    const ShaderProgram& composite = program(from.samples(), from.reversed(), into);
+    begin_in_host(composite, host);
+    if (eye_dome > 0) set_eye_dome(composite, from, projection, eye_dome);
+    run(composite, "colours", from.colours(), texture_target(from), from);
+}
 
-    const RenderTarget* from = &picture;
-    if (eye_dome > 0 && picture.samples() > 1) {
-        resolved.prepare(picture.width(), picture.height(), 1);
-        resolved.bind();
-        resolved.clear();
-        glDisable(GL_BLEND);
-        glDepthFunc(GL_ALWAYS);
-        run(picture, another_target);
-        from = &resolved;
-    }
-    glBindFramebuffer(GL_FRAMEBUFFER, host.framebuffer());
-    glViewport(host.viewport()[0], host.viewport()[1], host.viewport()[2], host.viewport()[3]);
-    glDepthFunc(GL_LEQUAL);
+void Compositor::add(const RenderTarget& picture, RenderTarget& resolved, const PictureSum& sum,
+                     const Matrix4d& projection, float eye_dome)
+{
+    const RenderTarget& from = one_sample(picture, resolved, eye_dome);
+    const ShaderProgram& composite = program(from.samples(), from.reversed(), eye_dome > 0 ? a_sum_shaded : a_sum);
+    sum.bind();
+    glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
     glBlendEquation(GL_FUNC_ADD);
-    glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
-    run(*from, !(eye_dome > 0) ? the_host : fast ? the_host_shaded_fast : the_host_shaded);
-    glBindVertexArray(0);
-    glDeleteVertexArrays(1, &vertex_array);
+    glBlendFunc(GL_ONE, GL_ONE);
+    glUseProgram(composite.id());
+    glUniform2i(composite.uniform("corner"), 0, 0);
+    if (eye_dome > 0) set_eye_dome(composite, from, projection, eye_dome);
+    run(composite, "colours", from.colours(), texture_target(from), from);
+    glEnable(GL_DEPTH_TEST);
+}
+
+void Compositor::draw_mean(const PictureSum& sum, unsigned frames, const RenderTarget& picture,
+                           const GlStateGuard& host)
+{
+    const ShaderProgram& mean = program(picture.samples(), picture.reversed(), the_host_mean);
+    begin_in_host(mean, host);
+    glUniform1f(mean.uniform("frames"), static_cast<float>(frames));
+    glUniform2i(mean.uniform("size"), picture.width(), picture.height());
+    run(mean, "sums", sum.sums(), GL_TEXTURE_2D, picture);
 }
 
 void Compositor::release()

@@ -43,6 +43,21 @@ private:
     std::uint32_t framebuffer_ = 0, colours_ = 0, depths_ = 0;
 };
 
+// The sum of pictures, colours times coverage and coverage, in 32-bit floats: sums of some thousand bytes are exact. GL
+// thread only; it belongs to one context.
+class PictureSum {
+public:
+    // Makes it, empty. False when the driver cannot, or has no memory for it; then there is none.
+    bool begin(int width, int height);
+    void bind() const;  // for adding
+    std::uint32_t sums() const { return sums_; }
+    void release();
+
+private:
+    int width_ = 0, height_ = 0;
+    std::uint32_t framebuffer_ = 0, sums_ = 0;
+};
+
 class Compositor {
 public:
     // Draws the picture into the host's framebuffer, depth tested (GL_LEQUAL) and written in the host's projection and
@@ -50,11 +65,20 @@ public:
     // half as many neighbours. `resolved` is scratch for pictures of several samples with eye-dome lighting.
     void draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection,
               float eye_dome, bool fast = false);
+    // Adds the picture, as draw() would show it, to the sum.
+    void add(const RenderTarget& picture, RenderTarget& resolved, const PictureSum& sum, const Matrix4d& projection,
+             float eye_dome);
+    // Draws the mean of `frames` pictures in place of draw(), with the depth of `picture`, which is one of them.
+    void draw_mean(const PictureSum& sum, unsigned frames, const RenderTarget& picture, const GlStateGuard& host);
     void release();
 
 private:
-    enum Into { the_host, the_host_shaded, the_host_shaded_fast, another_target };
+    enum Into { the_host, the_host_shaded, the_host_shaded_fast, another_target, a_sum, a_sum_shaded, the_host_mean };
     const ShaderProgram& program(unsigned samples, bool reversed, Into into);
+    // One texture each for the shader's first two units, then a triangle over the viewport.
+    void run(const ShaderProgram& program, const char* colours, std::uint32_t of_colours, std::uint32_t colour_target,
+             const RenderTarget& depths);
+    const RenderTarget& one_sample(const RenderTarget& picture, RenderTarget& resolved, float eye_dome);
     std::map<std::tuple<unsigned, bool, Into>, ShaderProgram> programs_;
 };
 

@@ -2,6 +2,7 @@
 
 #include "pcm/gl/frame.h"
 #include "pcm/gl/gl_state.h"
+#include "pcm/gl/smoothing.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/view/seen_points.h"
@@ -172,8 +173,9 @@ struct Renderer::Impl {
         return selection;
     }
 
-    // Into the picture's target.
-    void draw_clouds(Frame& frame, const Camera& scene, PictureKey key) const
+    // Into the picture's target; once more, for the mean, into its `next`. Whether the picture is that of the frame
+    // before.
+    bool draw_clouds(Frame& frame, const Camera& scene, PictureKey key) const
     {
         PictureState& p = frame.picture;
         p.asked_samples = std::max(1u, frame.options.samples);
@@ -194,25 +196,42 @@ struct Renderer::Impl {
         l1->begin_frame(frame.owners);
 
         if (!resting) p.rest.reset();
+        begin_smoothing(frame, resting);
         if (p.rest && p.rest->begun) {
-            draw_resting(frame);
-        } else if (frame.converges) {
+            frame.again ? draw_for_mean(frame) : draw_resting(frame);
+        } else {
+            if (frame.again) {
+                p.next.prepare(scene.width, scene.height, p.asked_samples);
+                std::swap(p.target, p.next);
+                p.target.bind();
+            }
+            draw_within_limits(frame, resting);
+            if (frame.again) std::swap(p.target, p.next);
+        }
+        p.views.clear();
+        for (const FrameCloud& cloud : frame.clouds) p.views.push_back(cloud.view);
+        return resting;
+    }
+
+    // A view that moves, or rests without having all that it shows while it moves.
+    static void draw_within_limits(Frame& frame, bool resting)
+    {
+        PictureState& p = frame.picture;
+        if (frame.converges) {
             if (!p.rest) {
                 p.rest.emplace();
                 DetailLimits limits = frame.current_limits();
                 p.rest->lod = select_moving(frame, limits);
             }
             draw_moving(frame, p.rest->lod, true);
-        } else {
-            frame.limits = frame.current_limits();
-            if (!resting)
-                frame.limits.kept = [&p](std::uint32_t tree, NodeId node) {
-                    return p.kept.count({p.key->items[tree].cloud, node}) != 0;
-                };
-            draw_moving(frame, select_moving(frame, frame.limits), resting);
+            return;
         }
-        p.views.clear();
-        for (const FrameCloud& cloud : frame.clouds) p.views.push_back(cloud.view);
+        frame.limits = frame.current_limits();
+        if (!resting)
+            frame.limits.kept = [&p](std::uint32_t tree, NodeId node) {
+                return p.kept.count({p.key->items[tree].cloud, node}) != 0;
+            };
+        draw_moving(frame, select_moving(frame, frame.limits), resting);
     }
 
     FrameReport draw(PictureState& p, const Camera& scene, const std::vector<SceneItem>& items,
@@ -235,9 +254,13 @@ struct Renderer::Impl {
 
         const GlStateGuard state;
         state.set_plain();
-        draw_clouds(frame, scene, std::move(key));
+        const bool resting = draw_clouds(frame, scene, std::move(key));
         const bool moves = options.converge && !frame.at_rest && report.refining;
-        compositor.draw(p.target, p.resolved, state, scene.projection, options.eye_dome, moves);
+        end_smoothing(frame, resting, compositor, scene.projection);
+        if (const unsigned frames = frames_shown(p); frames > 1)
+            compositor.draw_mean(p.sum, frames, p.target, state);
+        else
+            compositor.draw(p.target, p.resolved, state, scene.projection, options.eye_dome, moves);
         if (p.clock.waits()) glFinish();
         report.measured_ms = frame.costs().last_measured_ms();
         for (std::size_t t = 0; t < clouds.size(); ++t) {
@@ -286,6 +309,7 @@ void Picture::release()
     impl_->target.release();
     impl_->next.release();
     impl_->resolved.release();
+    impl_->sum.release();
     impl_->clock.release();
     impl_->forget();
 }

@@ -13,7 +13,9 @@
 // While the view moves, a picture is as good as its time allows. When the same view is drawn again, it rests: the
 // picture's framebuffer is kept, and each frame adds as many chunks as its time allows, largest error first, streaming
 // through L1 what does not fit, until every point in view has been drawn. That is the full-resolution picture, whatever
-// the budgets are; further frames only composite it into the host's framebuffer.
+// the budgets are. Then, where RenderOptions::smooth_frames says so, it is drawn again at sub-pixel offsets, and the
+// mean of these frames is shown; its depth stays that of the first. Further frames only composite it into the host's
+// framebuffer.
 //
 // GL thread only, unless a member says otherwise. Works in compatibility and core contexts of OpenGL 3.3 and later; the
 // contexts of one share group may take turns. GLEW's function pointers must be loaded (a host like MeshLab has done it;
@@ -38,6 +40,9 @@
 
 namespace pcm {
 
+// What windows and `pcmlab render` use for RenderOptions::smooth_frames, and the most that has an effect.
+inline constexpr unsigned usual_smooth_frames = 8, most_smooth_frames = 256;
+
 struct RenderOptions {
     double target_spacing_px = 1.4;           // refine until points are no farther apart than this on screen
     double frame_budget_ms = 33;              // fewer points are drawn in a frame when they would take longer
@@ -48,6 +53,10 @@ struct RenderOptions {
     unsigned samples = 1;          // per pixel: 1 to the driver's most (FrameReport::samples)
     float eye_dome = 1;            // strength of eye-dome lighting; 0: none
     bool converge = true;          // a resting view refines to full resolution; else to the target
+    // The picture of a resting view, once it is complete, becomes the mean of at most so many frames at
+    // sub-pixel offsets (view/pixel_offset.h): edges and far textures neither shimmer nor have stairs. 1: it stays as
+    // it is. Views of more points have fewer frames (FrameReport::smooth_frames), some even none.
+    unsigned smooth_frames = 1;
     bool paraboloids = false;  // adaptive splats in every frame as in a view that rests; else squares while it moves
     bool fill_gaps = true;     // while finer points are not drawn, splats grow to fill the gaps
     DetailOrder order = DetailOrder::error;
@@ -119,11 +128,14 @@ struct FrameReport {
     std::uint64_t nodes_missing = 0;  // wanted, and absent from video memory or there with another style's attributes
     std::uint64_t effective_point_budget = 0;  // allowed by the frame budget
     unsigned samples = 1;                      // of the picture
+    unsigned frames_averaged = 1;              // in the picture
+    unsigned smooth_frames = 1;                // in the final one; known when `smoothing` is true, or nothing refines
     // Every point in view is in the picture, less those that conditions or clips hide, and as large as it is meant to
     // be.
     bool full_resolution = false;
-    bool refining = false;  // the picture is not final yet
-    bool repaint = false;   // ask for another frame at once; implies refining
+    bool refining = false;   // the picture is not final yet
+    bool smoothing = false;  // and all that it lacks is frames for the mean
+    bool repaint = false;    // ask for another frame at once; implies refining
     // The last background load error or OpenGL error, or why a cloud cannot be drawn: its extent is below 1e-33 or
     // above 1e30, or the view's numbers are above 1e35. Empty if none.
     std::string error;

@@ -78,7 +78,7 @@ namespace {
 // One frame of a view that rests.
 class RestingFrame {
 public:
-    explicit RestingFrame(Frame& frame) : frame_(frame), rest_(*frame.picture.rest), report_(frame.report)
+    RestingFrame(Frame& frame, PictureState::Rest& rest) : frame_(frame), rest_(rest), report_(frame.report)
     {
         frame.at_rest = true;
         // Until it is known: at least as much as in a moving view.
@@ -87,21 +87,23 @@ public:
 
     void draw()
     {
-        choose_next();
-        load_next();
-        const Served served = frame_.upload(rest_.all);
-        report_.effective_point_budget = frame_.options.point_budget;
-        if (!next_.empty()) draw_next();
-        const bool stuck = yield_held(served);
+        const bool stuck = add_next();
         const double error = error_px();
         show_when_without_gaps();
         fill_report(error);
-        const bool more = rest_.added < total();
-        if (stuck && more) report_.error = "the video memory is too small for the rest of the points in view";
-        report_.refining = more && !stuck;
-        bool waits = false;
-        for (FrameCloud& cloud : frame_.clouds) waits = waits || cloud.feed->waits();
-        report_.repaint = report_.refining && (!waits || report_.points_added > 0 || served.uploaded > 0);
+        if (stuck && has_more()) report_.error = "the video memory is too small for the rest of the points in view";
+        report_.refining = has_more() && !stuck;
+        report_.repaint = report_.refining && goes_on();
+    }
+
+    // For the mean, while `shown` is complete.
+    bool draw_again(PictureState::Rest& shown, bool& possible)
+    {
+        possible = !add_next() && rest_.left_out.empty();
+        RestingFrame(frame_, shown).fill_report(0);
+        report_.refining = possible;
+        report_.repaint = possible && goes_on();
+        return possible && !has_more();
     }
 
 private:
@@ -112,6 +114,7 @@ private:
     }
     FrameCloud& cloud_at(std::size_t i) const { return frame_.clouds[place_at(i).tree]; }
     std::size_t total() const { return rest_.all.order.size(); }
+    bool has_more() const { return rest_.added < total(); }
     std::uint64_t pages_at(std::size_t i) const
     {
         const std::uint64_t per_page = L1Cache::points_per_page(cloud_at(i).format);
@@ -121,6 +124,25 @@ private:
     {
         const FrameCloud& cloud = cloud_at(i);
         return cloud.feed->is_current(node_at(i).node, cloud.feed->find(node_at(i).node), cloud.format);
+    }
+
+    // Whether video memory refuses what is next.
+    bool add_next()
+    {
+        choose_next();
+        load_next();
+        served_ = frame_.upload(rest_.all);
+        report_.effective_point_budget = frame_.options.point_budget;
+        if (!next_.empty()) draw_next();
+        return yield_held(served_);
+    }
+
+    // Whether another frame would do more than wait.
+    bool goes_on() const
+    {
+        const bool waits = std::any_of(frame_.clouds.begin(), frame_.clouds.end(),
+                                       [](const FrameCloud& cloud) { return cloud.feed->waits(); });
+        return !waits || report_.points_added > 0 || served_.uploaded > 0;
     }
 
     // The nodes that are drawn next, as far as L1 has room for them beside those that a moving view will show again:
@@ -223,7 +245,7 @@ private:
 
     double error_px() const
     {
-        double error = rest_.added < total() ? node_at(rest_.added).error_px : 0;
+        double error = has_more() ? node_at(rest_.added).error_px : 0;
         for (const std::size_t i : rest_.left_out) error = std::max(error, node_at(i).error_px);
         return error;
     }
@@ -231,7 +253,7 @@ private:
     void show_when_without_gaps()
     {
         if (!rest_.behind) return;
-        if (rest_.added < total() && !has_no_gaps(frame_, node_at(rest_.added).error_px)) return;
+        if (has_more() && !has_no_gaps(frame_, node_at(rest_.added).error_px)) return;
         std::swap(frame_.picture.target, frame_.picture.next);
         rest_.behind = false;
     }
@@ -250,7 +272,7 @@ private:
         const RenderTarget& target = frame_.picture.target;
         report_.screen_error_px =
             std::min<double>(rest_.behind ? rest_.shown_error_px : error, std::max(target.width(), target.height()));
-        report_.full_resolution = rest_.added == total() && rest_.left_out.empty();
+        report_.full_resolution = !has_more() && rest_.left_out.empty();
     }
 
     Frame& frame_;
@@ -258,10 +280,16 @@ private:
     FrameReport& report_;
     const bool first_time_ = rest_.added < rest_.all.order.size();  // else those are drawn that could not be loaded
     std::vector<std::size_t> next_;                                 // places in rest_.all.order
+    Served served_{};
 };
 
 }  // namespace
 
-void draw_resting(Frame& frame) { RestingFrame(frame).draw(); }
+void draw_resting(Frame& frame) { RestingFrame(frame, *frame.picture.rest).draw(); }
+
+bool draw_again(Frame& frame, PictureState::Rest& again, bool& possible)
+{
+    return RestingFrame(frame, again).draw_again(*frame.picture.rest, possible);
+}
 
 }  // namespace pcm

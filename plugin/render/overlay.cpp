@@ -38,9 +38,12 @@ std::string progress_text(const FrameReport& report, const std::vector<OverlayCl
     for (const CloudReport& cloud : report.clouds) hidden += cloud.points_hidden;
     const std::string less = hidden > 0 ? "; " + grouped(hidden) + " hidden by the conditions" : "";
     const bool clipped = std::any_of(clouds.begin(), clouds.end(), [](const OverlayCloud& c) { return c.clipped; });
-    if (report.full_resolution && clipped) return "all points in view shown" + less;
+    const std::string mean = report.smoothing ? ", smoothing: " + std::to_string(report.frames_averaged) + " of " +
+                                                    std::to_string(report.smooth_frames) + "…"
+                                              : "";
+    if (report.full_resolution && clipped) return "all points in view shown" + mean + less;
     if (report.full_resolution)
-        return (report.points_drawn + hidden < all ? "all points in view shown" : "all points shown") + less;
+        return (report.points_drawn + hidden < all ? "all points in view shown" : "all points shown") + mean + less;
     return amount_text(std::min(report.points_drawn, all), all) + (report.refining ? ", loading…" : "") + less;
 }
 
@@ -82,6 +85,7 @@ std::string quality_text(const FrameReport& report, double target_px)
     if (report.screen_error_px > 0)
         text += "; screen error " + brief(report.screen_error_px) + " px (target " + brief(target_px) + ")";
     if (report.samples > 1) text += "; " + std::to_string(report.samples) + " samples per pixel";
+    if (report.frames_averaged > 1) text += "; mean of " + std::to_string(report.frames_averaged) + " frames";
     return text;
 }
 

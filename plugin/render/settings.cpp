@@ -16,6 +16,7 @@ const char* const splat_mode = "MeshLab::PointCloud::Splats";
 const char* const splat_size = "MeshLab::PointCloud::SplatSize";
 const char* const radius_scale = "MeshLab::PointCloud::RadiusScale";
 const char* const samples = "MeshLab::PointCloud::Samples";
+const char* const smooth = "MeshLab::PointCloud::Smooth";
 const char* const eye_dome = "MeshLab::PointCloud::EyeDomeLighting";
 const char* const details = "MeshLab::PointCloud::Details";
 const char* const first_view = "MeshLab::PointCloud::FirstView";
@@ -85,6 +86,12 @@ void add_quality(RichParameterList& parameters)
         samples, default_samples, sample_counts, "Samples per pixel",
         "Multisampling of edges (MSAA), in samples per pixel, limited to what the graphics card supports. Default " +
             sample_counts[default_samples] + "."));
+    parameters.addParam(RichBool(
+        smooth, true, "Smooth at rest",
+        QString("Whether a view that rests, when all its points are shown, becomes the mean of %1 frames at sub-pixel "
+                "offsets: edges and far textures lose their stairs and speckles, and turn calmly. Views of more than "
+                "25 million points have fewer. Default on.")
+            .arg(usual_smooth_frames)));
     parameters.addParam(RichFloat(target_spacing, static_cast<float>(render.target_spacing_px), "Target spacing (px)",
                                   QString("Largest distance between neighbouring points on the screen while the view "
                                           "moves, in pixels, from 0.1 to 1000. Default %1.")
@@ -207,6 +214,7 @@ Settings read_settings(const RichParameterList& parameters)
     style.radius_scale = static_cast<float>(number(radius_scale, 1e-3, 1e3));
     RenderOptions& render = settings.render;
     render.samples = 1u << choice_of(parameters, samples, sample_counts);
+    render.smooth_frames = parameters.getBool(smooth) ? usual_smooth_frames : 1;
     render.eye_dome = static_cast<float>(number(eye_dome, 0, 10));
     render.target_spacing_px = number(target_spacing, 0.1, 1000);
     render.frame_budget_ms = number(frame_budget, 1, 1e6);

@@ -257,7 +257,7 @@ FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem
             if (report.refining && !report.repaint) QThread::msleep(2);  // chunks are being loaded
         } while (report.refining && taken.elapsed() < tile_patience_ms);
     }
-    if (report.refining)
+    if (report.refining && !report.smoothing)
         area_->md()->Log.Log(GLLogStream::WARNING,
                              "Point Cloud: a part of the snapshot is less detailed than requested, because loading its "
                              "points took more than "
@@ -451,7 +451,9 @@ void View::publish_state()
     state["selected"] = selected;
     state["clipped"] = clipped;
     state["points"] = any ? static_cast<qulonglong>(report_.points_drawn) : 0;
-    state["complete"] = any && !report_.refining;
+    state["complete"] = any && (!report_.refining || report_.smoothing);
+    state["smoothing"] = any && report_.smoothing;
+    state["frames_averaged"] = any ? report_.frames_averaged : 0;
     state["full_resolution"] = any && report_.full_resolution;
     state["samples"] = report_.samples;
     state["clouds"] = static_cast<int>(report_.clouds.size());

@@ -140,6 +140,45 @@ TEST_F(Render, UntilTheTargetWithinABudget)
     EXPECT_LT(target["pictures"][0]["points_drawn"], 20000);
 }
 
+// Smooth by default, on request of more or fewer frames or none.
+TEST_F(Render, ThePictureIsTheMeanOfFrames)
+{
+    const auto partly = [&](const std::string& name) {
+        const Image image = picture(name);
+        std::size_t count = 0;
+        for (std::size_t i = 3; i < image.rgba.size(); i += 4) count += image.rgba[i] > 0 && image.rgba[i] < 255;
+        return count;
+    };
+    for (const auto& [option, frames] : {std::pair{"", 8}, {" --converge 5", 5}, {" --converge 1", 1}}) {
+        const Json json = render(path("in.pct") + " --overwrite -o " + path("a.png") + option);
+        EXPECT_EQ(json["pictures"][0]["frames_averaged"], frames) << option;
+        EXPECT_EQ(json["pictures"][0]["full_resolution"], true);
+        EXPECT_EQ(json["pictures"][0]["points_drawn"], 20000);
+        EXPECT_EQ(partly("a.png") > 20, frames > 1) << option;
+    }
+    const Json target =
+        render(path("in.pct") + " --overwrite -o " + path("a.png") + " --until target --target-px 3 --converge 4");
+    EXPECT_EQ(target["pictures"][0]["frames_averaged"], 4);
+    EXPECT_GT(partly("a.png"), 20u);
+    const std::string small = "render --overwrite --size 32x32 " + path("in.pct") + " -o " + path("a.png");
+    EXPECT_NE(pcmlab(small).out.find("every point in view, mean of 8 frames, in"), std::string::npos);
+    EXPECT_EQ(pcmlab(small + " --converge 1").out.find("frames"), std::string::npos);
+    for (const char* wrong : {" --converge 0", " --converge 257", " --converge x"})
+        EXPECT_EQ(pcmlab(small + wrong).code, 2) << wrong;
+}
+
+// As the window draws after normals were estimated.
+TEST_F(Render, DiscsArePerspectiveOnes)
+{
+    ASSERT_EQ(pcmlab("normals --in-place --radii " + path("in.pct")).code, 0);
+    render(path("in.pct") + " -o " + path("a.png") + " --discs");
+    render(path("in.pct") + " -o " + path("b.png") + " --splats perspective");
+    render(path("in.pct") + " -o " + path("c.png"));
+    EXPECT_EQ(picture("a.png"), picture("b.png"));
+    EXPECT_FALSE(picture("a.png") == picture("c.png"));
+    EXPECT_EQ(pcmlab("render " + path("in.pct") + " -o " + path("d.png") + " --discs --splats constant").code, 2);
+}
+
 TEST_F(Render, BackgroundAndColourAreAsRequested)
 {
     render(path("in.pct") + " -o " + path("a.png") + " --background white --eye-dome 0 --uniform-colour '#ff8000'");

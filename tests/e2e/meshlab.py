@@ -129,8 +129,9 @@ class MeshLabTest(unittest.TestCase):
 
     # Most tests look straight down, as MeshLab does: their cameras and pictures shall not depend on ours.
     first_view = 1
-    # Pictures are compared as a whole.
+    # Pictures are compared as a whole, and when their points are complete.
     scale_bar = False
+    smooth = False
 
     @classmethod
     def setUpClass(cls):
@@ -155,6 +156,8 @@ class MeshLabTest(unittest.TestCase):
             self.setting("FirstView", "RichEnum", self.first_view, enum_cardinality=2, enum_val0="", enum_val1="")
         if not self.scale_bar:
             self.setting("ScaleBar", "RichBool", "false", tooltip="Default on.")
+        if not self.smooth:
+            self.setting("Smooth", "RichBool", "false", tooltip="Default on.")
         (self.folder / "runtime").mkdir(mode=0o700)
 
     def setting(self, name, kind, value, **more):

@@ -49,6 +49,25 @@ TEST(Overlay, SaysHowMuchIsShownInOneLine)
     EXPECT_EQ(overlay_text(report_of(0, false, 0), {}, nullptr), "");
 }
 
+TEST(Overlay, SaysThatThePictureBecomesSmoothAndOfHowManyFramesItIs)
+{
+    FrameReport report = report_of(20'000'000, false);
+    report.refining = report.smoothing = true;
+    report.full_resolution = true;
+    report.frames_averaged = 5;
+    report.smooth_frames = 10;
+    EXPECT_EQ(text_of(report, {20'000'000}), "all points shown, smoothing: 5 of 10…");
+    EXPECT_EQ(text_of(report, {30'000'000}), "all points in view shown, smoothing: 5 of 10…");
+    report.clouds[0].points_hidden = 10'000'000;
+    EXPECT_EQ(text_of(report, {30'000'000}),
+              "all points shown, smoothing: 5 of 10…; 10,000,000 hidden by the conditions");
+    report.clouds[0].points_hidden = 0;
+    report.refining = report.smoothing = false;
+    report.frames_averaged = 10;
+    EXPECT_EQ(text_of(report, {20'000'000}), "all points shown");
+    EXPECT_NE(text_of(report, {20'000'000}, true).indexOf("; mean of 10 frames"), -1);
+}
+
 TEST(Overlay, SaysHowManyPointsConditionsHide)
 {
     FrameReport report = report_of(15'000'000, false);

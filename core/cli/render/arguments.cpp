@@ -154,6 +154,14 @@ void add_splats(Options& options, RenderArguments& a, const char* group)
         .between(1, 8)
         .group(group);
     options
+        .option("--converge", a.options.smooth_frames,
+                "The picture is the mean of so many frames at sub-pixel offsets, or of fewer where there are more than "
+                "200 M points in all of them: edges and far textures without stairs and speckles; 1: one frame, the "
+                "fastest")
+        .show_default()
+        .between(1, static_cast<int>(most_smooth_frames))
+        .group(group);
+    options
         .option("--eye-dome", a.options.eye_dome,
                 "Strength of eye-dome lighting, which shows relief without normals; 1 is usual")
         .show_default()
@@ -167,10 +175,17 @@ void add_look(Options& options, RenderArguments& a)
     options.option("--size", a.size, "Width and height of the picture, pixels: --size 1920x1080")
         .show_default()
         .group(group);
-    options.option("--splats", a.splats, "What points are drawn as: " + listed(names_of(splat_modes())))
-        .show_default()
-        .one_of(names_of(splat_modes()))
-        .group(group);
+    const Option splats =
+        options.option("--splats", a.splats, "What points are drawn as: " + listed(names_of(splat_modes())))
+            .show_default()
+            .one_of(names_of(splat_modes()))
+            .group(group);
+    options
+        .flag("--discs", a.discs,
+              "Points with normals and radii are drawn as discs, as the window does after 'Estimate Normals': --splats "
+              "perspective")
+        .group(group)
+        .excludes(splats);
     options
         .option(
             "--colour,--color", a.colour,
@@ -266,7 +281,7 @@ Background background_of(const RenderArguments& arguments)
 CloudStyle style_of(const RenderArguments& arguments)
 {
     CloudStyle style = arguments.style;
-    style.splats = mode_of(arguments.splats, splat_modes());
+    style.splats = arguments.discs ? SplatMode::perspective : mode_of(arguments.splats, splat_modes());
     const std::vector<std::string> modes = names_of(colour_modes());
     const auto written = written_name(arguments.colour, "");
     if (!written) refuse("--colour " + arguments.colour + ": the quotes around the attribute's name do not match");

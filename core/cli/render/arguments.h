@@ -15,6 +15,14 @@
 
 namespace pcm::cli {
 
+// As the window draws a view that rests.
+inline RenderOptions smoothed()
+{
+    RenderOptions options;
+    options.smooth_frames = usual_smooth_frames;
+    return options;
+}
+
 struct RenderArguments {
     Common common;
     std::vector<std::string> trees;
@@ -23,9 +31,9 @@ struct RenderArguments {
     std::vector<std::string> where, clips, clips_outside;
     CameraOptions camera;
     std::optional<double> frame_budget_ms;
-    bool overwrite = false, legend = false;
+    bool overwrite = false, legend = false, discs = false;
     CloudStyle style;
-    RenderOptions options;
+    RenderOptions options = smoothed();
     std::uint64_t l1 = L1Options().capacity_bytes, l2 = L2Options().capacity_bytes;
     unsigned threads = 0;  // that load chunks; 0: one per processor
 };

@@ -65,7 +65,10 @@ public:
             for (const CloudReport& cloud : drawn.report.clouds)
                 if (!cloud.error.empty()) throw Error(ErrorCode::io, {}, "the picture cannot be drawn: " + cloud.error);
             if (!drawn.report.refining) break;
-            const std::string stage = "Drawing, " + grouped(drawn.report.points_drawn) + " points";
+            const FrameReport& report = drawn.report;
+            const std::string stage = report.smoothing ? "Smoothing, frame " + std::to_string(report.frames_averaged) +
+                                                             " of " + std::to_string(report.smooth_frames)
+                                                       : "Drawing, " + grouped(report.points_drawn) + " points";
             if (!progress_({stage, static_cast<double>(number) / static_cast<double>(count)}))
                 throw Error(ErrorCode::cancelled, {}, "drawing was cancelled");
             const L1Statistics l1 = scene_.l1_statistics();
@@ -117,7 +120,8 @@ struct Summary {
     Outcome outcome;  // its warnings
     double seconds = 0, longest_ms = 0;
     std::uint64_t most_points = 0, most_hidden = 0;
-    std::size_t empty = 0;  // pictures in which no pixel differs from the background
+    unsigned least_averaged = ~0u, most_averaged = 1;  // frames of a picture
+    std::size_t empty = 0;                             // pictures in which no pixel differs from the background
     bool full = true;
 
     void add(const Drawn& picture)
@@ -131,6 +135,8 @@ struct Summary {
         most_hidden = std::max(most_hidden, hidden);
         longest_ms = std::max(longest_ms, picture.ms);
         most_points = std::max(most_points, picture.report.points_drawn);
+        least_averaged = std::min(least_averaged, picture.report.frames_averaged);
+        most_averaged = std::max(most_averaged, picture.report.frames_averaged);
         full = full && is_full(picture);
         empty += picture.pixels == 0;
     }
@@ -170,6 +176,7 @@ Json to_json(const Summary& summary, const RenderArguments& arguments, const Off
                             {"pixels", drawn.pixels},
                             {"ms", drawn.ms},
                             {"frames", drawn.frames},
+                            {"frames_averaged", drawn.report.frames_averaged},
                             {"uploaded_bytes", drawn.uploaded_bytes}});
     }
     Json json;
@@ -183,6 +190,16 @@ Json to_json(const Summary& summary, const RenderArguments& arguments, const Off
     json["pictures"] = pictures;
     json["warnings"] = summary.outcome.warnings;
     return json;
+}
+
+// Of how many frames the pictures are means; less than was asked for is said.
+std::string mean_text(const Summary& summary, unsigned asked)
+{
+    if (asked <= 1) return {};
+    std::string frames = std::to_string(summary.least_averaged);
+    if (summary.most_averaged > summary.least_averaged) frames += " to " + std::to_string(summary.most_averaged);
+    const std::string text = summary.most_averaged > 1 ? ", mean of " + frames + " frames" : ", one frame";
+    return text + (summary.least_averaged < std::min(asked, most_smooth_frames) ? " (many points)" : "");
 }
 
 void print(const Summary& summary, const RenderArguments& arguments, const Offscreen& screen)
@@ -205,13 +222,14 @@ void print(const Summary& summary, const RenderArguments& arguments, const Offsc
                     grouped(summary.most_hidden).c_str());
     if (files.size() > 1 && summary.empty > 0)
         std::printf("note: in %zu of the pictures no pixel differs from the background\n", summary.empty);
+    const std::string mean = mean_text(summary, arguments.options.smooth_frames);
     if (files.size() == 1)
-        std::printf("%s: %s points, %s, in %s\n", files.front().c_str(), grouped(summary.most_points).c_str(), whole,
-                    time_text(summary.seconds).c_str());
+        std::printf("%s: %s points, %s%s, in %s\n", files.front().c_str(), grouped(summary.most_points).c_str(), whole,
+                    mean.c_str(), time_text(summary.seconds).c_str());
     else
-        std::printf("%zu pictures, %s to %s: at most %s points, %s, and %s each\n", files.size(), files.front().c_str(),
-                    files.back().c_str(), grouped(summary.most_points).c_str(), whole,
-                    time_text(summary.longest_ms / 1000).c_str());
+        std::printf("%zu pictures, %s to %s: at most %s points, %s%s, and %s each\n", files.size(),
+                    files.front().c_str(), files.back().c_str(), grouped(summary.most_points).c_str(), whole,
+                    mean.c_str(), time_text(summary.longest_ms / 1000).c_str());
     std::printf("drawn with %s, peak memory %s\n", screen.renderer().c_str(), bytes_text(peak_memory_bytes()).c_str());
 }
 

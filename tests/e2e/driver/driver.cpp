@@ -89,12 +89,14 @@ QString TestDriver::status() const
     if (!area()) return {};
     const QVariantMap state = area()->property("pcm_state").toMap();
     if (!state["drawing"].toBool()) return "no cloud";
-    return QString("%1 points of %2 clouds, %3, frame %4 %5")
+    const int frames = state["smoothing"].toBool() ? 1 : state["frames_averaged"].toInt();
+    return QString("%1 points of %2 clouds, %3%4, frame %5 %6")
         .arg(state["points"].toULongLong())
         .arg(state["clouds"].toInt())
         .arg(state["full_resolution"].toBool() ? "complete, full resolution"
              : state["complete"].toBool()      ? "complete"
                                                : "refining")
+        .arg(frames > 1 ? QString(", mean of %1").arg(frames) : QString())
         .arg(state["frame"].toInt())
         .arg(state["error"].toString());
 }
