@@ -2,6 +2,7 @@
 #include "tests/gl/gl_support.h"
 
 #include "pcm/gl/frame_clock.h"
+#include "pcm/gl/gl_state.h"
 
 #include <algorithm>
 #include <chrono>
@@ -71,5 +72,16 @@ TEST(FrameClock, MeasuresAgainAfterAllQueriesWereInFlight)
         EXPECT_EQ(measure->work.vertices, 2 * measure->work.points);
         EXPECT_FALSE(clock.take());
     }
+    clock.release();
+}
+
+// Software rasterisers' queries omit the vertex stage.
+TEST(FrameClock, WaitsWhereTheDeviceIsTheProcessor)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    FrameClock clock;
+    clock.begin();
+    clock.end({1, 1, 0});
+    EXPECT_EQ(clock.waits(), gl_is_software());
     clock.release();
 }
