@@ -124,6 +124,14 @@ class Copy:
             return f"{program} {begun[-1] if begun else ''}".strip()  # the first failure is the last that has begun
 
 
+def with_fault(text, index, faulty):
+    """The text with the faulty line. Subscripts of the standard library are checked in it: tests under the address sanitizer,
+    which are not run here, would notice those out of range."""
+    lines = text.split("\n")
+    lines[index] = faulty
+    return "\n".join(["#define _GLIBCXX_ASSERTIONS 1", "#line 1", *lines])
+
+
 def noticed_by(copy, tests, limits, near):
     """The first test of the programs that notices a fault, the near suites before the others of their room."""
     for program in tests:
@@ -139,9 +147,7 @@ def verdict(copy, rooms, programs, limits, fault):
     name, index, _, faulty = fault
     path = copy.source / name
     good = path.read_text(encoding="utf-8")
-    lines = good.split("\n")
-    lines[index] = faulty
-    path.write_text("\n".join(lines), encoding="utf-8")
+    path.write_text(with_fault(good, index, faulty), encoding="utf-8")
     try:
         first, others = tests_for(name, rooms, programs)
         near = suites_near(name, copy.source / "tests" / first[0].removeprefix("test_")) if first else ""

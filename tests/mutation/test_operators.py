@@ -1,6 +1,7 @@
 """The faults that are made, and the choice of tests for them."""
 
 import pathlib
+import subprocess
 import tempfile
 import unittest
 
@@ -57,6 +58,19 @@ class Faults(unittest.TestCase):
         self.assertEqual(mutate.tests_for("core/io/reader.cpp", rooms, programs), (["test_io"], ["test_convert"]))
         self.assertEqual(mutate.tests_for("core/system/file.cpp", rooms, programs),
                          (["test_system"], ["test_convert", "test_io", "test_tree"]))
+
+    def test_the_fault_is_in_its_line_and_subscripts_are_checked(self):
+        text = mutate.with_fault("#include <array>\nstd::array<int, 2> a;\nint main(int n, char**) { return a[n]; }\n", 2,
+                                 "int main(int n, char**) { return a[n + 1]; }")
+        with tempfile.TemporaryDirectory() as folder:
+            program = pathlib.Path(folder) / "a"
+            source = program.with_suffix(".cpp")
+            source.write_text(text)
+            subprocess.run(["c++", "-o", program, source], check=True)
+            self.assertLess(subprocess.run([program], capture_output=True).returncode, 0)
+            source.write_text(mutate.with_fault("a\nb\nc", 1, "wrong"))
+            failed = subprocess.run(["c++", "-fsyntax-only", source], capture_output=True, text=True)
+            self.assertIn("a.cpp:1:1", failed.stderr)
 
     def test_tests_near_the_file_come_first(self):
         with tempfile.TemporaryDirectory() as folder:
