@@ -51,6 +51,8 @@ std::pair<std::size_t, std::uint32_t> find_component(const Condition& condition,
             named_component = true;
             name.resize(bracket);
             slot = schema.find(name);
+        } else {
+            component = 0;  // the brackets belong to the attribute's own name
         }
     }
     if (!slot) refuse_unknown(name, schema);

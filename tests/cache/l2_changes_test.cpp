@@ -134,4 +134,38 @@ TEST_F(L2Changes, MisuseIsReported)
     EXPECT_EQ(code_of([&] { reading.edit(1, columns(false, 1)); }), ErrorCode::invalid_argument);
 }
 
+// What a call says of a cache that was closed, for reading and for writing, and of nodes that are not there.
+TEST_F(L2Changes, ClosedCachesAndMissingNodesAreNamed)
+{
+    const auto text_of = [](const auto& call) -> std::string {
+        try {
+            call();
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::invalid_argument);
+            return error.what();
+        }
+        return "";
+    };
+    const auto everything = [](const Box3i&, std::uint16_t) { return true; };
+    L2Cache writing(store_, {}), reading(store_->tree(), {});
+    const auto missing = static_cast<NodeId>(store_->tree()->nodes().size());
+    const std::string nowhere = "no node " + std::to_string(missing) + " in this tree";
+    for (L2Cache* cache : {&writing, &reading}) {
+        EXPECT_NE(text_of([&] { cache->get(missing, columns(true, 0)); }).find(nowhere), std::string::npos);
+        EXPECT_NE(text_of([&] { cache->read_part(missing, columns(true, 0), everything); }).find(nowhere),
+                  std::string::npos);
+        EXPECT_NE(text_of([&] { cache->edit(missing, columns(false, 1)); }).find(nowhere), std::string::npos);
+        EXPECT_EQ(text_of([&] { cache->get(missing - 1, columns(true, 0)); }), "");
+    }
+    EXPECT_NE(text_of([&] { reading.edit(1, columns(false, 1)); }).find("for reading only (open it for writing)"),
+              std::string::npos);
+    for (L2Cache* cache : {&writing, &reading}) {
+        cache->close();
+        const std::string closed = "this point cloud was closed (open it again)";
+        EXPECT_NE(text_of([&] { cache->get(1, columns(true, 0)); }).find(closed), std::string::npos);
+        EXPECT_NE(text_of([&] { cache->read_part(1, columns(true, 0), everything); }).find(closed), std::string::npos);
+        EXPECT_NE(text_of([&] { cache->edit(1, columns(false, 1)); }).find(closed), std::string::npos);
+    }
+}
+
 }  // namespace

@@ -10,6 +10,9 @@
 #include <fstream>
 #include <limits>
 #include <map>
+#include <sstream>
+#include <string>
+#include <vector>
 
 namespace {
 
@@ -61,6 +64,50 @@ protected:
     }
     test::TemporaryFolder folder_;
 };
+
+// By the subclass markers, group 100, programs know what the groups behind them mean.
+TEST_F(Dxf, EntitiesHaveTheMarkersAndGroupsOfTheFormat)
+{
+    {
+        DxfFile file(folder_ / "a.dxf", {{"L"}});
+        file.point("L", {1, 2, 3});
+        file.line("L", {1, 2, 3}, {4, 5, 6});
+        file.polyline("L", {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}}, true);
+        file.polyline("L", {{1, 2, 3}, {4, 5, 6}}, false);
+        file.face("L", {1, 2, 3}, {4, 5, 6}, {7, 8, 9}, {10, 11, 12});
+        file.circle("L", {1, 2, 3}, {0, 0, 1}, 4);
+        file.text("L", {1, 2, 3}, 0.5, "words");
+        file.finish();
+    }
+    std::string found;
+    for (const Entity& entity : section(folder_ / "a.dxf", "ENTITIES")) {
+        found += entity.type + ":";
+        for (const auto& [code, value] : entity.groups) {
+            if (code == 5) continue;  // its handle
+            char* end = nullptr;
+            const double number = std::strtod(value.c_str(), &end);
+            std::ostringstream text;
+            code == 100 || code == 8 || end == value.c_str() ? text << value : text << number;
+            found += " " + std::to_string(code) + "=" + text.str();
+        }
+        found += "\n";
+    }
+    const std::string vertex = "VERTEX: 8=L ",
+                      markers = " 70=32 100=AcDbEntity 100=AcDbVertex 100=AcDb3dPolylineVertex\n";
+    const std::string one = vertex + "10=1 20=2 30=3" + markers, two = vertex + "10=4 20=5 30=6" + markers,
+                      three = vertex + "10=7 20=8 30=9" + markers, end = "SEQEND: 8=L 100=AcDbEntity\n";
+    const auto polyline = [](int flags) {
+        return "POLYLINE: 8=L 10=0 20=0 30=0 66=1 70=" + std::to_string(flags) + " 100=AcDbEntity 100=AcDb3dPolyline\n";
+    };
+    EXPECT_EQ(found,
+              "POINT: 8=L 10=1 20=2 30=3 100=AcDbEntity 100=AcDbPoint\n"
+              "LINE: 8=L 10=1 11=4 20=2 21=5 30=3 31=6 100=AcDbEntity 100=AcDbLine\n" +
+                  polyline(9) + one + two + three + end + polyline(8) + one + two + end +
+                  "3DFACE: 8=L 10=1 11=4 12=7 13=10 20=2 21=5 22=8 23=11 30=3 31=6 32=9 33=12 100=AcDbEntity "
+                  "100=AcDbFace\n"
+                  "CIRCLE: 8=L 10=1 20=2 30=3 40=4 100=AcDbEntity 100=AcDbCircle 210=0 220=0 230=1\n"
+                  "TEXT: 1=words 8=L 10=1 20=2 30=3 40=0.5 100=AcDbEntity 100=AcDbText 100=AcDbText\n");
+}
 
 TEST_F(Dxf, CirclesAreInTheAxesOfTheirNormals)
 {

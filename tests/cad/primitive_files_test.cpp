@@ -306,6 +306,23 @@ TEST_F(PrimitiveFiles, WhatIsRefusedWritesNothing)
     EXPECT_NE(text_of_file(folder_ / "there.csv"), "mine");
 }
 
+TEST_F(PrimitiveFiles, EveryNumberOfABoundIsFinite)
+{
+    for (const char* name : {"a.scr", "a.dxf"})
+        for (const double number : {std::numeric_limits<double>::infinity(), std::nan("")})
+            for (int which = 0; which < 7; ++which) {
+                Primitive broken = pipe();
+                ShapeBounds& bounds = broken.bounds;
+                bounds.outline = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+                double* const numbers[] = {&bounds.from,    &bounds.to,      &bounds.begin,        &bounds.end,
+                                           &bounds.zero[1], &bounds.zero[2], &bounds.outline[2][0]};
+                *numbers[which] = number;
+                EXPECT_EQ(error_of(name, {broken}), ErrorCode::invalid_argument) << name << ' ' << which;
+                EXPECT_NE(message_.find("the bounds of '" + broken.name + "' are not finite"), std::string::npos)
+                    << message_;
+            }
+}
+
 TEST_F(PrimitiveFiles, ADrawingHasItsUnitLayersAndColours)
 {
     if (!writes_dxf()) GTEST_SKIP() << "built without dxflib";

@@ -61,6 +61,7 @@ std::string selected(const std::string& condition)
     Schema schema;
     for (const char* name : {"1", "a=b", "x", "nan", "rgb[0]", "a b"}) schema.add({name, ScalarType::f64, 1, 1, 0, ""});
     schema.add({"rgb", ScalarType::f64, 3, 1, 0, ""});
+    schema.add({"rgb[3]", ScalarType::f64, 1, 1, 0, ""});  // rgb has no such component
     PointBatch batch;
     batch.reset(schema, false, 4);
     for (std::size_t k = 0; k < schema.size(); ++k)
@@ -98,6 +99,11 @@ TEST(AttributeNames, AConditionIsNeverMisread)
     EXPECT_EQ(selected("'rgb'[0]=7"), "1");
     expect_refused("rgb[0]=5", "is an attribute of this cloud, and a component");
     EXPECT_EQ(selected("rgb[1]=7"), "1");
+    EXPECT_EQ(selected("rgb[2]=7"), "1");
+    EXPECT_EQ(selected("rgb[3]=8"), "1");
+    EXPECT_EQ(selected("'rgb[3]'=8"), "1");
+    expect_refused("rgb[4]=8", "rgb");
+    expect_refused("'rgb'[3]=8", "rgb");
     expect_refused("'a b>2", "quotes");
     expect_refused("'y'>2", "no attribute 'y'");
     expect_refused("''>2", "no attribute");

@@ -3,13 +3,63 @@
 #include "pcm/filter/neighbour_attributes.h"
 #include "tests/filter/oracle.h"
 
+#include <array>
+#include <cmath>
 #include <random>
+#include <set>
+#include <vector>
 
 namespace {
 
 using namespace pcm;
 using namespace pcm::test;
 namespace fs = std::filesystem;
+
+// Two level sheets, 100 apart, whose normals point up or down at random; some points have none.
+TEST(UnitPieces, AreTheSheetsAndHaveTheSumsOfTheirPoints)
+{
+    std::mt19937_64 random(7);
+    SearchPositions positions;
+    positions.scale = {0.01, 0.01, 0.01};
+    std::vector<std::array<float, 3>> normals;
+    const Vec3d origin{10, 20, 30};
+    for (int sheet = 0; sheet < 2; ++sheet)
+        for (int k = 0; k < 600; ++k) {
+            positions.narrow[0].push_back(static_cast<std::int32_t>(random() % 2000));
+            positions.narrow[1].push_back(static_cast<std::int32_t>(random() % 2000));
+            positions.narrow[2].push_back(sheet * 10000 + static_cast<std::int32_t>(random() % 3));
+            const float up = random() % 2 ? 1.0f : -1.0f;
+            normals.push_back(random() % 20 == 0 ? std::array<float, 3>{} : std::array<float, 3>{0, 0, up});
+        }
+    std::vector<std::uint8_t> two_surfaces(normals.size(), 0);
+    const std::vector<std::array<float, 3>> before = normals;
+    const UnitPieces pieces = join_pieces(positions, origin, normals, two_surfaces);
+    ASSERT_EQ(pieces.piece.size(), normals.size());
+    std::vector<PieceSums> expected(pieces.sums.size());
+    std::set<std::uint32_t> of_sheet[2];
+    for (std::size_t i = 0; i < normals.size(); ++i) {
+        const bool defined = before[i][2] != 0;
+        ASSERT_EQ(pieces.piece[i] == no_piece, !defined);
+        EXPECT_EQ(std::fabs(normals[i][2]), defined ? 1 : 0);
+        if (!defined) continue;
+        ASSERT_LT(pieces.piece[i], pieces.sums.size());
+        of_sheet[i / 600].insert(pieces.piece[i]);
+        EXPECT_EQ(normals[i][2], 1) << "a level sheet points up";
+        const Vec3d p{0.01 * positions.narrow[0][i], 0.01 * positions.narrow[1][i], 0.01 * positions.narrow[2][i]};
+        expected[pieces.piece[i]].add(p + origin, {normals[i][0], normals[i][1], normals[i][2]});
+    }
+    for (const std::uint32_t piece : of_sheet[0]) EXPECT_EQ(of_sheet[1].count(piece), 0u);
+    EXPECT_EQ(of_sheet[0].size() + of_sheet[1].size(), pieces.sums.size()) << "no piece without points";
+    EXPECT_LT(pieces.sums.size(), 20u);
+    for (std::size_t k = 0; k < expected.size(); ++k) {
+        EXPECT_EQ(pieces.sums[k].count, expected[k].count);
+        EXPECT_NEAR(pieces.sums[k].squares / expected[k].squares, 1, 1e-12);
+        EXPECT_NEAR(pieces.sums[k].flux / expected[k].flux, 1, 1e-12);
+        EXPECT_NEAR(length(pieces.sums[k].positions - expected[k].positions), 0, 1e-6);
+        EXPECT_NEAR(length(pieces.sums[k].normals - expected[k].normals), 0, 1e-9);
+        EXPECT_GT(pieces.sums[k].outward_or_up(), 0);
+    }
+}
 
 TEST(SidedSets, KeepTheSidesOfASimpleModel)
 {

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <limits>
 #include <random>
 
@@ -320,7 +321,12 @@ TEST(BlockLoops, SumsAreThoseOfAllPoints)
                 Weighed one = weighed(loops, count, parameters);
                 loops.weigh_tapered(one.block, count, 0.08, threshold, nullptr, one.weights);
                 BlockSums sums{};
+                std::fill(std::begin(sums.gradient), std::end(sums.gradient), -7);
+                std::fill(std::begin(sums.products), std::end(sums.products), -7);
                 loops.sum(one.block, one.weights, count, parameters, sums);
+                EXPECT_EQ(std::count(std::begin(sums.gradient), std::end(sums.gradient), -7),
+                          most_parameters - parameters)
+                    << "no sums of what was not computed";
                 if (level == SimdLevel::baseline) first = sums;
                 const auto expect = [&](double found, double BlockSums::*of, const auto& term) {
                     double sum = 0, size = 0;

@@ -2,7 +2,9 @@
 #include "tests/gl/gl_support.h"
 
 #include "pcm/gl/frame_clock.h"
+#include "pcm/gl/gl_state.h"
 
+#include <algorithm>
 #include <chrono>
 #include <thread>
 
@@ -45,4 +47,41 @@ TEST(FrameClock, KnowsFramesInTheirOrder)
         EXPECT_TRUE(clock.take());
         clock.release();
     }
+}
+
+// A clock that nobody asks has all of its queries in flight. Those frames become known at once; later ones are
+// measured.
+TEST(FrameClock, MeasuresAgainAfterAllQueriesWereInFlight)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const Framebuffer framebuffer(64, 64);
+    FrameClock clock(true);
+    std::uint64_t frame = 0;
+    for (int round = 0; round < 10; ++round) {
+        const std::uint64_t first = frame + 1;
+        for (int i = 0; i < 3 + round; ++i) {
+            clock.begin();
+            framebuffer.clear();
+            clock.end({++frame, 2 * frame, 3});
+        }
+        glFinish();
+        const auto measure = clock.take();
+        ASSERT_TRUE(measure);
+        // The first four of them were measured; of those the latest is known.
+        EXPECT_EQ(measure->work.points, std::min(frame, first + 3));
+        EXPECT_EQ(measure->work.vertices, 2 * measure->work.points);
+        EXPECT_FALSE(clock.take());
+    }
+    clock.release();
+}
+
+// Software rasterisers' queries omit the vertex stage.
+TEST(FrameClock, WaitsWhereTheDeviceIsTheProcessor)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    FrameClock clock;
+    clock.begin();
+    clock.end({1, 1, 0});
+    EXPECT_EQ(clock.waits(), gl_is_software());
+    clock.release();
 }

@@ -1,7 +1,6 @@
 // The numbers of measures against long double arithmetic and generated truth, at map offsets and other extremes.
 #include "pcm/measure/measure.h"
 
-#include "pcm/measure/polygon.h"
 #include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
@@ -478,16 +477,6 @@ TEST(Measure, Labels)
     EXPECT_EQ(text(3.2, 0, "^2", ""), "3.2");
     EXPECT_EQ(label_of(measure_at(MeasureKind::distance, {{0, 0, 0}, {3, 4, 0}}), "m"), "5 m");
     EXPECT_NE(label_of(measure_at(MeasureKind::distance, {{0, 0, 0}}), "m").find("takes 2"), std::string::npos);
-}
-
-TEST(MeasuredPolygon, Crossings)
-{
-    const std::vector<Vec2d> polygon{{0, 0}, {4, 0}, {4, 4}, {2, 1}, {0, 4}};
-    EXPECT_FALSE(find_crossing(polygon));
-    const auto crossing = find_crossing({{0, 0}, {4, 4}, {4, 0}, {0, 3}});
-    ASSERT_TRUE(crossing);
-    EXPECT_EQ(crossing->first, 0u);
-    EXPECT_EQ(crossing->second, 2u);
 }
 
 }  // namespace

@@ -94,6 +94,30 @@ TEST_F(Placed, RegionsOfTheCloudLoseNothingByRounding)
     EXPECT_EQ(PlacedCloud(*cloud_, std::nullopt).most_stretch(), 1);
 }
 
+// Of a wide cloud about the origin and boxes about the origin: the room for rounding is that of the points'
+// coordinates, not only of the map's and the box's middle.
+TEST(PlacedWide, BoxesThroughFarPointsLoseNoneByRounding)
+{
+    TemporaryFolder folder;
+    std::mt19937_64 random(12);
+    std::uniform_real_distribution<double> unit(-1e6, 1e6);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 3000; ++i) points.push_back({unit(random), unit(random), unit(random)});
+    const auto cloud = measured_tree(folder, "wide", points, {});
+    points = positions_of(*cloud);
+    for (int turn = 0; turn < 20; ++turn) {
+        const PlacedCloud placed(*cloud, Affine::rotation({1, 2, 0.1 * turn}, 0.3 + turn, {}, 1));
+        const Affine map = Affine::rotation({1, 2, 0.1 * turn}, 0.3 + turn, {}, 1);
+        for (const Vec3d& q : points) {
+            const Vec3d p = map(q);
+            Box3d box;
+            box.extend(p);
+            box.extend(-1.0 * p);
+            ASSERT_TRUE(placed.own_region(Region::box(box)).contains(q));
+        }
+    }
+}
+
 TEST_F(Placed, ProfilesAreThoseOfTheMovedPoints)
 {
     for (const auto& [name, map] : maps) {

@@ -13,7 +13,9 @@ NUMBER = re.compile(r"(?<![\w.\"'])(\d+)(?![\w.'])")
 NOT = re.compile(r"!(?=[a-z(])")
 STATEMENT = re.compile(r"^\s+(?!return\b|throw\b|case\b|using\b|delete\b|typedef\b|static_assert\b|friend\b|else\b)"
                        r"[\w.:>\[\]-]+(\(.*\)| (\+|-|\*|/|\||&)?= .*);$")
+# Lines without faults: text output, what is no statement, and hints that change no result.
 STREAM = re.compile(r"std::c(out|err)|ofstream|#include|#pragma|static_assert|template|operator")
+HINT = re.compile(r"^\s*(?:for \(.*\) |if \(.*\) )?[\w.:>\[\]-]+(\.|->)(reserve|shrink_to_fit)\(.*\);$")
 
 
 def code_of(line):
@@ -26,7 +28,7 @@ def code_of(line):
 def faults_of(line):
     """The faults of a line: (what was changed, the line with the fault)."""
     code = code_of(line)
-    if not code.strip() or STREAM.search(code):
+    if not code.strip() or STREAM.search(code) or HINT.match(code):
         return []
     faults = []
 

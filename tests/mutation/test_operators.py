@@ -1,6 +1,8 @@
 """The faults that are made, and the choice of tests for them."""
 
 import pathlib
+import subprocess
+import tempfile
 import unittest
 
 import mutate
@@ -33,6 +35,12 @@ class Faults(unittest.TestCase):
                      "    std::vector<int> istrue(a);"):
             self.assertEqual([fault for fault in faulty(line) if fault.strip() != ";"], [], line)
 
+    def test_hints_of_capacity_have_no_faults(self):
+        for line in ("    found.reserve(2 * n + 1);", "    for (auto& list : lists) list.reserve(8);", "        table->reserve(n);"):
+            self.assertEqual(faulty(line), [], line)
+        self.assertNotEqual(faulty("    return file.reserve(room + 1);"), [])
+        self.assertNotEqual(faulty("    block.offset = spool_.file_.reserve(room);"), [])
+
     def test_no_fault_is_the_line_itself(self):
         files = mutate.sources(pathlib.Path(__file__).resolve().parents[2])
         faults = mutate.all_faults(files)
@@ -50,6 +58,50 @@ class Faults(unittest.TestCase):
         self.assertEqual(mutate.tests_for("core/io/reader.cpp", rooms, programs), (["test_io"], ["test_convert"]))
         self.assertEqual(mutate.tests_for("core/system/file.cpp", rooms, programs),
                          (["test_system"], ["test_convert", "test_io", "test_tree"]))
+
+    def test_the_fault_is_in_its_line_and_subscripts_are_checked(self):
+        text = mutate.with_fault("#include <array>\nstd::array<int, 2> a;\nint main(int n, char**) { return a[n]; }\n", 2,
+                                 "int main(int n, char**) { return a[n + 1]; }")
+        with tempfile.TemporaryDirectory() as folder:
+            program = pathlib.Path(folder) / "a"
+            source = program.with_suffix(".cpp")
+            source.write_text(text)
+            subprocess.run(["c++", "-o", program, source], check=True)
+            self.assertLess(subprocess.run([program], capture_output=True).returncode, 0)
+            source.write_text(mutate.with_fault("a\nb\nc", 1, "wrong"))
+            failed = subprocess.run(["c++", "-fsyntax-only", source], capture_output=True, text=True)
+            self.assertIn("a.cpp:1:1", failed.stderr)
+
+    def test_tests_near_the_file_come_first(self):
+        with tempfile.TemporaryDirectory() as folder:
+            tests = pathlib.Path(folder)
+            (tests / "deep").mkdir()
+            (tests / "a_test.cpp").write_text('#include "pcm/io/b.h"\nTEST(One, X)\n{\n}\nTEST_F(Two, X)\nTEST_P(Two, Y)\n')
+            (tests / "deep" / "c_test.cpp").write_text("TYPED_TEST(Three, X)\n")
+            self.assertEqual(mutate.suites_near("core/io/b.cpp", tests), "One.*:*/One.*:One/*:Two.*:*/Two.*:Two/*")
+            self.assertEqual(mutate.suites_near("core/io/b.h", tests), mutate.suites_near("core/io/b.cpp", tests))
+            self.assertEqual(mutate.suites_near("core/io/deep/c.cpp", tests), "Three.*:*/Three.*:Three/*")
+            self.assertEqual(mutate.suites_near("core/io/d.cpp", tests), "")
+
+    def test_the_first_test_that_fails_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            copy = mutate.Copy.__new__(mutate.Copy)
+            copy.build = pathlib.Path(folder)
+            (copy.build / "bin").mkdir()
+            program = copy.build / "bin" / "test_a"
+
+            def run(script, limit=30, **filters):
+                program.write_text("#!/bin/sh\n" + script)
+                program.chmod(0o755)
+                return copy.run("test_a", limit, **filters)
+            self.assertIsNone(run('test "$1" = "--gtest_filter=-*KilledAtAnyCall*:*Kill*"'))
+            self.assertIsNone(run('test "$1" = "--gtest_filter=A.*-*KilledAtAnyCall*:*Kill*"', only="A.*"))
+            self.assertIsNone(run('test "$1" = "--gtest_filter=-*KilledAtAnyCall*:*Kill*:A.*"', less="A.*"))
+            begun = "echo '[ RUN      ] A.x'\necho '[       OK ] A.x'\necho '[ RUN      ] A.y'\n"
+            self.assertEqual(run(begun + "exit 1"), "test_a A.y")
+            self.assertEqual(run(begun + "kill -SEGV $$"), "test_a A.y")
+            self.assertEqual(run(begun + "sleep 30", limit=1), "test_a A.y")
+            self.assertEqual(run("exit 1"), "test_a")
 
 
 if __name__ == "__main__":

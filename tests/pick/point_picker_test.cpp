@@ -338,6 +338,33 @@ TEST_P(PointPickerTest, EndsWhereTheRayOrAnotherHitEndsIt)
     if (GetParam() == Cloud::volume) EXPECT_GT(nearer, 4);
 }
 
+// A known hit is the answer where no point is nearer, even one of another cloud.
+TEST_P(PointPickerTest, AKnownHitStandsWhereNothingIsNearer)
+{
+    PointPicker picker(cloud_->cache());
+    std::mt19937_64 random(19);
+    for (int i = 0; i < 200; ++i) {
+        SCOPED_TRACE(i);
+        const PickRay ray = random_ray(random);
+        const PickResult alone = picker.exact(ray);
+        if (!alone.hit) continue;
+        const PickResult again = picker.exact(ray, {}, alone.hit);
+        ASSERT_TRUE(again.hit);
+        EXPECT_EQ(std::tie(again.hit->node, again.hit->index), std::tie(alone.hit->node, alone.hit->index));
+        EXPECT_EQ(again.hit->depth, alone.hit->depth);
+        PickHit other = *alone.hit;
+        other.index = 4000000000u;
+        const double infinite = std::numeric_limits<double>::infinity();
+        other.depth = std::nextafter(alone.hit->depth, -infinite);
+        const PickResult nearer = picker.exact(ray, {}, other);
+        ASSERT_TRUE(nearer.hit);
+        EXPECT_EQ(nearer.hit->index, 4000000000u);
+        EXPECT_EQ(nearer.outcome.points_out, 1u);
+        other.depth = std::nextafter(alone.hit->depth, infinite);
+        EXPECT_EQ(picker.exact(ray, {}, other).hit->index, alone.hit->index) << "a point is nearer";
+    }
+}
+
 TEST_P(PointPickerTest, InMemoryReadsNothingAndKnowsAllOnceAllIsThere)
 {
     PointPicker picker(cloud_->cache());

@@ -76,6 +76,46 @@ protected:
     const fs::path tree_ = folder_ / "out.pct";
 };
 
+// Changes of one column that are not yet on disk, of chunks whose other columns are not in memory.
+TEST_F(EditCursorTest, QueriesSeeChangesThatAreInMemoryAlone)
+{
+    const auto cloud = open(Access::write, std::uint64_t(64) << 20);
+    const Schema& schema = cloud->info().schema;
+    const std::size_t intensity = *schema.find("intensity");
+    ColumnSet changed;
+    changed.positions = false;
+    changed.attributes.set(intensity);
+    L2Cache& cache = cloud->cache();
+    std::uint64_t expected = 0, found = 0;
+    const Box3d bounds = cloud->info().bounds();
+    Box3d half = bounds;
+    half.max[0] = bounds.centre()[0];
+    const Region region = Region::box(half);
+    for (NodeId node = 0; node < cloud->tree()->nodes().size(); ++node) {
+        if (cloud->tree()->node(node).points == 0) continue;
+        const Chunk chunk = cloud->tree()->read_chunk(node, ColumnSet::only_positions());
+        for (std::size_t i = 0; i < chunk.points; ++i)
+            expected += region.contains(cloud->info().grid.to_source(chunk.positions->grid(i)));
+        L2Cache::Edit edit = cache.edit(node, changed);
+        Column& column = edit.column(intensity);
+        std::fill_n(column.as<std::uint16_t>(), column.size(), std::uint16_t(4711));
+        edit.mark_written();
+    }
+    Query query;
+    query.region = region;
+    query.attributes = {"intensity", "classification"};
+    std::multimap<Key, double> classes = values(*open(Access::read), "classification");
+    auto cursor = cloud->points(query);
+    for (PointView view; cursor.getNextData(view);)
+        for (std::size_t i = 0; i < view.size(); ++i, ++found) {
+            ASSERT_EQ(view.value(i, 0), 4711);
+            ASSERT_TRUE(region.contains(view.position(i)));
+        }
+    EXPECT_EQ(found, expected);
+    EXPECT_GT(found, 1000u);
+    EXPECT_EQ(values(*cloud, "classification"), classes);
+}
+
 TEST_F(EditCursorTest, ANewAttributeOfEveryPoint)
 {
     for (const bool again : {false, true}) {  // then its values are changed

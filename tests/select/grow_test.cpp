@@ -10,9 +10,14 @@
 #include "tests/select/cloud_of_points.h"
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <iterator>
 #include <memory>
 #include <random>
+#include <set>
+#include <thread>
+#include <vector>
 
 namespace {
 
@@ -220,7 +225,7 @@ TEST_F(Grow, ExtremeCloudsAndDistances)
 }
 
 // Counts the units: there is a judge for each unit that is visited and for each that holds seeds. Its margin is 0.
-class CountedJudges final : public SurroundingsTest {
+class CountedJudges : public SurroundingsTest {
 public:
     class Everywhere final : public PlaceTest {
     public:
@@ -264,6 +269,34 @@ TEST_F(Grow, UnitsAreAsSmallAsTheMemoryAsks)
     EXPECT_GE(judges(20000, 1), 4u);
     EXPECT_GE(judges(70000, 5), 6u);
     EXPECT_LE(judges(70000, 2), 6u);
+}
+
+// A report comes a few times a second: here each unit takes longer.
+TEST_F(Grow, ReportsTheShareOfUnitsThatAreComplete)
+{
+    class SlowJudges final : public CountedJudges {
+        std::unique_ptr<Judge> judge() const override
+        {
+            std::this_thread::sleep_for(std::chrono::milliseconds(130));
+            return CountedJudges::judge();
+        }
+    };
+    make(Shape::surface, 48000);
+    const SlowJudges slow;
+    GrowOptions options;
+    options.surroundings = &slow;
+    options.memory_bytes = 10000 * 192;
+    options.threads = 1;
+    std::vector<double> fractions;
+    options.progress = [&](const ProgressUpdate& update) { return fractions.push_back(update.fraction), true; };
+    PointSet seeds(tree_);
+    seeds.set(points_[0].node, {points_[0].number});
+    EXPECT_EQ(grow(seeds, 1e9, options).size(), 60000u);
+    EXPECT_EQ(fractions.front(), 0);
+    EXPECT_LT(fractions.back(), 1);
+    const std::set<double> between(fractions.begin(), fractions.end());
+    EXPECT_GE(between.size(), 4u);
+    EXPECT_LT(*std::next(between.begin()), 0.4);
 }
 
 TEST_F(Grow, CanBeCancelled)

@@ -67,6 +67,20 @@ TEST(TextHead, MissingValuesOfAttributesAreNaN)
     EXPECT_TRUE(std::isnan(read_text("x,y,z,a\n1,2,3,NA\n1,2,3,NA\n", "a.csv").value("a", 1)));
 }
 
+// Of few rows too, and by the content alone.
+TEST(TextHead, SeparatorsAtTheEndsOfLinesAreNoColumn)
+{
+    for (const char* name : {"a.csv", "a.unknown"})
+        for (const std::string separator : {",", ";", "\t"}) {
+            std::string text;
+            for (const char* row : {"1.5,2,3,7,", "4,5,6,8,", "7,8,9,9,"})
+                for (const char c : row + std::string("\n")) text += c == ',' ? separator : std::string(1, c);
+            const auto cloud = read_text(text, name);
+            EXPECT_EQ(cloud.points.size, 3u) << name << separator;
+            EXPECT_EQ(cloud.info.schema.size(), 1u) << name << separator;
+        }
+}
+
 TEST(TextHead, TitlesAndCommentsAreLeftOut)
 {
     EXPECT_EQ(read_text("; made by hand\n1 2 3\n; and more\n# x\n// y\n4 5 6\n").points.size, 2u);
