@@ -1,5 +1,7 @@
 """Runs the real meshlab and meshlabserver with our plugins and the test driver on a virtual display."""
 
+import atexit
+import fcntl
 import json
 import os
 import pathlib
@@ -7,6 +9,7 @@ import re
 import shutil
 import subprocess
 import tempfile
+import time
 import unittest
 from xml.sax.saxutils import quoteattr
 
@@ -18,7 +21,61 @@ REFERENCE = SOURCE / "tests" / "e2e" / "reference"
 # Pictures and logs are kept here for inspection.
 RESULTS = BUILD / "e2e-results"
 
-DISPLAY = ["xvfb-run", "--auto-servernum", "--server-args=-screen 0 1600x1200x24"]
+
+class Display:
+    """A virtual display with a window manager, for the tests of one module: they have it one after another."""
+
+    _only = None
+
+    @classmethod
+    def name(cls):
+        """The value of DISPLAY; the display is started by the first call and ended with this program."""
+        if cls._only is None:
+            cls._only = cls()
+        return cls._only.number
+
+    def __init__(self):
+        self.folder = tempfile.mkdtemp(prefix="pcm-display-")
+        atexit.register(self.end)
+        read, write = os.pipe()
+        self.programs = []
+        # The server chooses a free number itself, as several displays start at the same time.
+        self.start(["Xvfb", "-displayfd", str(write), "-screen", "0", "1600x1200x24", "-nolisten", "tcp", "-noreset"],
+                   "xvfb.log", pass_fds=[write])
+        os.close(write)
+        with os.fdopen(read) as pipe:
+            number = pipe.readline().strip()
+        if not number:
+            raise AssertionError("the virtual display did not start: " + self.text("xvfb.log"))
+        self.number = ":" + number
+        # The window manager has its own settings, not the user's.
+        self.environment = dict(os.environ, DISPLAY=self.number, XDG_CONFIG_HOME=self.folder, XDG_CACHE_HOME=self.folder,
+                                LC_ALL="C.UTF-8")
+        self.start(["openbox"], "openbox.log", env=self.environment)
+        # A window that comes before its manager is left without frame, place and focus.
+        deadline = time.monotonic() + 60
+        while not self.is_managed():
+            if time.monotonic() > deadline or self.programs[1].poll() is not None:
+                raise AssertionError("the window manager did not start: " + self.text("openbox.log"))
+            time.sleep(0.02)
+
+    def start(self, command, log, **options):
+        with open(os.path.join(self.folder, log), "w", encoding="utf-8") as file:
+            self.programs.append(subprocess.Popen(command, stdout=file, stderr=file, **options))
+
+    def text(self, log):
+        return pathlib.Path(self.folder, log).read_text(errors="replace")
+
+    def is_managed(self):
+        asked = subprocess.run(["xprop", "-root", "_NET_SUPPORTING_WM_CHECK"], env=self.environment, capture_output=True,
+                               text=True, timeout=60)
+        return "window id" in asked.stdout
+
+    def end(self):
+        for program in reversed(self.programs):
+            program.terminate()
+            program.wait(60)
+        shutil.rmtree(self.folder, ignore_errors=True)
 
 
 class Run:
@@ -136,13 +193,12 @@ class MeshLabTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.prefix = BUILD / "e2e-meshlab"
-        subprocess.run([SOURCE / "packaging" / "meshlab-prefix", BUILD, cls.prefix], check=True, capture_output=True,
-                       timeout=60)
-        plugins = next(cls.prefix.glob("lib/*/meshlab/plugins"))
-        driver = plugins / "libpcm_test_driver.so"
-        if not driver.exists():
-            driver.symlink_to(BUILD / "test-plugins" / "libpcm_test_driver.so")
         RESULTS.mkdir(exist_ok=True)
+        # Modules run side by side; the first makes what the others find made.
+        with open(BUILD / "e2e-meshlab.lock", "w", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            subprocess.run([SOURCE / "packaging" / "meshlab-prefix", BUILD, cls.prefix, BUILD / "test-plugins"], check=True,
+                           capture_output=True, timeout=60)
 
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pcm-e2e-"))
@@ -173,20 +229,18 @@ class MeshLabTest(unittest.TestCase):
         return RESULTS / f"{type(self).__name__}-{self._testMethodName}-{name}"
 
     def run_program(self, command, timeout):
-        done = subprocess.run([*DISPLAY, *map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              text=True, errors="replace", env=self.environment, cwd=self.folder, timeout=timeout)
+        done = subprocess.run([*map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              errors="replace", env=dict(self.environment, DISPLAY=Display.name()), cwd=self.folder,
+                              timeout=timeout)
         self.result("log.txt").write_text(done.stdout)
         return Run(done.returncode, done.stdout)
 
     def gui(self, script, *arguments, timeout=240):
-        """Runs MeshLab with a window manager; the driver plays the script."""
+        """Runs MeshLab; the driver plays the script."""
         (self.folder / "script.txt").write_text(script)
         self.environment["PCM_TEST_SCRIPT"] = str(self.folder / "script.txt")
         self.environment["PCM_TEST_FAILURE_PICTURE"] = str(self.result("failure.png"))
-        launcher = self.folder / "launch.sh"
-        launcher.write_text('#!/bin/sh\nopenbox &\nmanager=$!\n"$@"\ncode=$?\nkill $manager\nexit $code\n')
-        launcher.chmod(0o755)
-        return self.run_program([launcher, self.prefix / "bin" / "meshlab", *arguments], timeout)
+        return self.run_program([self.prefix / "bin" / "meshlab", *arguments], timeout)
 
     def server(self, filters, *arguments, timeout=240, started_by=()):
         """Runs meshlabserver with a script of filters: [(name, {parameter: (type, value)})], or

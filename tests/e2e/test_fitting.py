@@ -150,7 +150,7 @@ class Fitting(MeshLabTest):
             screen {self.result("close-screen.png")}
             trigger Save Project As...
             pick {project}
-            pause 500
+            wait-file {project}
             quit
             """)
         self.assertDriven(run)
@@ -449,7 +449,7 @@ class Fitting(MeshLabTest):
                 picture {pictures[name]}
                 trigger Save Project As...
                 pick {project}
-                pause 500
+                wait-file {project}
                 quit
                 """)
             self.assertDriven(run)

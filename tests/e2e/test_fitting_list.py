@@ -206,7 +206,7 @@ class MovedClouds(FittingTest):
             screen {self.result("moved.png")}
             trigger Save Project As...
             pick {project}
-            pause 500
+            wait-file {project}
             press Delete
             wait-rows {LIST} 2
             press Export

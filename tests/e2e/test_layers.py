@@ -30,7 +30,6 @@ class DrawnCopies(MeshLabTest):
             screen {screen}
             print-layers
             export {saved}
-            pause 500
             wait-log Wrote 60,000 points of the layer
             quit
             """)
@@ -183,19 +182,16 @@ class Samples(MeshLabTest):
             wait-status complete
             picture {before}
             {self.SELECT_AND_DELETE.format("x > 5")}
-            pause 500
             press Leave it
             wait-notice vertices were deleted
             screen {red}
             export {self.folder / "out.las"}
-            pause 500
             wait-log Wrote 400,000 points
             wait-log Warning: The layer
             trigger Reload
             wait-notice none
             wait-status complete
             {self.SELECT_AND_DELETE.format("x > 5")}
-            pause 500
             press Restore the sample
             wait-log is restored
             wait-notice none
@@ -230,7 +226,6 @@ class Samples(MeshLabTest):
             trigger Select Vertices
             trigger Delete Selected Vertices
             wait-log Deleted
-            pause 500
             press Delete the points of the cloud
             expect-message a rectangle of this view
             wait-log of the 400,000 points of {tree}

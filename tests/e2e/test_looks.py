@@ -26,9 +26,8 @@ class Looks(MeshLabTest):
             print-camera saved
             picture {before}
             trigger Save Project As...
-            pause 500
             pick {project}
-            pause 500
+            wait-file {project}
             quit
             """, tree)
         self.assertDriven(run)

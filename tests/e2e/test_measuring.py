@@ -163,7 +163,6 @@ class Measuring(MeshLabTest):
             pick {out / "m.dxf"}
             wait-log wrote 5 measures to {out / "m.dxf"}
             choose-row {LIST} 0
-            pause 100
             press Jump to
             pause 500
             wait-status complete
@@ -171,7 +170,7 @@ class Measuring(MeshLabTest):
             screen {self.result("close-screen.png")}
             trigger Save Project As...
             pick {project}
-            pause 500
+            wait-file {project}
             quit
             """)
         self.assertDriven(run)
@@ -325,7 +324,7 @@ class Measuring(MeshLabTest):
             print-table {VALUES}
             trigger Save Project As...
             pick {project}
-            pause 500
+            wait-file {project}
             press Panel defaults
             {self.clicks((0.40, 0.50), (0.60, 0.50))}
             key Return
@@ -381,7 +380,7 @@ class Measuring(MeshLabTest):
             wait-log wrote 1 measures
             trigger Save Project As...
             pick {project}
-            pause 500
+            wait-file {project}
             quit
             """)
         self.assertDriven(run)

@@ -90,7 +90,7 @@ class MovedLayers(MeshLabTest):
             wait-log wrote 2 measures
             trigger Save Project As...
             pick {project}
-            pause 500
+            wait-file {project}
             quit
             """)
         self.assertDriven(run)

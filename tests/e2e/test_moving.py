@@ -329,9 +329,8 @@ class PointCloudsPanel(MeshLabTest):
             press Close
             check-cell PointCloudLayers 1 3 on
             trigger Save Project As...
-            pause 500
             pick {project}
-            pause 500
+            wait-file {project}
             quit
             """, timeout=400)
         self.assertDriven(run)
@@ -403,9 +402,8 @@ class PointCloudsPanel(MeshLabTest):
             print-table PointCloudBookmarks
             screen {self.result("panel.png")}
             trigger Save Project As...
-            pause 500
             pick {project}
-            pause 500
+            wait-file {project}
             quit
             """, timeout=400)
         self.assertDriven(run)

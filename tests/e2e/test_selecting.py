@@ -276,7 +276,7 @@ class Selecting(MeshLabTest):
             key-in PointCloudClipBoxAxis Ctrl+Shift+Z
             trigger Save Project As...
             pick {project}
-            pause 300
+            wait-file {project}
             press Keep the box's points
             pick {kept}
             wait-label PointCloudClipBoxMessage extracted

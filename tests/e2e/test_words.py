@@ -322,7 +322,7 @@ class Words(MeshLabTest):
             print-parameters before
             trigger Save Project As...
             pick {project}
-            pause 300
+            wait-file {project}
             panel SplatSize = 7
             trigger Save Project As...
             press Cancel
@@ -378,7 +378,7 @@ class Words(MeshLabTest):
             wait-status complete
             trigger Save Project As...
             pick {project}
-            pause 300
+            wait-file {project}
             open {las}
             wait-layers 2
             trigger Export Mesh...

@@ -121,6 +121,13 @@ Done wait_property(TestDriver& driver, const QString& argument)
     return driver.until(text.contains(argument.section(' ', 1)), "the property '" + argument + "', now " + text);
 }
 
+// forget-property NAME: the next answer of a tool is then the one that a command waits for
+Done forget_property(TestDriver& driver, const QString& name)
+{
+    driver.area()->setProperty(qPrintable(name), {});
+    return Done::yes;
+}
+
 }  // namespace
 
 std::vector<Command> tool_commands()
@@ -137,5 +144,6 @@ std::vector<Command> tool_commands()
         {"wait-label", wait_label},
         {"print-property", print_property},
         {"wait-property", wait_property},
+        {"forget-property", forget_property},
     };
 }

@@ -3,6 +3,7 @@
 #include <meshlab/glarea.h>
 
 #include <QApplication>
+#include <QFile>
 #include <QMainWindow>
 #include <QStatusBar>
 #include <QVariantMap>
@@ -62,6 +63,12 @@ Done wait_notice(TestDriver& driver, const QString& argument)
     return driver.until(argument == "none" ? notice.isEmpty() : notice.contains(argument), "notice '" + argument + "'");
 }
 
+// wait-file PATH: until a file is there
+Done wait_file(TestDriver& driver, const QString& path)
+{
+    return driver.until(QFile::exists(path), "the file '" + path + "'");
+}
+
 // After the command `open`.
 Done wait_first_picture(TestDriver& driver, const QString&)
 {
@@ -105,6 +112,7 @@ std::vector<Command> waiting_commands()
         {"wait-no-status", wait_no_status},
         {"wait-log", wait_log},
         {"wait-notice", wait_notice},
+        {"wait-file", wait_file},
         {"wait-first-picture", wait_first_picture},
         // The first-person tool.
         {"wait-moving", [](TestDriver& driver, const QString&) { return driver.until(walks(driver), "movement"); }},
