@@ -215,6 +215,7 @@ double volume_of(PointShape shape) { return static_cast<double>(shape & 0xffffu)
 
 double size_factor(PointShape shape)
 {
+    if (surroundings_of(shape) == Surroundings::surface) return surface_factor;
     return surroundings_of(shape) == Surroundings::volume ? 1 - (1 - least_volume_factor) * volume_of(shape) : 1;
 }
 

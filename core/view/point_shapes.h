@@ -41,10 +41,11 @@ Vec3d direction_of(PointShape shape);         // the same again
 PointShape volume_shape(double share);        // 0 to 1
 double volume_of(PointShape shape);           // of volumes
 
-// The splat of a point of this shape is this many times as large as its radius: 1, but for volumes, whose points are
-// farther apart in the picture than in space.
+// The splat of a point of this shape is this many times as large as its size: a little larger on surfaces, whose discs
+// would leave gaps where the points' density changes; smaller in volumes, whose points are farther apart in the picture
+// than in space.
 double size_factor(PointShape shape);
-inline constexpr double least_volume_factor = 0.15;
+inline constexpr double surface_factor = 1.15, least_volume_factor = 0.15;
 
 // One of each point. `segments`: the numbers of points of the segments that the positions are of, in order
 // (bpc/segments.h); nothing beyond a segment counts, so that a part of a chunk has the shapes of the whole.

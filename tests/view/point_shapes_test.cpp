@@ -253,7 +253,8 @@ TEST(PointShapes, VolumesAreSmallerTheRounderTheyAre)
     EXPECT_DOUBLE_EQ(size_factor(volume_shape(1)), least_volume_factor);
     EXPECT_EQ(volume_shape(7), volume_shape(1));
     EXPECT_NEAR(volume_of(volume_shape(0.3)), 0.3, 1e-5);
-    EXPECT_EQ(size_factor(shape_of(Surroundings::surface, {0, 1, 0})), 1);
+    EXPECT_EQ(size_factor(shape_of(Surroundings::surface, {0, 1, 0})), surface_factor);
+    EXPECT_EQ(size_factor(shape_of(Surroundings::line, {0, 1, 0})), 1);
 }
 
 }  // namespace
