@@ -84,8 +84,8 @@ ShownClouds shown_clouds(const std::vector<MeshModel*>& drawn, const CloudStyle&
     for (const MeshModel* layer : drawn) shown.layers.push_back(layer->id());
     shown.where = style.where;
     const SplatTraits& splats = traits_of(style.splats);
-    const float drawn = splats.shape == SplatShape::sphere ? radius_of_paraboloid : 1;
-    shown.size_scale = splats.reads_radius ? static_cast<double>(style.radius_scale * drawn) : 0;
+    const float factor = splats.shape == SplatShape::sphere ? radius_of_paraboloid : 1;
+    shown.size_scale = splats.reads_radius ? static_cast<double>(style.radius_scale * factor) : 0;
     shown.fitted = splats.reads_shape;
     return shown;
 }

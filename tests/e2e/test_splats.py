@@ -13,7 +13,7 @@ from meshlab import REFERENCE, MeshLabTest, different, pcmlab
 # Two renderings of a view may differ in pixels along the edges of splats, where versions of the software renderer round
 # differently.
 SAME_PICTURE = 0.02
-MODES = ("constant", "adaptive", "affine", "perspective")  # in the order of the setting
+MODES = ("constant", "adaptive", "affine", "perspective", "fitted")  # in the order of the setting
 VIEW = "view-size 320 240\n"
 SIDE = 60  # points along a cloud's edge
 
