@@ -206,7 +206,7 @@ TEST(FittedSplat, AShapeIsSeenAsWhatItIs)
     EXPECT_NEAR(round[0], 33, 2);
     EXPECT_NEAR(round[1], 33, 2);
     const auto level = across(shape_of(Surroundings::surface, {0, 1, 0}));  // seen edge-on
-    EXPECT_NEAR(level[0], 30, 4);  // its tips are less than a pixel high
+    EXPECT_NEAR(level[0], 30, 4);                                           // its tips are less than a pixel high
     EXPECT_LE(level[1], 3);
     const auto tilted = across(shape_of(Surroundings::surface, normalised(Vec3d{0, 1, 1})));
     EXPECT_NEAR(tilted[0], 33, 2);
