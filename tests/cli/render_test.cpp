@@ -181,7 +181,8 @@ TEST_F(Render, DiscsArePerspectiveOnes)
 
 TEST_F(Render, BackgroundAndColourAreAsRequested)
 {
-    render(path("in.pct") + " -o " + path("a.png") + " --background white --eye-dome 0 --uniform-colour '#ff8000'");
+    render(path("in.pct") + " -o " + path("a.png") +
+           " --background white --eye-dome 0 --converge 1 --uniform-colour '#ff8000'");
     Image image = picture("a.png");
     EXPECT_EQ(image.pixel(0, 0)[0], 255);
     EXPECT_EQ(image.pixel(0, 0)[2], 255);
@@ -226,7 +227,7 @@ TEST_F(Render, TheCameraIsWhereItIsPut)
     write_las(folder_ / "two.las", {point, other}, {{0.01, 0.01, 0.01}, {0, 0, 0}});
     ASSERT_EQ(pcmlab("build " + path("two.las")).code, 0);
     // Ten units from bottom to top are 100 pixels.
-    const std::string squares = " --splats constant --point-size 4 --eye-dome 0";
+    const std::string squares = " --splats constant --point-size 4 --eye-dome 0 --converge 1";
     render(
         path("two.pct") + " -o " + path("a.png") + " --eye 10 20 50 --target 10 20 3 --up 0 1 0 --height 10" + squares,
         "100x100");
@@ -250,7 +251,8 @@ TEST_F(Render, TheCameraIsWhereItIsPut)
 // colours.
 TEST_F(Render, TheDefaultLook)
 {
-    const std::string white = path("in.pct") + " --overwrite --uniform-colour '#ffffff' -o " + path("a.png");
+    const std::string white =
+        path("in.pct") + " --overwrite --converge 1 --uniform-colour '#ffffff' -o " + path("a.png");
     render(white);
     const Image usual = picture("a.png");
     render(white + " --splats fitted --eye-dome 1");

@@ -124,6 +124,29 @@ TEST(Smoothing, IsTheMeanOfPicturesAtTheOffsets)
             }
 }
 
+// Of views that do not converge, as tiles of a snapshot, as well; their depth, too, stays that of the picture.
+TEST(Smoothing, ViewsThatDoNotConvergeHaveTheirMean)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "cube", grid_at(map_offset), random_points(20000, 10000, 21), 1500);
+    const Framebuffer framebuffer(wide, high);
+    Drawing drawing(cloud);
+    drawing.style = coloured(SplatMode::adaptive);
+    RenderOptions options = smooth(1);
+    options.converge = false;
+    const auto mean = mean_of_pictures(drawing, framebuffer, view_of_cube(), options, 6);
+    draw_until_done(drawing, framebuffer, view_of_cube(), map_offset, options);
+    const auto depths = depths_of(framebuffer);
+    options.smooth_frames = 6;
+    EXPECT_EQ(draw_until_done(drawing, framebuffer, view_of_cube(), map_offset, options).frames_averaged, 6u);
+    EXPECT_LT(largest_difference(framebuffer.read(), mean), 1.01);
+    const auto now = depths_of(framebuffer);
+    for (std::size_t k = 0; k < depths.size(); ++k)
+        if (depths[k] < 1) EXPECT_EQ(now[k], depths[k]) << k;
+    drawing.release();
+}
+
 // An edge's coverage is its area in the pixel: with n x n cells of offsets a straight edge is off by a cell at most,
 // and the more frames the less.
 TEST(Smoothing, CoverageBecomesTheAreaOfAPixel)
