@@ -10,6 +10,7 @@
 #include "tests/clouds.h"
 #include "tests/faults.h"
 #include "tests/paths.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <fstream>
@@ -94,7 +95,9 @@ protected:
     Contents reference_;
 };
 
-TEST_F(BuildFaults, KilledAtAnyCallItResumesAndMakesTheSameTree)
+// Not under the address sanitizer: starts hundreds of processes. Nor under the thread sanitizer: starts the command,
+// which is not built then.
+TEST_F(BuildFaults, PCM_NOT_UNDER_SANITIZERS(KilledAtAnyCallItResumesAndMakesTheSameTree))
 {
     const long calls = count_calls(command(), work());
     EXPECT_GT(calls, 100);
@@ -127,7 +130,8 @@ TEST_F(BuildFaults, KilledAtAnyCallItResumesAndMakesTheSameTree)
     EXPECT_GT(restarted, 2);
 }
 
-TEST_F(BuildFaults, KilledAgainAndAgain)
+// Not under the thread sanitizer: starts the command, which is not built then.
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(KilledAgainAndAgain))
 {
     const long calls = count_calls(command(), work());
     clean();
@@ -140,7 +144,7 @@ TEST_F(BuildFaults, KilledAgainAndAgain)
     EXPECT_TRUE(contents(out()) == reference_);
 }
 
-TEST_F(BuildFaults, ATreeThatIsOverwrittenIsThereAtAnyTime)
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(ATreeThatIsOverwrittenIsThereAtAnyTime))
 {
     write_las(folder_ / "old.las", records(Shape::volume, 3000, 32), {});
     build_tree({folder_ / "old.las"}, folder_ / "old.pct", options());
@@ -170,7 +174,7 @@ TEST_F(BuildFaults, ATreeThatIsOverwrittenIsThereAtAnyTime)
     EXPECT_GT(replaced, 0);
 }
 
-TEST_F(BuildFaults, ADiskThatIsFullOrFailsLeavesNothingBehind)
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(ADiskThatIsFullOrFailsLeavesNothingBehind))
 {
     write_las(folder_ / "old.las", records(Shape::volume, 3000, 32), {});
     build_tree({folder_ / "old.las"}, folder_ / "old.pct", options());
@@ -199,7 +203,7 @@ TEST_F(BuildFaults, ADiskThatIsFullOrFailsLeavesNothingBehind)
 }
 
 // Through the spool: doubles that are read in order.
-TEST_F(BuildFaults, OfDoublesToo)
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(OfDoublesToo))
 {
     std::vector<std::array<double, 3>> points;
     for (const LasRecord& p : records(Shape::surface, 20000, 33))
@@ -216,7 +220,7 @@ TEST_F(BuildFaults, OfDoublesToo)
     }
 }
 
-TEST_F(BuildFaults, AnotherBuildStartsFromTheBeginning)
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(AnotherBuildStartsFromTheBeginning))
 {
     // Other options.
     interrupt(0.9);
@@ -244,7 +248,7 @@ TEST_F(BuildFaults, AnotherBuildStartsFromTheBeginning)
     EXPECT_TRUE(contents(out()) == reference_);
 }
 
-TEST_F(BuildFaults, AResumedBuildReportsTheLinesThatWereSkippedBefore)
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(AResumedBuildReportsTheLinesThatWereSkippedBefore))
 {
     std::ofstream text(folder_ / "in.xyz");
     for (const LasRecord& p : records(Shape::surface, 20000, 34)) text << p.x << ' ' << p.y << ' ' << p.z << '\n';
@@ -265,7 +269,7 @@ TEST_F(BuildFaults, AResumedBuildReportsTheLinesThatWereSkippedBefore)
     EXPECT_THROW(build_tree({folder_ / "in.xyz"}, out(), options()), Error);
 }
 
-TEST_F(BuildFaults, ProgressSaysThatItResumes)
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(ProgressSaysThatItResumes))
 {
     interrupt(0.9);
     bool reported = false;
@@ -279,7 +283,7 @@ TEST_F(BuildFaults, ProgressSaysThatItResumes)
 }
 
 // Whatever is torn, missing or too short: the tree is the same.
-TEST_F(BuildFaults, WhatDoesNotHoldIsNotUsed)
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(WhatDoesNotHoldIsNotUsed))
 {
     for (const double share : {0.4, 0.95}) {
         interrupt(share);
@@ -329,7 +333,7 @@ TEST_F(BuildFaults, WhatDoesNotHoldIsNotUsed)
 }
 
 // Where a system cannot exchange two folders, a crash can come between two renames.
-TEST_F(BuildFaults, AReplacementThatWasCutOffIsPutBack)
+TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(AReplacementThatWasCutOffIsPutBack))
 {
     const auto cut_off = [&] {
         interrupt(0.9);

@@ -10,6 +10,7 @@
 #include "tests/build/build_support.h"
 #include "tests/clouds.h"
 #include "tests/memory_reader.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <sys/resource.h>
@@ -204,7 +205,8 @@ TEST(Build, LevelsAreAdditiveAndGetFiner)
 }
 
 // Across the borders of many bins, and where clouds are degenerate.
-TEST(Build, LevelsAreMaximalPoissonSamples)
+// Not under the sanitizers: a large cloud, on which no other code runs than on the small ones.
+TEST(Build, PCM_NOT_UNDER_SANITIZERS(LevelsAreMaximalPoissonSamples))
 {
     const TemporaryFolder folder;
     for (const Shape shape : {Shape::surface, Shape::volume, Shape::line, Shape::duplicates}) {
@@ -278,7 +280,8 @@ TEST(Build, MeasuringLevelsIsExact)
     }
 }
 
-TEST(Build, MemoryTooSmallForOneBinMakesManyAndLosesNothing)
+// Not under the sanitizers: a limit of memory, of which the sanitizer takes more itself.
+TEST(Build, PCM_NOT_UNDER_SANITIZERS(MemoryTooSmallForOneBinMakesManyAndLosesNothing))
 {
     const TemporaryFolder folder;
     const auto points = records(Shape::surface, 1500000, 9);
@@ -305,7 +308,7 @@ TEST(Build, ADenseSpotThatTheSampleMissed)
 
 // More points in one place than a bin holds: no cut of space divides them. All the same in every field, all different,
 // or two of three points the same; beside a few points elsewhere.
-TEST(Build, PilesLargerThanABin)
+TEST(Build, PCM_NOT_UNDER_SANITIZERS(PilesLargerThanABin))
 {
     const TemporaryFolder folder;
     const auto few = records(Shape::surface, 1000, 18);

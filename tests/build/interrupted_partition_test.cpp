@@ -8,6 +8,7 @@
 #include "tests/clouds.h"
 #include "tests/faults.h"
 #include "tests/paths.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <set>
@@ -93,7 +94,8 @@ protected:
     Contents reference_;
 };
 
-TEST_F(InterruptedPartitionFaults, IsResumedWhereItsBinsAreThere)
+// Not under the thread sanitizer: starts the command, which is not built then.
+TEST_F(InterruptedPartitionFaults, PCM_NOT_UNDER_THREAD(IsResumedWhereItsBinsAreThere))
 {
     kill_after_partition();
     const auto [resumes, notes] = build_again();
@@ -102,7 +104,7 @@ TEST_F(InterruptedPartitionFaults, IsResumedWhereItsBinsAreThere)
 }
 
 // That is found before the first point is sorted; no progress report says that the build resumes.
-TEST_F(InterruptedPartitionFaults, IsRestartedAtOnceWhereTheFirstBinIsMissing)
+TEST_F(InterruptedPartitionFaults, PCM_NOT_UNDER_THREAD(IsRestartedAtOnceWhereTheFirstBinIsMissing))
 {
     kill_after_partition();
     fs::resize_file(part() / scratch_file_name, 0);

@@ -6,6 +6,7 @@
 #include "pcm/build/levels/morton_sort.h"
 #include "pcm/tree/point_size.h"
 #include "tests/build/schema_of.h"
+#include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
 
@@ -165,7 +166,8 @@ protected:
 using Widths = testing::Types<std::uint32_t, std::uint64_t>;
 TYPED_TEST_SUITE(PointSizesOfBins, Widths);
 
-TYPED_TEST(PointSizesOfBins, AreDistancesToTheFourthNeighbour)
+// Not under the thread sanitizer: all of it runs in one thread.
+PCM_TYPED_TEST(PointSizesOfBins, PCM_NOT_UNDER_THREAD(AreDistancesToTheFourthNeighbour))
 {
     for (const std::string kind : {"surface", "volume", "line", "piles"})
         for (const std::size_t count : {2u, 3u, 4u, 5u, 6u, 31u, 32u, 33u, 64u, 65u, 97u, 3000u})
@@ -183,7 +185,7 @@ TYPED_TEST(PointSizesOfBins, AreDistancesToTheFourthNeighbour)
 }
 
 // Two points for every place that lies alone, four, and hundreds: piles count as one neighbour.
-TYPED_TEST(PointSizesOfBins, PilesAreOneNeighbour)
+PCM_TYPED_TEST(PointSizesOfBins, PCM_NOT_UNDER_THREAD(PilesAreOneNeighbour))
 {
     auto cloud = this->points("surface", 500, 100000);
     const auto alone = sizes_of(cloud, this->grid_);
@@ -194,7 +196,7 @@ TYPED_TEST(PointSizesOfBins, PilesAreOneNeighbour)
     EXPECT_EQ(piled.codes, alone.codes);
 }
 
-TYPED_TEST(PointSizesOfBins, AreNotKnownAtASinglePlace)
+PCM_TYPED_TEST(PointSizesOfBins, PCM_NOT_UNDER_THREAD(AreNotKnownAtASinglePlace))
 {
     const RowLayout layout(test::schema_of({{ScalarType::u16, 1}}), sizeof(TypeParam) == 8);
     EXPECT_TRUE(find_sizes<TypeParam>(nullptr, 0, layout.bytes, this->grid_).empty());
@@ -207,7 +209,7 @@ TYPED_TEST(PointSizesOfBins, AreNotKnownAtASinglePlace)
 }
 
 // The ends of the range, and one point ten million spacings away at either side: nothing is rounded away.
-TYPED_TEST(PointSizesOfBins, OfCoordinatesFarApart)
+PCM_TYPED_TEST(PointSizesOfBins, PCM_NOT_UNDER_THREAD(OfCoordinatesFarApart))
 {
     for (const TypeParam shift : {TypeParam(0), TypeParam(std::numeric_limits<TypeParam>::max() - 40000)}) {
         auto cloud = this->points("surface", 2000, 1000);
@@ -226,7 +228,7 @@ TYPED_TEST(PointSizesOfBins, OfCoordinatesFarApart)
     expect_large_enough(corners, this->grid_);
 }
 
-TYPED_TEST(PointSizesOfBins, OfGridsOfAnyScale)
+PCM_TYPED_TEST(PointSizesOfBins, PCM_NOT_UNDER_THREAD(OfGridsOfAnyScale))
 {
     const auto cloud = this->points("surface", 1000, 5000);
     const auto usual = sizes_of(cloud, Grid{{1, 1, 1}, {0, 0, 0}});
@@ -245,7 +247,7 @@ TYPED_TEST(PointSizesOfBins, OfGridsOfAnyScale)
 
 // A point that stands alone is no larger than its surroundings, also where it is the last in Morton order and the only
 // one of its group; nor are many.
-TYPED_TEST(PointSizesOfBins, PointsThatStandAloneAreLimited)
+PCM_TYPED_TEST(PointSizesOfBins, PCM_NOT_UNDER_THREAD(PointsThatStandAloneAreLimited))
 {
     for (const std::size_t loners : {0u, 1u, 10u, 100u}) {
         auto cloud = this->points("surface", 4000, 100000);
@@ -269,7 +271,7 @@ TYPED_TEST(PointSizesOfBins, PointsThatStandAloneAreLimited)
 }
 
 // Not the order in which they come: what a bin's points are decides their sizes.
-TYPED_TEST(PointSizesOfBins, DependOnTheSetAlone)
+PCM_TYPED_TEST(PointSizesOfBins, PCM_NOT_UNDER_THREAD(DependOnTheSetAlone))
 {
     auto cloud = this->points("surface", 1000, 3000);
     const auto copies = this->points("piles", 200, 3000);

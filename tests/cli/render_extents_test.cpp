@@ -2,6 +2,7 @@
 // without a word.
 
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 #ifdef PCM_HAVE_RENDER
 
@@ -38,7 +39,8 @@ protected:
     }
 };
 
-TEST_F(RenderExtents, AreDrawnRightOrRefused)
+// Not under the address sanitizer: much drawing in software.
+TEST_F(RenderExtents, PCM_NOT_UNDER_ADDRESS(AreDrawnRightOrRefused))
 {
     const char* const views[] = {"", "--orthographic", "--angle 5", "--angle 150 --eye-dome 1", "--splats constant"};
     std::map<std::string, double> pixels;
@@ -72,7 +74,7 @@ TEST_F(RenderExtents, AreDrawnRightOrRefused)
 }
 
 // From very far, and through a very narrow angle.
-TEST_F(RenderExtents, ViewsThatReachTooFarAreRefused)
+TEST_F(RenderExtents, PCM_NOT_UNDER_ADDRESS(ViewsThatReachTooFarAreRefused))
 {
     build(1);
     const Result tried = render("");

@@ -2,6 +2,7 @@
 
 #include "tests/cli/command.h"
 #include "tests/paths.h"
+#include "tests/sanitizers.h"
 
 #include <fstream>
 #include <iterator>
@@ -127,7 +128,8 @@ TEST_F(Render, ClipsShowWhatConditionsOnCoordinatesShow)
     EXPECT_NE(pcmlab("render " + path("in.pct") + " -o " + path("d.png") + " --clip 'box 1 2'").code, 0);
 }
 
-TEST_F(Render, UntilTheTargetWithinABudget)
+// Not under the address sanitizer: much drawing in software.
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(UntilTheTargetWithinABudget))
 {
     const Json few =
         render(path("in.pct") + " -o " + path("few.png") + " --until target --target-px 0.01 --point-budget 3000");
@@ -179,7 +181,7 @@ TEST_F(Render, DiscsArePerspectiveOnes)
     EXPECT_EQ(pcmlab("render " + path("in.pct") + " -o " + path("d.png") + " --discs --splats constant").code, 2);
 }
 
-TEST_F(Render, BackgroundAndColourAreAsRequested)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(BackgroundAndColourAreAsRequested))
 {
     render(path("in.pct") + " -o " + path("a.png") +
            " --background white --eye-dome 0 --converge 1 --uniform-colour '#ff8000'");
@@ -213,7 +215,7 @@ TEST_F(Render, BackgroundAndColourAreAsRequested)
     EXPECT_GT(partly, 0u);
 }
 
-TEST_F(Render, TheCameraIsWhereItIsPut)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(TheCameraIsWhereItIsPut))
 {
     LasRecord point{};
     point.x = 1000;
@@ -249,7 +251,7 @@ TEST_F(Render, TheCameraIsWhereItIsPut)
 
 // Splats as large as the distances of points, with eye-dome lighting: surfaces without holes, and shape without
 // colours.
-TEST_F(Render, TheDefaultLook)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(TheDefaultLook))
 {
     const std::string white =
         path("in.pct") + " --overwrite --converge 1 --uniform-colour '#ffffff' -o " + path("a.png");
@@ -292,7 +294,7 @@ TEST_F(Render, TheDefaultLook)
     }
 }
 
-TEST_F(Render, APathGivesOnePicturePerFrame)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(APathGivesOnePicturePerFrame))
 {
     std::ofstream(folder_ / "way.json")
         << R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [
@@ -382,7 +384,7 @@ TEST_F(Render, ADamagedTreeGivesNoPicture)
 }
 
 // A cloud of any unit is drawn as the same one in metres, or it is said why not: never an empty picture of every point.
-TEST_F(Render, CloudsOfAnyUnit)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(CloudsOfAnyUnit))
 {
     std::size_t usual = 0;
     for (const int power : {0, -150, -100, -40, -33, -30, -20, -12, -9, 9, 20, 36, 37, 38, 60, 140}) {

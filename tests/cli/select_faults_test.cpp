@@ -7,6 +7,7 @@
 #include "tests/clouds.h"
 #include "tests/faults.h"
 #include "tests/paths.h"
+#include "tests/sanitizers.h"
 
 #include <set>
 
@@ -102,7 +103,8 @@ protected:
     long calls_ = 0;
 };
 
-TEST_P(ExtractFaults, KilledAtAnyCallLeavesNoHalfOutput)
+// Not under the address sanitizer: starts hundreds of processes.
+TEST_P(ExtractFaults, PCM_NOT_UNDER_ADDRESS(KilledAtAnyCallLeavesNoHalfOutput))
 {
     for (const std::string kind : {"kill", "torn"})
         for (const long at : spread(calls_, 8)) {

@@ -6,6 +6,7 @@
 #include "pcm/tree/verify.h"
 #include "pcm/update/tree_update.h"
 #include "tests/filter/oracle.h"
+#include "tests/sanitizers.h"
 
 namespace {
 
@@ -134,7 +135,9 @@ INSTANTIATE_TEST_SUITE_P(
         FaultCase{"normals_of_a_copy", {"normals", "--radii", "-k", "3", "-t", "1"}, false}),
     [](const auto& info) { return info.param.name; });
 
-TEST_P(FilterFaults, KilledAtAnyCall)
+// Not under the address sanitizer: starts hundreds of processes. Nor under the thread sanitizer: starts the command,
+// which is not built then.
+TEST_P(FilterFaults, PCM_NOT_UNDER_SANITIZERS(KilledAtAnyCall))
 {
     EXPECT_GE(calls_, 20);
     for (const long at : spread(calls_, 40)) {
@@ -145,7 +148,8 @@ TEST_P(FilterFaults, KilledAtAnyCall)
     }
 }
 
-TEST_P(FilterFaults, AFullDisk)
+// Not under the thread sanitizer: starts the command, which is not built then.
+TEST_P(FilterFaults, PCM_NOT_UNDER_THREAD(AFullDisk))
 {
     for (const long at : spread(calls_, 25)) {
         const std::string when = "full at " + std::to_string(at) + " of " + std::to_string(calls_);
@@ -157,7 +161,7 @@ TEST_P(FilterFaults, AFullDisk)
     }
 }
 
-TEST_P(FilterFaults, ABadDisk)
+TEST_P(FilterFaults, PCM_NOT_UNDER_THREAD(ABadDisk))
 {
     std::vector<long> instants = spread(calls_, 15);
     for (long at = std::max(1L, calls_ - 10); at <= calls_; ++at) instants.push_back(at);

@@ -8,6 +8,7 @@
 #include "tests/clouds.h"
 #include "tests/faults.h"
 #include "tests/paths.h"
+#include "tests/sanitizers.h"
 
 #include <set>
 
@@ -120,7 +121,9 @@ protected:
     long calls_ = 0;
 };
 
-TEST_P(ResultFaults, KilledAtAnyCallLeavesTheSourceAndNoHalfResult)
+// Not under the address sanitizer: starts hundreds of processes. Nor under the thread sanitizer: starts the command,
+// which is not built then.
+TEST_P(ResultFaults, PCM_NOT_UNDER_SANITIZERS(KilledAtAnyCallLeavesTheSourceAndNoHalfResult))
 {
     for (const long at : spread(calls_, 12)) {
         const std::string when = "killed at call " + std::to_string(at);
@@ -140,7 +143,8 @@ TEST_P(ResultFaults, KilledAtAnyCallLeavesTheSourceAndNoHalfResult)
     }
 }
 
-TEST_P(ResultFaults, AFullOrBadDiskLeavesTheSourceAndNothingElse)
+// Not under the thread sanitizer: starts the command, which is not built then.
+TEST_P(ResultFaults, PCM_NOT_UNDER_THREAD(AFullOrBadDiskLeavesTheSourceAndNothingElse))
 {
     for (const std::string kind : {"full", "eio"})
         for (const long at : spread(calls_ - 1, 8)) {

@@ -2,6 +2,7 @@
 #include "pcm/fit/chance_test.h"
 #include "pcm/system/error.h"
 #include "tests/fit/fit_scenes.h"
+#include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
 
@@ -69,7 +70,8 @@ struct Cell {
     unsigned most_wrong = 1;
 };
 
-TEST(AutomaticFits, FewPointsAmongManyOutliersAreRightOrDoubted)
+// Not under the address sanitizer: fits by the hundred.
+TEST(AutomaticFits, PCM_NOT_UNDER_ADDRESS(FewPointsAmongManyOutliersAreRightOrDoubted))
 {
     const Cell cells[] = {
         {plane, 0.3, 100, 19},    {plane, 0.6, 100, 18},     {plane, 0.8, 100, 5},     {plane, 0.6, 300, 20},
@@ -121,7 +123,7 @@ FitPoints points_anywhere(std::uint64_t seed, std::size_t count, double height)
     return points;
 }
 
-TEST(AutomaticFits, PointsAnywhereAreNoSurface)
+TEST(AutomaticFits, PCM_NOT_UNDER_ADDRESS(PointsAnywhereAreNoSurface))
 {
     for (const ShapeKind kind : {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere}) {
         unsigned good = 0;

@@ -1,6 +1,7 @@
 // Radii from compute shaders against comparing all pairs in double.
 #include "tests/clouds.h"
 #include "tests/gl/gpu_support.h"
+#include "tests/sanitizers.h"
 
 #include "pcm/build/builder.h"
 #include "pcm/gl/gl_state.h"
@@ -163,7 +164,8 @@ std::filesystem::path build(const TemporaryFolder& folder, const std::string& na
 
 }  // namespace
 
-TEST(GpuRadii, AreThoseOfTheNearestPointsWhateverTheShape)
+// Not under the address sanitizer: much drawing in software.
+TEST(GpuRadii, PCM_NOT_UNDER_ADDRESS(AreThoseOfTheNearestPointsWhateverTheShape))
 {
     PCM_REQUIRE_COMPUTE
     for (const Shape shape : {Shape::surface, Shape::volume, Shape::line, Shape::coincident, Shape::duplicates,
@@ -189,7 +191,7 @@ TEST(GpuRadii, OfACloudWithFewerPointsThanNeighbours)
     }
 }
 
-TEST(GpuRadii, AnyNumberOfNeighbours)
+TEST(GpuRadii, PCM_NOT_UNDER_ADDRESS(AnyNumberOfNeighbours))
 {
     PCM_REQUIRE_COMPUTE
     for (const std::size_t k : {std::size_t(1), std::size_t(2), std::size_t(37), GpuRadiiOptions::most_neighbours}) {
@@ -206,7 +208,7 @@ TEST(GpuRadii, AnyNumberOfNeighbours)
     }
 }
 
-TEST(GpuRadii, AcrossPartsAndFromNormalsOfAnyType)
+TEST(GpuRadii, PCM_NOT_UNDER_ADDRESS(AcrossPartsAndFromNormalsOfAnyType))
 {
     PCM_REQUIRE_COMPUTE
     const TemporaryFolder folder;
@@ -328,7 +330,7 @@ TEST(GpuRadii, AcrossNormalsAlongALine)
     check(read(tree), 8);
 }
 
-TEST(GpuRadii, OfACloudLargerThanBothCaches)
+TEST(GpuRadii, PCM_NOT_UNDER_ADDRESS(OfACloudLargerThanBothCaches))
 {
     PCM_REQUIRE_COMPUTE
     const TemporaryFolder folder;
@@ -343,7 +345,7 @@ TEST(GpuRadii, OfACloudLargerThanBothCaches)
 }
 
 // A chunk takes several pieces where no block of video memory holds all of it.
-TEST(GpuRadii, OfAChunkInSeveralPieces)
+TEST(GpuRadii, PCM_NOT_UNDER_ADDRESS(OfAChunkInSeveralPieces))
 {
     PCM_REQUIRE_COMPUTE
     const TemporaryFolder folder;

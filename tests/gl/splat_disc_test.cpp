@@ -1,5 +1,6 @@
 // The perspective mode, fragment by fragment, against rays that are cast on the CPU in double.
 #include "tests/gl/splat_scene.h"
+#include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
 #include "pcm/cloud/vector.h"
@@ -128,7 +129,8 @@ TEST_P(SplatDisc, OffAxisTurnedAndStretched)
                  3000, GetParam());
 }
 
-TEST_P(SplatDisc, GrazesDownToATenthOfADegree)
+// Not under the address sanitizer: much drawing in software.
+TEST_P(SplatDisc, PCM_NOT_UNDER_ADDRESS(GrazesDownToATenthOfADegree))
 {
     PCM_REQUIRE_GL(context, Profile::core);
     // Little of such a disc is visible, so it must be large: from half the picture's width to several times that.

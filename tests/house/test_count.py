@@ -65,6 +65,27 @@ class Count(unittest.TestCase):
         # A report of another preset says nothing of this one.
         self.assertEqual(self.run_on(steady, self.report("two-again.xml", b="passed"))[0], 1)
 
+    def test_a_room_is_counted_by_its_tests(self):
+        (self.folder / "rooms").mkdir()
+        for again in ("", "-again"):
+            self.report(f"rooms/room{again}.xml", **{"room.a": "passed", "room.b": "skipped", "room.c": "passed" if again else "failed"})
+        first = self.report("one.xml", room="failed", other="passed")
+        code, text = self.run_on(first)
+        self.assertEqual((code, text.splitlines()[-1]), (1, "2 passed, 1 failed, 1 skipped"))
+        self.assertIn("failed: room.c (", text)
+        self.assertIn("    why room.c\n", text)
+        self.assertEqual(self.run_on("--few-failed", first), (0, ""))
+        code, text = self.run_on(first, self.report("one-again.xml", room="passed"))
+        self.assertEqual((code, text.splitlines()[-1]), (0, "3 passed, 0 failed, 1 skipped"))
+        self.assertIn("unsteady: room.c (", text)
+
+    def test_what_its_tests_do_not_know_fails_the_room(self):
+        (self.folder / "rooms").mkdir()
+        self.report("rooms/room.xml", **{"room.a": "passed"})
+        code, text = self.run_on(self.report("one.xml", room="failed"))
+        self.assertEqual((code, text.splitlines()[-1]), (1, "1 passed, 1 failed, 0 skipped"))
+        self.assertIn("    why room\n", text)
+
     def test_few(self):
         for failed, few in ((0, 1), (1, 0), (3, 0), (4, 1)):
             report = self.report("one.xml", a="passed", **{f"f{i}": "failed" for i in range(failed)})

@@ -2,6 +2,7 @@
 
 #include "tests/knn/search_clouds.h"
 #include "tests/knn/simd_levels.h"
+#include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
 
@@ -36,7 +37,8 @@ Vec3i on_lattice(std::size_t i, std::int64_t side, Vec3i step)
     return {n % side * step[0], n / side % side * step[1], n / side / side * step[2]};
 }
 
-TEST(UnitSearch, Random)
+// Not under the thread sanitizer: an oracle in one thread takes nearly all of the time.
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(Random))
 {
     expect_exact(narrow(1500, InBox(1000, 1000, 1000)));
     expect_exact(narrow(1500, InBox(1000000, 1000000, 20)));
@@ -119,7 +121,7 @@ TEST(UnitSearch, ListsOfAllLengths)
                  unbounded, 7);
 }
 
-TEST(UnitSearch, ManyPoints)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(ManyPoints))
 {
     expect_exact(narrow(200000, InBox(100000, 100000, 300)), {16, 40}, unbounded, 2003);
     expect_exact(narrow(100000, InBox(1 << 30, 1 << 30, 1 << 30)), {16}, unbounded, 2003);
@@ -133,7 +135,7 @@ TEST(UnitSearch, Duplicates)
     expect_exact(narrow(600, [](std::size_t i) { return Vec3i{i % 10 ? 0 : std::int64_t(i), 0, 0}; }));
 }
 
-TEST(UnitSearch, LinesAndPlanes)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(LinesAndPlanes))
 {
     expect_exact(narrow(1000, InBox(100000, 0, 0)));
     expect_exact(narrow(1000, [](std::size_t i) { return Vec3i{std::int64_t(i), 2 * std::int64_t(i), 0}; }));
@@ -141,7 +143,7 @@ TEST(UnitSearch, LinesAndPlanes)
     expect_exact(narrow(1000, InBox(20, 20, 0)));
 }
 
-TEST(UnitSearch, MapExtents)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(MapExtents))
 {
     // All of the 32 bits: differences need 33.
     expect_exact(narrow(1500, InBox(2147483647, 2147483647, 2147483647)));
@@ -151,7 +153,7 @@ TEST(UnitSearch, MapExtents)
     }));
 }
 
-TEST(UnitSearch, WidePositions)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(WidePositions))
 {
     expect_exact(wide(1500, InBox(1ll << 61, 1ll << 61, 1ll << 61)));
     expect_exact(wide(1500, InBox(1ll << 45, 1ll << 40, 1ll << 20), {1e-6, 1e-6, 1e-6}));
@@ -306,7 +308,7 @@ TEST(UnitSearch, NearestOf)
 }
 
 // Inputs on which a search of this kind may become quadratic. The bounds, in seconds of the processor, are generous.
-TEST(UnitSearch, StiffInputsStayFast)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(StiffInputsStayFast))
 {
     const auto seconds = [](const SearchPositions& p, std::size_t k) {
         const std::clock_t begin = std::clock();

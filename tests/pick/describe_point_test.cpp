@@ -6,6 +6,7 @@
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
 #include "tests/memory_reader.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <cstdlib>
@@ -29,7 +30,8 @@ std::string thousandths(long n)
 }
 
 // All digits of integers of 64 bits, floats as floats, scaled attributes in their unit, decimals of text as they were.
-TEST(DescribePoint, SaysEveryDigitOfEveryAttribute)
+// Not under the thread sanitizer: all of it runs in one thread.
+TEST(DescribePoint, PCM_NOT_UNDER_THREAD(SaysEveryDigitOfEveryAttribute))
 {
     Schema schema;
     schema.add({"number", ScalarType::u64, 1, 1, 0, ""});

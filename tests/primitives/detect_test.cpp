@@ -7,6 +7,7 @@
 #include "pcm/select/select_points.h"
 #include "pcm/system/error.h"
 #include "tests/primitives/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <map>
@@ -125,7 +126,8 @@ const std::vector<Piece> scene{
     {shape(ShapeKind::cylinder, {2, 2, -5}, {0, 0, 1}, 0.1), 3, 2 * pi, 4000},
 };
 
-TEST_F(Detect, FindsEachShapeOfASceneAtMapCoordinatesAmongClutter)
+// Not under the thread sanitizer: many fits, whose threads other tests watch.
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(FindsEachShapeOfASceneAtMapCoordinatesAmongClutter))
 {
     make(scene, 0.002, 3000);
     const DetectReport report = detect();
@@ -144,7 +146,7 @@ TEST_F(Detect, FindsEachShapeOfASceneAtMapCoordinatesAmongClutter)
     EXPECT_EQ(report.primitives[4].name, "Cylinder 2");
 }
 
-TEST_F(Detect, OnlyTheKindsAskedForAndInsideOfTheSelection)
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(OnlyTheKindsAskedForAndInsideOfTheSelection))
 {
     make(scene, 0.002);
     DetectOptions options;
@@ -160,7 +162,7 @@ TEST_F(Detect, OnlyTheKindsAskedForAndInsideOfTheSelection)
     EXPECT_EQ(report.outcome.points_in, select_points(tree_, options.limit).size());
 }
 
-TEST_F(Detect, WallsOfOnePlaneThatAreApartAreTwo)
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(WallsOfOnePlaneThatAreApartAreTwo))
 {
     make({{shape(ShapeKind::plane, {0, 0, 0}, {1, 0, 0}), 2, 0, 30000},
           {shape(ShapeKind::plane, {0, 5, 0}, {1, 0, 0}), 2, 0, 20000},
@@ -208,7 +210,7 @@ TEST_F(Detect, OneShapeInManyBoxesIsOneWhateverThreadsAndMemory)
 }
 
 // Rolling ground: within the threshold of a plane piece by piece.
-TEST_F(Detect, PiecesOfABendingSurfaceAreNoPrimitivesUnlessAskedFor)
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(PiecesOfABendingSurfaceAreNoPrimitivesUnlessAskedFor))
 {
     Dice dice(3);
     std::vector<Vec3d> points;
@@ -451,7 +453,7 @@ TEST_F(Detect, AFloorInLayersIsOnePlane)
 
 // Planes that others have labelled. A label may have several walls of one plane that are apart, which are several
 // primitives: what counts is that half of its points lie on planes parallel to its largest one.
-TEST_F(Detect, BuildingsPlanesAreThoseOfItsLabels)
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(BuildingsPlanesAreThoseOfItsLabels))
 {
     PCM_REQUIRE_SAMPLE("primitives/building.ply");
     build_tree({sample("primitives/building.ply")}, folder_ / "building.pct");

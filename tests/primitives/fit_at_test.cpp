@@ -7,6 +7,7 @@
 #include "pcm/primitives/refit.h"
 #include "pcm/system/error.h"
 #include "tests/primitives/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -84,7 +85,8 @@ protected:
 };
 
 // Nothing but a place is given.
-TEST_F(FitAt, FindsTheShapeAndItsPoints)
+// Not under the thread sanitizer: many fits, whose threads other tests watch.
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(FindsTheShapeAndItsPoints))
 {
     for (const ShapeKind kind : all_kinds)
         for (const bool any : {false, true}) {
@@ -107,7 +109,7 @@ TEST_F(FitAt, FindsTheShapeAndItsPoints)
         }
 }
 
-TEST_F(FitAt, WhatIsGivenIsTaken)
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(WhatIsGivenIsTaken))
 {
     FitAtOptions options = of(ShapeKind::cylinder);
     options.grow = false;
@@ -132,7 +134,7 @@ TEST_F(FitAt, WhatIsGivenIsTaken)
 }
 
 // Growth stops where the person says that the shape is not.
-TEST_F(FitAt, PlacesThatAreNotPartOfItAreLeftOut)
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(PlacesThatAreNotPartOfItAreLeftOut))
 {
     const Shape pipe = truth(ShapeKind::cylinder);
     const auto [u, v] = across(pipe.axis);
@@ -160,7 +162,7 @@ TEST_F(FitAt, PlacesThatAreNotPartOfItAreLeftOut)
     EXPECT_THROW(fit({at}, options, {at}), Error);
 }
 
-TEST_F(FitAt, MorePlacesRefineIt)
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(MorePlacesRefineIt))
 {
     const Shape pipe = truth(ShapeKind::cylinder);
     const auto [u, v] = across(pipe.axis);
@@ -179,7 +181,7 @@ TEST_F(FitAt, MorePlacesRefineIt)
     EXPECT_EQ(fit({pick(ShapeKind::sphere), pick(ShapeKind::sphere)}, options).near.ids.size(), 60u);
 }
 
-TEST_F(FitAt, OnlyWhatTheLimitChoosesTakesPart)
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(OnlyWhatTheLimitChoosesTakesPart))
 {
     FitAtOptions options = of(ShapeKind::cylinder);
     const Shape pipe = truth(ShapeKind::cylinder);
@@ -194,7 +196,7 @@ TEST_F(FitAt, OnlyWhatTheLimitChoosesTakesPart)
 }
 
 // In the air and far away the nearest points are taken, and the distance is said; a radius that holds none is refused.
-TEST_F(FitAt, PlacesBesideTheCloud)
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(PlacesBesideTheCloud))
 {
     const Shape ball = truth(ShapeKind::sphere);
     const Vec3d air = pick(ShapeKind::sphere) + 0.5 * normal_at(ball, pick(ShapeKind::sphere));
@@ -220,7 +222,7 @@ TEST_F(FitAt, PlacesBesideTheCloud)
     EXPECT_TRUE(says("no point"));
 }
 
-TEST_F(FitAt, OptionsOutOfRangeAreRefused)
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(OptionsOutOfRangeAreRefused))
 {
     const Vec3d at = pick(ShapeKind::sphere);
     const auto refused = [&](const std::vector<Vec3d>& places, const FitAtOptions& options) {
@@ -253,7 +255,7 @@ TEST_F(FitAt, OptionsOutOfRangeAreRefused)
     EXPECT_TRUE(refused({at}, options));
 }
 
-TEST_F(FitAt, CanBeCancelledAtAnyTime)
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(CanBeCancelledAtAnyTime))
 {
     FitAtOptions options = of_any();
     int calls = 0;
@@ -279,7 +281,7 @@ TEST_F(FitAt, CanBeCancelledAtAnyTime)
     }
 }
 
-TEST_F(FitAt, TheSameGivesTheSame)
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(TheSameGivesTheSame))
 {
     FitAtOptions options = of_any();
     options.threads = 1;
@@ -365,7 +367,8 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(FitScan, MugAndTable)
+// Not under the thread sanitizer: many fits, whose threads other tests watch.
+TEST_F(FitScan, PCM_NOT_UNDER_THREAD(MugAndTable))
 {
     const std::string name = "primitives/table_scene_mug_stereo_textured.pcd";
     PCM_REQUIRE_SAMPLE(name);
@@ -388,7 +391,7 @@ TEST_F(FitScan, MugAndTable)
     EXPECT_GT(table.points.size(), 100000u);
 }
 
-TEST_F(FitScan, TangoScene)
+TEST_F(FitScan, PCM_NOT_UNDER_THREAD(TangoScene))
 {
     const std::string name = "primitives/curvsurf_tango_scene.xyz";
     PCM_REQUIRE_SAMPLE(name);
@@ -428,7 +431,7 @@ TEST_F(FitScan, TangoScene)
 }
 
 // Labels of the file say how many points the table has (141,517), and which are on a box and on two equal cans.
-TEST_F(FitScan, TableBoxAndCans)
+TEST_F(FitScan, PCM_NOT_UNDER_THREAD(TableBoxAndCans))
 {
     const std::string name = "primitives/learn33.pcd";
     PCM_REQUIRE_SAMPLE(name);
@@ -470,7 +473,7 @@ Vec3d densest(const std::vector<Vec3d>& points)
     return best;
 }
 
-TEST_F(FitScan, SixFacesOfTheCube)
+TEST_F(FitScan, PCM_NOT_UNDER_THREAD(SixFacesOfTheCube))
 {
     const std::string name = "primitives/cube.pwn";
     PCM_REQUIRE_SAMPLE(name);

@@ -4,6 +4,7 @@
 
 #include "pcm/primitives/fit_at.h"
 #include "tests/primitives/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -135,7 +136,8 @@ TEST_F(LocalFitTest, ASurfaceThatIsNotAroundThePlaceIsDoubtful)
 }
 
 // A plane is asked for where the surface is bent: the larger it grows, the farther its points are from it.
-TEST(FitAtGrown, NoiseFarAboveThatOfThePlaceIsDoubtful)
+// Not under the thread sanitizer: many fits, whose threads other tests watch.
+TEST(FitAtGrown, PCM_NOT_UNDER_THREAD(NoiseFarAboveThatOfThePlaceIsDoubtful))
 {
     TemporaryFolder folder;
     Dice dice(9);

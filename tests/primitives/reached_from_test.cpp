@@ -3,6 +3,7 @@
 
 #include "pcm/system/error.h"
 #include "tests/primitives/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 namespace {
 
@@ -64,7 +65,8 @@ protected:
     std::shared_ptr<PointCloud> cloud_;
 };
 
-TEST_F(ReachedAgain, ByGrowth)
+// Not under the thread sanitizer: many fits, whose threads other tests watch.
+TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(ByGrowth))
 {
     const FittedPrimitive found = fit(cylinder());
     expect_again(found);
@@ -74,7 +76,7 @@ TEST_F(ReachedAgain, ByGrowth)
     EXPECT_GT(near.size(), found.points.size() + 5000) << "the other pipe is near the same surface";
 }
 
-TEST_F(ReachedAgain, NearTheShapeThatGrowthFollowed)
+TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(NearTheShapeThatGrowthFollowed))
 {
     // Many points are at the threshold: the shape fitted last, a little beside, has others.
     FitAtOptions options = cylinder();
@@ -85,7 +87,7 @@ TEST_F(ReachedAgain, NearTheShapeThatGrowthFollowed)
     }
 }
 
-TEST_F(ReachedAgain, OfTheNeighbourhoodAlone)
+TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(OfTheNeighbourhoodAlone))
 {
     FitAtOptions options = cylinder();
     options.grow = false;
@@ -96,7 +98,7 @@ TEST_F(ReachedAgain, OfTheNeighbourhoodAlone)
     EXPECT_EQ(found.reached.seeds.size(), found.points.size());
 }
 
-TEST_F(ReachedAgain, InsideOfTheLimitAndBesideWhatWasTakenAway)
+TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(InsideOfTheLimitAndBesideWhatWasTakenAway))
 {
     FitAtOptions options = cylinder();
     options.fit.threshold = 0.01;
@@ -112,7 +114,7 @@ TEST_F(ReachedAgain, InsideOfTheLimitAndBesideWhatWasTakenAway)
     EXPECT_GT(reach_again(cloud_->tree(), without).size(), beside.points.size()) << "the place that was taken away";
 }
 
-TEST_F(ReachedAgain, AfterRoundsThatRaiseTheThreshold)
+TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(AfterRoundsThatRaiseTheThreshold))
 {
     for (const unsigned rounds : {1u, 2u, 5u}) {
         FitAtOptions options = cylinder();
@@ -122,7 +124,7 @@ TEST_F(ReachedAgain, AfterRoundsThatRaiseTheThreshold)
     }
 }
 
-TEST_F(ReachedAgain, SeedsThatAreGoneReachNothing)
+TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(SeedsThatAreGoneReachNothing))
 {
     ReachedFrom from = fit(cylinder()).reached;
     for (Vec3d& seed : from.seeds) seed = seed + Vec3d{0.0001, 0, 0};

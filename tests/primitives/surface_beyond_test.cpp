@@ -5,6 +5,7 @@
 #include "pcm/primitives/best_kind.h"
 #include "pcm/primitives/fit_at.h"
 #include "tests/primitives/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -221,7 +222,8 @@ struct Asked {
 class AskedOnAnother : public testing::TestWithParam<Asked> {};
 
 // Neither the shape nor its points are what the cloud has: the verdict says so, or there is no shape.
-TEST_P(AskedOnAnother, IsNotCalledGood)
+// Not under the thread sanitizer: many fits, whose threads other tests watch.
+TEST_P(AskedOnAnother, PCM_NOT_UNDER_THREAD(IsNotCalledGood))
 {
     const Asked& row = GetParam();
     TemporaryFolder folder;

@@ -6,6 +6,7 @@
 #include "pcm/primitives/fit_at.h"
 #include "pcm/primitives/next_to.h"
 #include "tests/primitives/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -40,7 +41,9 @@ protected:
 
 // Roofs of some hundred points at a spacing of 0.8 m, from photographs of a drone, between trees: before, clicks there
 // found 230,000 to 600,000 points of the village.
-TEST(RoofsOfAVillage, AClickFindsNoMoreThanABuilding)
+// Not under the address sanitizer: fits by the hundred. Nor under the thread sanitizer: many fits, whose threads other
+// tests watch.
+TEST(RoofsOfAVillage, PCM_NOT_UNDER_SANITIZERS(AClickFindsNoMoreThanABuilding))
 {
     const std::string name = "big/centro_fuerte.laz";
     PCM_REQUIRE_SAMPLE(name);

@@ -7,6 +7,7 @@
 #include "pcm/update/tree_update.h"
 #include "tests/clouds.h"
 #include "tests/paths.h"
+#include "tests/sanitizers.h"
 
 #include <fstream>
 #include <map>
@@ -131,7 +132,9 @@ protected:
 INSTANTIATE_TEST_SUITE_P(Commands, UpdateFaults, testing::Values("append", "delete", "set"),
                          [](const auto& info) { return info.param; });
 
-TEST_P(UpdateFaults, KilledAtAnyCall)
+// Not under the address sanitizer: starts hundreds of processes. Nor under the thread sanitizer: starts the command,
+// which is not built then.
+TEST_P(UpdateFaults, PCM_NOT_UNDER_SANITIZERS(KilledAtAnyCall))
 {
     EXPECT_GE(calls_, 40);
     long instants = 0, runs = 0;
@@ -153,7 +156,8 @@ TEST_P(UpdateFaults, KilledAtAnyCall)
     EXPECT_GE(runs, 30);
 }
 
-TEST_P(UpdateFaults, AFullDisk)
+// Not under the thread sanitizer: starts the command, which is not built then.
+TEST_P(UpdateFaults, PCM_NOT_UNDER_THREAD(AFullDisk))
 {
     for (const long at : spread(calls_, 25)) {
         const std::string when = "full at " + std::to_string(at);
@@ -169,7 +173,7 @@ TEST_P(UpdateFaults, AFullDisk)
     }
 }
 
-TEST_P(UpdateFaults, ABadDisk)
+TEST_P(UpdateFaults, PCM_NOT_UNDER_SANITIZERS(ABadDisk))
 {
     std::vector<long> instants = spread(calls_, 20);
     for (long at = std::max(1L, calls_ - 15); at <= calls_; ++at) instants.push_back(at);

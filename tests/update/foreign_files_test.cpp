@@ -9,6 +9,7 @@
 #include "pcm/update/compact.h"
 #include "pcm/update/erase.h"
 #include "pcm/update/repair.h"
+#include "tests/sanitizers.h"
 #include "tests/update/model.h"
 
 #include <sys/stat.h>
@@ -77,7 +78,8 @@ protected:
     const fs::path tree_ = folder_ / "tree.pct";
 };
 
-TEST_F(ForeignFilesOfUpdates, NothingIsWrittenThroughALinkInTheFolder)
+// Not under the thread sanitizer: a hundred updates, whose threads other tests watch.
+TEST_F(ForeignFilesOfUpdates, PCM_NOT_UNDER_THREAD(NothingIsWrittenThroughALinkInTheFolder))
 {
     for (const char* name :
          {"lock", "about.pct.new", "index.pct.new", "chunks-001.bpc", "chunks-002.bpc", "update.tmp"})

@@ -5,6 +5,7 @@
 #include "pcm/update/append.h"
 #include "pcm/update/erase.h"
 #include "pcm/update/repair.h"
+#include "tests/sanitizers.h"
 #include "tests/update/model.h"
 
 #include <fstream>
@@ -107,7 +108,8 @@ protected:
 
 TEST_F(Verdicts, OfAWholeTree) { EXPECT_FALSE(expect_agreement("whole")); }
 
-TEST_F(Verdicts, OfASingleByteAnywhere)
+// Not under the thread sanitizer: all of it runs in one thread.
+TEST_F(Verdicts, PCM_NOT_UNDER_THREAD(OfASingleByteAnywhere))
 {
     std::map<std::string, int> damaged;
     int tried = 0;
