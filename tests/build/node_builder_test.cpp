@@ -275,6 +275,23 @@ TYPED_TEST(Nodes, HoldEveryRowOnceWithTheLevelsThatFit)
             }
 }
 
+// Among so many limits are those that levels reach exactly.
+TYPED_TEST(Nodes, LevelsFillAChunkToThePoint)
+{
+    const LeveledRows points = this->points("random", 400);
+    for (std::uint32_t most = 10; most <= 130; ++most) {
+        SCOPED_TRACE(most);
+        this->options.chunk_points = most;
+        typename TestFixture::Builder builder(this->options, this->drafts);
+        typename TestFixture::Builder::Output output;
+        const auto region = builder.build(points, {}, {}, output);
+        ASSERT_TRUE(region.draft);
+        const auto chunks = this->read(output);
+        EXPECT_EQ(expect_subtree(*this, *region.draft, chunks, 0).size(), 400u);
+        if (this->HasFailure()) return;
+    }
+}
+
 TYPED_TEST(Nodes, AreTheSameWhateverBuiltBefore)
 {
     const LeveledRows points = this->points("random", 2000);

@@ -233,3 +233,31 @@ TEST(L1Cache, RefusesOptionsOutOfRange)
     options.capacity_bytes = 1u << 20;
     EXPECT_THROW(L1Cache{options}, Error);
 }
+// What splats of a chunk are estimated by: the largest radius and the root of the mean square.
+TEST(L1Radii, AreThoseOfAllPoints)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    L1Cache cache{L1Options{}};
+    const auto owner = cache.add_owner();
+    std::mt19937_64 random(3);
+    for (const std::uint32_t points : {1u, 2u, 127u, 128u, 129u, 5000u}) {
+        std::vector<float> radii(points);
+        double squares = 0;
+        float largest = 0;
+        for (float& radius : radii) {
+            radius = static_cast<float>(random() % 1000) / 100 + 0.01f;
+            squares += double(radius) * double(radius);
+            largest = std::max(largest, radius);
+        }
+        std::swap(radii[0], *std::max_element(radii.begin(), radii.end()));
+        const double before = cache.statistics().upload_seconds;
+        const VertexFormat format{ColourSource::none, true, false};
+        ASSERT_TRUE(cache.upload(owner, points, chunk_of(points, false, points), {1, 1, 1}, format,
+                                 {nullptr, radii.data(), nullptr}));
+        const VertexEntry* entry = cache.find(owner, points);
+        ASSERT_TRUE(entry);
+        EXPECT_EQ(entry->largest_radius, largest);
+        EXPECT_NEAR(entry->typical_radius / std::sqrt(squares / points), 1, 1e-6) << points;
+        EXPECT_GT(cache.statistics().upload_seconds, before) << "the time of the upload counts";
+    }
+}

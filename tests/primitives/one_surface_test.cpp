@@ -54,6 +54,18 @@ TEST(SurfaceEvidenceOf, NoiseHasOnePeakAndNoSlope)
     EXPECT_TRUE(surface_evidence(level(), 0.2, 0, thick).is_one_surface());
 }
 
+// Neighbours at the edge lie to one side of their point.
+TEST(SurfaceEvidenceOf, AnInclinedPlaneHasItsSlope)
+{
+    for (const Vec2d& rise : {Vec2d{0.3, -0.4}, Vec2d{0, 0.5}, Vec2d{0.02, 0.01}}) {
+        const auto plane = points_at(500, [&](double x, double y, Dice&) { return rise[0] * x + rise[1] * y; });
+        const SurfaceEvidence evidence = surface_evidence(level(), 100, 0, plane);
+        EXPECT_EQ(evidence.points, 500u);
+        EXPECT_NEAR(evidence.slope / std::hypot(rise[0], rise[1]), 1, 1e-6);
+        EXPECT_GT(evidence.bend, 0.8);
+    }
+}
+
 TEST(SurfaceEvidenceOf, TwoFacesHaveTwoPeaks)
 {
     for (const double share : {0.5, 0.2, 0.1}) {

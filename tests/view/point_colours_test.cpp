@@ -48,6 +48,19 @@ TEST(PointColours, EveryTypeFillsTheRange)
     EXPECT_GT(robust[4 * 990], 240);
 }
 
+// People know them, and pictures are compared with older ones.
+TEST(PointColours, TheColoursOfClassesStay)
+{
+    std::uint64_t hash = 14695981039346656037u;  // FNV-1a
+    for (int number = -1; number <= 256; ++number)
+        for (const std::uint8_t channel : class_colour(number)) hash = (hash ^ channel) * 1099511628211u;
+    EXPECT_EQ(hash, 9223515678858875923u);
+    EXPECT_EQ(class_colour(1.4), class_colour(1));
+    EXPECT_EQ(class_colour(1.5), class_colour(2));
+    EXPECT_EQ(class_colour(-0.5), class_colour(0));
+    EXPECT_EQ(class_colour(255.6), class_colour(-1));
+}
+
 TEST(PointColours, EveryClassHasAColour)
 {
     std::vector<std::uint8_t> rgba;
