@@ -270,12 +270,12 @@ void main()
     r = max(r, mix(1.0, volume_growth, volume) * least_r);
     // Rounder surroundings are more surely a volume.
     if (volume > 0.0) r = min(r, 0.5 * volume_pixels * pixel / (volume * volume * volume * volume));
-    float reach = r * eye_scale;
-    vec3 u = vec3(1.0, 0.0, 0.0) * reach, v = vec3(0.0, 1.0, 0.0) * reach;
     bool lies = kind == 1u;
 #if !defined(ORTHOGRAPHIC)
-    lies = lies && reach < 0.5 * depth;
+    if (!lies) r = min(r, 0.5 * length(eye) / eye_scale);
 #endif
+    float reach = r * eye_scale;
+    vec3 u = vec3(1.0, 0.0, 0.0) * reach, v = vec3(0.0, 1.0, 0.0) * reach;
     if (lies) {
         vec3 t1, t2;
         tangents(direction_of(bits & 0xffffu), t1, t2);
@@ -287,6 +287,16 @@ void main()
         float length_across = length(across);
         if (length_across > 1e-3 * reach) v = across * (line_width * reach / length_across);
     }
+#if !defined(ORTHOGRAPHIC)
+    // Near the eye a disc would reach behind it, and what the derivative at its centre makes of that over the whole picture: it is cut down to
+    // half of its depth towards the eye and away from it, and stays as wide as it is.
+    float along_view = length(vec2(u.z, v.z));
+    if (along_view > 0.5 * depth) {
+        vec3 steep = (u.z * u + v.z * v) / along_view;
+        v = (u.z * v - v.z * u) / along_view;
+        u = steep * (0.5 * depth / along_view);
+    }
+#endif
     vec2 pu = zoom * (u.xy + slope * u.z);
     vec2 pv = zoom * (v.xy + slope * v.z);
     float area = pu.x * pv.y - pu.y * pv.x;

@@ -105,8 +105,10 @@ void look_at_chunk(const Tree& tree, const PointSizes& sizes, NodeId id, const s
 {
     const Node& node = tree.node(id);
     const Chunk chunk = tree.read_chunk(id, ColumnSet::whole(tree.info().schema));
+    std::vector<PointShape> shapes;
+    if (options.fitted) find_shapes(*chunk.positions, tree.info().grid.scale, points_of_segments(node), shapes);
     std::vector<float> radii;
-    sizes.find_radii(id, chunk, radii);
+    sizes.find_radii(id, chunk, radii, options.fitted ? &shapes : nullptr);
     std::uint32_t i = 0;
     for (std::size_t k = 0; k < node.level_points.size(); ++k) {
         const double limit = limit_of(tree.info(), node.first_level + k);

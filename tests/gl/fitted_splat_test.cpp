@@ -40,17 +40,23 @@ Axes axes_of(const Camera& view, const Eye& eye, PointShape shape, double r)
 {
     const bool parallel = view.projection[11] == 0;
     const Surroundings kind = surroundings_of(shape);
-    if (kind == Surroundings::surface && (parallel || r < 0.5 * eye.depth)) {
+    Axes axes{{r, 0, 0}, {0, r, 0}, kind == Surroundings::surface};
+    if (axes.lies) {
         const Vec3d n = turned(view, direction_of(shape));
-        const Vec3d u = normalised(cross(n, std::fabs(n[0]) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
-        return {r * u, r * cross(n, u), true};
+        axes.u = normalised(cross(n, std::fabs(n[0]) < 0.5 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0}));
+        axes.v = r * cross(n, axes.u);
+        axes.u = r * axes.u;
+    } else if (kind == Surroundings::line) {
+        axes.u = r * turned(view, direction_of(shape));
+        axes.v = 0.25 * r * normalised(cross(parallel ? Vec3d{0, 0, -1} : eye.place, axes.u));
     }
-    if (kind == Surroundings::line) {
-        const Vec3d u = r * turned(view, direction_of(shape));
-        const Vec3d across = cross(parallel ? Vec3d{0, 0, -1} : eye.place, u);
-        return {u, 0.25 * r * normalised(across), false};
-    }
-    return {{r, 0, 0}, {0, r, 0}, false};
+    if (parallel) return axes;
+    // Of all places on its edge the farthest and the nearest along the view are no more than half the depth away.
+    const double angle = std::atan2(axes.v[2], axes.u[2]);
+    const Vec3d steep = std::cos(angle) * axes.u + std::sin(angle) * axes.v;
+    if (std::fabs(steep[2]) <= 0.5 * eye.depth) return axes;
+    const Vec3d level = -std::sin(angle) * axes.u + std::cos(angle) * axes.v;
+    return {(0.5 * eye.depth / std::fabs(steep[2])) * steep, level, axes.lies};
 }
 
 // By solving for the ray of each pixel, not by the derivatives that the shader has for the depth.
@@ -62,6 +68,8 @@ Splat ellipse(const Camera& view, const Disc& disc, PointShape shape)
     double r = packed_radius(disc.radius, shape);
     if (surroundings_of(shape) == Surroundings::volume && volume_of(shape) > 0)
         r = std::min(r, 5 / eye.focal[1] / std::pow(volume_of(shape), 4));
+    if (!parallel && surroundings_of(shape) != Surroundings::surface)
+        r = std::min(r, 0.5 * std::sqrt(dot(eye.place, eye.place)));
     const Axes axes = axes_of(view, eye, shape, r);
     const auto project = [&](const Vec3d& d) {
         Vec3d p{};
@@ -275,4 +283,23 @@ TEST(FittedSplat, WithoutShapesItIsAdaptive)
     const SplatScene scene(fine_grid(), field(80, 1, 0.8, 1.0));
     const Camera view = perspective_view();
     EXPECT_EQ(fitted(scene, view).colours == draw(scene, view, style_of(SplatMode::adaptive)).colours, true);
+}
+
+// Sparse ground and walls beside the eye, whose discs would reach behind it: none of them covers what is before it.
+TEST(FittedSplat, NothingBesideTheEyeHidesWhatIsBeforeIt)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const Camera view = perspective_view();
+    for (const double radius : {0.5, 1.0, 2.0, 4.0, 30.0})
+        for (const double ahead : {0.02, 0.1, 0.5, 1.0, 2.0})
+            for (const auto& [side, normal] : {std::pair{Vec3d{0, -1.6, 0}, Vec3d{0, 1, 0}},
+                                               std::pair{Vec3d{1.6, 0, 0}, Vec3d{-1, 0, 0}},
+                                               std::pair{Vec3d{-1.2, -1.2, 0}, normalised(Vec3d{1, 1, 0})}})
+                for (const PointShape shape :
+                     {PointShape{0}, shape_of(Surroundings::surface, normal), shape_of(Surroundings::line, {0, 0, 1})}) {
+                    const Vec3d at{side[0], side[1], -ahead};
+                    const Drawn picture = fitted(one(shape, radius, at), view);
+                    const Pixel& middle = picture.colours[static_cast<std::size_t>(height / 2 * width + width / 2)];
+                    EXPECT_EQ(middle.a, 0) << radius << " " << ahead << " " << side[0] << " " << shape;
+                }
 }
