@@ -5,7 +5,6 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
 #include "plugin/host/operation.h"
-#include "plugin/host/registry.h"
 #include "plugin/host/text.h"
 
 namespace pcm::host {
@@ -20,13 +19,6 @@ std::optional<double> positive_of(const RichParameterList& parameters, const cha
     if (value > 0) return value;
     throw Error(ErrorCode::invalid_argument, {},
                 std::string(label) + " is " + exact(value) + "; it must be positive, or 0");
-}
-
-void show_as_discs(const FilterRun& run, const std::filesystem::path& folder)
-{
-    const Schema schema = Tree::open(folder)->info().schema;
-    const auto radius = schema.find(attribute_name::radius), normal = schema.find(attribute_name::normal);
-    if (radius && normal) emit Registry::instance().discs_wanted(&run.document);
 }
 
 }  // namespace
@@ -106,8 +98,10 @@ void run_attribute_filter(const FilterRun& run, NeighbourAttributeOptions option
         run.log("Neighbours on a line: " + grouped(report.lines) + " points; in a blob: " + grouped(report.blobs) +
                 "; too few: " + grouped(report.too_few) + "; on two surfaces: " + grouped(report.two_surfaces) + ".");
     if (report.used_known_normals) run.log("Radii were measured across the normals that the cloud has.");
+    const Schema schema = Tree::open(target.path())->info().schema;
+    if (schema.find(attribute_name::radius) && schema.find(attribute_name::normal))
+        run.log("The cloud has radii and normals now: splats fitted to the surface, the default, follow them.");
     show_result(run, tree, target_of(run.parameters));
-    show_afterwards(run, [&] { show_as_discs(run, target.path()); });
 }
 
 }  // namespace pcm::host

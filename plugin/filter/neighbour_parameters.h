@@ -18,7 +18,7 @@ void read_precision(const RichParameterList& parameters, NeighbourAttributeOptio
 std::optional<Vec3d> three_numbers_of(const RichParameterList& parameters, const char* name, const char* label);
 
 // Runs the filter on the chosen tree ("Tree", "Output", "InPlace", "MemoryMB", "Threads"), logs its outcome, and shows
-// the result: as discs where the tree has radii and normals now.
+// the result.
 void run_attribute_filter(const FilterRun& run, NeighbourAttributeOptions options);
 
 }  // namespace pcm::host

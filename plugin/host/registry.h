@@ -81,8 +81,6 @@ signals:
     void detached(MeshDocument* document, int mesh_id);
     // Views are to show MeshLab's own points of the layer again, which exists.
     void copy_dropped(MeshDocument* document, int mesh_id);
-    // A filter has given a cloud of the document radii and normals: views are to draw it with discs.
-    void discs_wanted(MeshDocument* document);
 
 private:
     Registry() = default;

@@ -9,7 +9,6 @@
 #include "plugin/host/text.h"
 #include "plugin/host/tree_cache.h"
 #include "plugin/render/clouds/clouds_dock.h"
-#include "plugin/render/disc_choice.h"
 #include "plugin/render/dock.h"
 #include "plugin/render/layer_watch.h"
 #include "plugin/render/opening.h"
@@ -45,7 +44,6 @@ PointCloudDecorator::PointCloudDecorator()
         for (GLArea* area : views_of(*document))
             if (View* view = View::find(area)) view->show_own(mesh_id);
     });
-    connect(&registry, &Registry::discs_wanted, this, [](MeshDocument* document) { draw_discs(*document); });
     connect(&LayerWatch::instance(), &LayerWatch::copy_wanted, this, &PointCloudDecorator::copy_again);
     TreeCache::instance().remove_leftovers();
     keep_bookmarks_in_projects();

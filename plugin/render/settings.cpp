@@ -192,15 +192,6 @@ bool is_memory(const QString& name) { return name == l1_size || name == l2_size;
 
 bool zero_is_off(const QString& name) { return name == eye_dome; }
 
-bool choose_discs(RichParameterList& parameters)
-{
-    if (!parameters.hasParameter(splat_mode)) return false;
-    const auto chosen = static_cast<SplatMode>(choice_of(parameters, splat_mode, splat_modes()));
-    if (traits_of(chosen).shape == SplatShape::disc) return false;
-    parameters.setValue(splat_mode, EnumValue(static_cast<int>(SplatMode::perspective)));
-    return true;
-}
-
 Settings read_settings(const RichParameterList& parameters)
 {
     const auto number = [&](const char* name, double least, double most) {

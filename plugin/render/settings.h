@@ -39,8 +39,6 @@ bool is_memory(const QString& name);
 // Whether the number 0 switches this setting off.
 bool zero_is_off(const QString& name);
 
-// Chooses the splats that are discs with their depth, unless the chosen ones are discs. Returns whether it did.
-bool choose_discs(RichParameterList& parameters);
 
 // A value out of its range is replaced with the nearest valid one.
 Settings read_settings(const RichParameterList& parameters);

@@ -169,7 +169,6 @@ TEST_F(Render, ThePictureIsTheMeanOfFrames)
         EXPECT_EQ(pcmlab(small + wrong).code, 2) << wrong;
 }
 
-// As the window draws after normals were estimated.
 TEST_F(Render, DiscsArePerspectiveOnes)
 {
     ASSERT_EQ(pcmlab("normals --in-place --radii " + path("in.pct")).code, 0);

@@ -93,7 +93,7 @@ class Attributes(MeshLabTest):
         self.assertEqual({file.name: file.read_bytes() for file in tree.iterdir()}, before)
         self.assertFalse((tree.parent / "o.pct").exists())
 
-    def test_the_view_draws_discs_afterwards(self):
+    def test_splats_follow_what_was_estimated(self):
         tree = self.cloud()
         before, radii_alone, discs, copy = (self.result(f"{name}.png") for name in ("before", "radii", "discs", "copy"))
         run = self.gui(f"""
@@ -119,7 +119,7 @@ class Attributes(MeshLabTest):
             set In place = on
             screen {self.result("normals.png")}
             press Apply
-            wait-log draws discs
+            wait-log follow them
             press Close
             wait-status full resolution
             print-parameters discs
@@ -145,8 +145,8 @@ class Attributes(MeshLabTest):
         for later in ("first", "second"):  # the view stays what it was
             self.assertEqual({**cameras[later], "name": ""}, {**cameras["before"], "name": ""})
         settings = run.parameters()
-        self.assertEqual(settings["radii"]["Splats"], 1)  # adaptive
-        self.assertEqual(settings["discs"]["Splats"], 3)  # discs, perspective accurate
+        self.assertEqual(settings["radii"]["Splats"], 4)  # fitted to the surface
+        self.assertEqual(settings["discs"]["Splats"], 4)
 
 
 if __name__ == "__main__":

@@ -292,11 +292,11 @@ TEST(FittedSplat, NothingBesideTheEyeHidesWhatIsBeforeIt)
     const Camera view = perspective_view();
     for (const double radius : {0.5, 1.0, 2.0, 4.0, 30.0})
         for (const double ahead : {0.02, 0.1, 0.5, 1.0, 2.0})
-            for (const auto& [side, normal] : {std::pair{Vec3d{0, -1.6, 0}, Vec3d{0, 1, 0}},
-                                               std::pair{Vec3d{1.6, 0, 0}, Vec3d{-1, 0, 0}},
-                                               std::pair{Vec3d{-1.2, -1.2, 0}, normalised(Vec3d{1, 1, 0})}})
-                for (const PointShape shape :
-                     {PointShape{0}, shape_of(Surroundings::surface, normal), shape_of(Surroundings::line, {0, 0, 1})}) {
+            for (const auto& [side, normal] :
+                 {std::pair{Vec3d{0, -1.6, 0}, Vec3d{0, 1, 0}}, std::pair{Vec3d{1.6, 0, 0}, Vec3d{-1, 0, 0}},
+                  std::pair{Vec3d{-1.2, -1.2, 0}, normalised(Vec3d{1, 1, 0})}})
+                for (const PointShape shape : {PointShape{0}, shape_of(Surroundings::surface, normal),
+                                               shape_of(Surroundings::line, {0, 0, 1})}) {
                     const Vec3d at{side[0], side[1], -ahead};
                     const Drawn picture = fitted(one(shape, radius, at), view);
                     const Pixel& middle = picture.colours[static_cast<std::size_t>(height / 2 * width + width / 2)];

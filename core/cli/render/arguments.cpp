@@ -181,9 +181,9 @@ void add_look(Options& options, RenderArguments& a)
             .one_of(names_of(splat_modes()))
             .group(group);
     options
-        .flag("--discs", a.discs,
-              "Points with normals and radii are drawn as discs, as the window does after 'Estimate Normals': --splats "
-              "perspective")
+        .flag(
+            "--discs", a.discs,
+            "Points with normals and radii are drawn as their discs, each pixel at its own depth: --splats perspective")
         .group(group)
         .excludes(splats);
     options
