@@ -39,7 +39,6 @@ bool is_memory(const QString& name);
 // Whether the number 0 switches this setting off.
 bool zero_is_off(const QString& name);
 
-
 // A value out of its range is replaced with the nearest valid one.
 Settings read_settings(const RichParameterList& parameters);
 
