@@ -33,7 +33,7 @@ Option Option::group(const char* heading) const
 Option Option::values(int least, int most) const
 {
     if (least == most)
-        option_->expected(least);
+        option_->expected(least)->allow_extra_args(false);  // so that files may follow
     else
         option_->expected(least, most);
     return *this;
@@ -235,6 +235,43 @@ int refuse_usage(const CLI::App& command, const std::string& what)
     return 2;
 }
 
+bool is_number_list(const CLI::Option* option)
+{
+    return option && option->get_items_expected_max() > 1 && option->get_type_name() == "NUMBER";
+}
+
+// The parser takes every word after the name of a list as its value. What follows a list of numbers and is no number is
+// moved to the end, behind "--": "fit --at 1 2 3 scan.pct" is "fit --at 1 2 3 -- scan.pct".
+std::vector<std::string> end_lists(const std::vector<Runnable>& commands, const std::vector<std::string>& words)
+{
+    const auto named = std::find_if(commands.begin(), commands.end(), [&](const Runnable& c) {
+        return commands.size() == 1 || (!words.empty() && c.app->get_name() == words[0]);
+    });
+    if (named == commands.end() || std::find(words.begin(), words.end(), "--") != words.end()) return words;
+    std::vector<std::string> kept, moved;
+    const CLI::Option* list = nullptr;
+    int numbers = 0;
+    bool ended = false;
+    for (const std::string& word : words) {
+        std::string number = word;
+        const bool is_number = number_fault(number, {}).empty();
+        if (word.size() > 1 && word[0] == '-' && !is_number) {
+            const CLI::Option* const option = named->app->get_option_no_throw(word);
+            list = is_number_list(option) ? option : nullptr;
+            numbers = 0;
+            ended = false;
+        } else if (list) {
+            ended = ended || (!is_number && numbers >= list->get_items_expected_min());
+            ++numbers;
+        }
+        (list && ended ? moved : kept).push_back(word);
+    }
+    if (moved.empty()) return words;
+    kept.push_back("--");
+    kept.insert(kept.end(), moved.begin(), moved.end());
+    return kept;
+}
+
 int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vector<std::string> words)
 {
     const auto parsed = [&] {
@@ -245,6 +282,7 @@ int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vec
     const auto command = [&]() -> const CLI::App& { return parsed() ? *parsed()->app : app; };
     const std::vector<std::string> given = words;
     try {
+        words = end_lists(commands, words);
         std::reverse(words.begin(), words.end());  // as CLI11 takes them
         app.parse(std::move(words));
         return parsed() ? parsed()->run() : 0;

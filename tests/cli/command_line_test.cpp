@@ -20,7 +20,7 @@ namespace {
 struct Given {
     std::string word, mode = "fast";
     std::vector<std::string> files, names, keys;
-    std::vector<double> box;
+    std::vector<double> box, place;
     float size = 2;
     double factor = 1;
     std::uint32_t threads = 0;
@@ -42,6 +42,7 @@ Run add_all(Options& options)
     options.option("--names", given.names, "Names").one_value_each();
     options.option("--keys", given.keys, "Keys").separated_by(',').one_value_each();
     options.option("--box", given.box, "Box").values(2, 4);
+    options.option("--place", given.place, "Place").values(3);
     options.option("--size", given.size, "Size").between(0.5, 10.0).show_default();
     options.option("--factor", given.factor, "Factor").positive();
     options.option("-t,--threads", given.threads, "Threads").between(1, 8);
@@ -131,6 +132,37 @@ TEST(CommandLine, VariablesTakeWhatIsGiven)
     EXPECT_EQ(given.mode, "even");
     EXPECT_TRUE(given.overwrite);
     EXPECT_FALSE(given.resume);
+}
+
+// Files may stand behind numbers, however many these are.
+TEST(CommandLine, AListOfNumbersEndsAtAWordThatIsNone)
+{
+    using Words = std::vector<std::string>;
+    using Numbers = std::vector<double>;
+    for (const Words& words :
+         {Words{"--place", "1", "-2", "3", "w", "a", "7"}, Words{"--place", "1", "-2", "3", "--", "w", "a", "7"},
+          Words{"--box", "4", "5", "--place", "1", "-2", "3", "w", "a", "7"}}) {
+        for (const Result& result : {one(words), many([&] {
+                                         Words all = words;
+                                         all.insert(all.begin(), "all");
+                                         return all;
+                                     }())}) {
+            EXPECT_EQ(result.code, 0) << result.err;
+            EXPECT_EQ(given.place, (Numbers{1, -2, 3}));
+            EXPECT_EQ(given.word, "w");
+            EXPECT_EQ(given.files, (Words{"a", "7"}));
+        }
+    }
+    for (const Words& words : {Words{"all", "--box", "1", "-2.5", "w", "a", "7"},
+                               Words{"all", "--box", "1", "-2.5", "w", "a", "7", "--size", "3"},
+                               Words{"all", "--size", "3", "w", "--box", "1", "-2.5", "a", "7", "-t", "2"}}) {
+        EXPECT_EQ(many(words).code, 0);
+        EXPECT_EQ(given.box, (Numbers{1, -2.5}));
+        EXPECT_EQ(given.word, "w");
+        EXPECT_EQ(given.files, (Words{"a", "7"}));
+    }
+    EXPECT_NE(one({"w", "--box", "1", "a"}).err.find("'a' is not a number"), std::string::npos);
+    EXPECT_NE(one({"w", "--place", "1", "2", "a"}).err.find("'a' is not a number"), std::string::npos);
 }
 
 TEST(CommandLine, WhatIsNotGivenKeepsItsValue)
