@@ -220,7 +220,7 @@ uniform vec2 principal;
 uniform vec2 depth_of;      // window depth is x + y / depth; orthographic: x + y * depth
 uniform vec2 guard;
 
-const float volume_pixels = 10.0;  // among leaves a splat is no wider
+const float volume_pixels = 10.0;  // among leaves a splat is no wider, at a crease up to twice as wide
 const float volume_factor = 0.15;  // least_volume_factor of view/point_shapes.h
 const float volume_growth = 0.6;   // and where finer points are missing it grows so far
 const float line_width = 0.25;     // of a line's length
@@ -269,7 +269,7 @@ void main()
     splat_side = mix(3.2, 12.0, volume) * max(r / mix(1.0, volume_factor, volume), least_r) / pixel;
     r = max(r, mix(1.0, volume_growth, volume) * least_r);
     // Rounder surroundings are more surely a volume.
-    if (volume > 0.0) r = min(r, 0.5 * volume_pixels * pixel / (volume * volume * volume * volume));
+    if (volume > 0.0) r = min(r, 0.5 * volume_pixels * (2.0 - volume) * pixel);
     bool lies = kind == 1u;
 #if !defined(ORTHOGRAPHIC)
     if (!lies) r = min(r, 0.5 * length(eye) / eye_scale);

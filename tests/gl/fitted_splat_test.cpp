@@ -67,7 +67,7 @@ Splat ellipse(const Camera& view, const Disc& disc, PointShape shape)
     const bool parallel = view.projection[11] == 0;
     double r = packed_radius(disc.radius, shape);
     if (surroundings_of(shape) == Surroundings::volume && volume_of(shape) > 0)
-        r = std::min(r, 5 / eye.focal[1] / std::pow(volume_of(shape), 4));
+        r = std::min(r, 5 * (2 - volume_of(shape)) / eye.focal[1]);
     if (!parallel && surroundings_of(shape) != Surroundings::surface)
         r = std::min(r, 0.5 * std::sqrt(dot(eye.place, eye.place)));
     const Axes axes = axes_of(view, eye, shape, r);
