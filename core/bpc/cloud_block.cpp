@@ -16,9 +16,9 @@ namespace pcm {
 namespace {
 
 constexpr std::string_view table_magic = "BPCTABLE";
-constexpr std::uint32_t version = 1;
-constexpr std::size_t fixed_bytes = 148;  // up to the attributes
-constexpr std::size_t least_block_bytes = fixed_bytes + 4 + 8;
+constexpr std::uint32_t block_version = 1;
+constexpr std::size_t block_head_bytes = 148;  // up to the attributes
+constexpr std::size_t least_block_bytes = block_head_bytes + 4 + 8;
 constexpr std::size_t row_bytes = 16;
 constexpr std::size_t table_overhead = 8 + 8;
 constexpr std::uint64_t least_chunk_bytes = 168 + 8 + 48;
@@ -39,9 +39,9 @@ std::vector<std::byte> read_block_bytes(const File& file, std::uint64_t file_byt
     ByteReader first(start.data(), start.size(), file.path());
     first.get_bytes(8);
     const auto found = first.get<std::uint32_t>();
-    if (found != version)
-        fail(ErrorCode::unsupported,
-             "version " + std::to_string(found) + at(8) + ", this program reads version " + std::to_string(version));
+    if (found != block_version)
+        fail(ErrorCode::unsupported, "version " + std::to_string(found) + at(8) + ", this program reads version " +
+                                         std::to_string(block_version));
     first.get<std::uint32_t>();
     const auto size = first.get<std::uint64_t>();
     if (size < least_block_bytes || size > most_cloud_block_bytes)
@@ -73,7 +73,7 @@ std::vector<std::byte> encode_cloud_block(const BpcCloud& cloud, std::uint64_t t
                         std::to_string(most_cloud_block_bytes));
     ByteWriter out;
     out.put_bytes(cloud_block_magic.data(), cloud_block_magic.size());
-    out.put(version);
+    out.put(block_version);
     out.put(static_cast<std::uint8_t>(cloud.position_type));
     out.put(static_cast<std::uint8_t>(cloud.grid.has_value()));
     out.put(std::uint16_t{0});

@@ -12,8 +12,8 @@ namespace pcm {
 namespace {
 
 constexpr char magic[4] = {'B', 'P', 'C', 'G'};
-constexpr std::uint16_t version = 1;
-constexpr std::size_t fixed_bytes = 44, file_bytes = 12, checksum_bytes = 8;
+constexpr std::uint16_t record_version = 1;
+constexpr std::size_t record_head_bytes = 44, file_bytes = 12, checksum_bytes = 8;
 
 CommitRecord decode(const std::vector<std::byte>& bytes)
 {
@@ -25,7 +25,7 @@ CommitRecord decode(const std::vector<std::byte>& bytes)
     ByteReader in(bytes.data(), bytes.size() - checksum_bytes, unnamed);
     in.get_bytes(sizeof magic);
     const auto found = in.get<std::uint16_t>();
-    if (found != version)
+    if (found != record_version)
         throw Error(ErrorCode::unsupported, {},
                     "its version is " + std::to_string(found) + ", this program reads version 1");
     CommitRecord record;
@@ -52,13 +52,16 @@ CommitRecord decode(const std::vector<std::byte>& bytes)
 
 }  // namespace
 
-std::size_t commit_bytes(std::size_t data_files) { return fixed_bytes + data_files * file_bytes + checksum_bytes; }
+std::size_t commit_bytes(std::size_t data_files)
+{
+    return record_head_bytes + data_files * file_bytes + checksum_bytes;
+}
 
 std::vector<std::byte> encode_commit(const CommitRecord& record)
 {
     ByteWriter out;
     out.put_bytes(magic, sizeof magic);
-    out.put(version);
+    out.put(record_version);
     out.put(static_cast<std::uint16_t>(record.coverage_kept));
     out.put(static_cast<std::uint32_t>(commit_bytes(record.data_files.size())));
     out.put(record.generation);

@@ -1,6 +1,7 @@
 // Which points a region contains, and the relation of boxes to it.
 #include "pcm/cloud/region.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/vector.h"
 
 #include <algorithm>
@@ -10,8 +11,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;  // of one rounding
 
 // The smallest and the largest a . d over a box; both are at corners, because dot() is monotonic.
 std::pair<double, double> range(const Vec3d& a, const Box3d& d)
@@ -29,7 +28,7 @@ double nearest_to_zero(double low, double high) { return low > 0 ? low : high < 
 double farthest_from_zero(double low, double high) { return std::max(std::fabs(low), std::fabs(high)); }
 
 double value(const Region::Plane& row, const Vec3d& d) { return dot(row.normal, d) + row.offset; }
-double largest_magnitude(const Vec2d& v) { return std::max(std::fabs(v[0]), std::fabs(v[1])); }
+double largest_coordinate(const Vec2d& v) { return std::max(std::fabs(v[0]), std::fabs(v[1])); }
 
 }  // namespace
 
@@ -107,7 +106,7 @@ BoxRelation Region::radial_relation(const Box3d& d) const
         for (std::size_t a = 0; a < 3; ++a) far[a] = farthest_from_zero(d.min[a], d.max[a]);
         reach = length(far);
     }
-    const double margin = 32 * epsilon * reach;
+    const double margin = 32 * unit_roundoff * reach;
     if (!std::isfinite(reach)) return BoxRelation::crosses;
     const double limit = kind_ == Kind::ray ? radius_ : 0;
 
@@ -118,7 +117,7 @@ BoxRelation Region::radial_relation(const Box3d& d) const
         corners[i] = {dot(across_[0], corner), dot(across_[1], corner)};
         const double t = dot(axis_, corner);
         const Vec3d w = corner - t * axis_;
-        inside = inside && length(w) * cosine_ - t * sine_ <= limit - margin - 8 * epsilon * limit;
+        inside = inside && length(w) * cosine_ - t * sine_ <= limit - margin - 8 * unit_roundoff * limit;
     }
     if (inside) return BoxRelation::inside;
 
@@ -127,10 +126,10 @@ BoxRelation Region::radial_relation(const Box3d& d) const
         if (!(length > 0)) return false;
         Vec3d v;
         for (std::size_t a = 0; a < 3; ++a)
-            v[a] = (x / length * across_[0][a] + y / length * across_[1][a]) * (1 - 8 * epsilon);
+            v[a] = (x / length * across_[0][a] + y / length * across_[1][a]) * (1 - 8 * unit_roundoff);
         const double tilt = cosine_ * dot(v, axis_) + sine_;
         const Vec3d g = cosine_ * v - tilt * axis_;
-        return range(g, d).first > limit + margin + 8 * epsilon * limit;
+        return range(g, d).first > limit + margin + 8 * unit_roundoff * limit;
     };
     for (std::size_t i = 0; i < 8; ++i) {
         if (separates(corners[i][0], corners[i][1])) return BoxRelation::outside;
@@ -158,7 +157,7 @@ BoxRelation Region::polygon_relation(const Box3d& d) const
         const Plane& row = rows_[r];
         for (std::size_t a = 0; a < 3; ++a)
             error[r] += std::fabs(row.normal[a]) * farthest_from_zero(d.min[a], d.max[a]);
-        error[r] = 8 * epsilon * (error[r] + std::fabs(row.offset));
+        error[r] = 8 * unit_roundoff * (error[r] + std::fabs(row.offset));
     }
     std::vector<Vec2d> corners(8);
     double least_w = std::numeric_limits<double>::infinity(), reach = 0;
@@ -172,10 +171,10 @@ BoxRelation Region::polygon_relation(const Box3d& d) const
         }
     }
     if (!(least_w > 4 * error[2]) || !std::isfinite(reach)) return BoxRelation::crosses;
-    const double margin =
-        4 * ((std::max(error[0], error[1]) + reach * error[2]) / least_w +
-             epsilon * (reach + std::max(largest_magnitude(polygon_->min()), largest_magnitude(polygon_->max())))) +
-        1e-140;
+    const double margin = 4 * ((std::max(error[0], error[1]) + reach * error[2]) / least_w +
+                               unit_roundoff * (reach + std::max(largest_coordinate(polygon_->min()),
+                                                                 largest_coordinate(polygon_->max())))) +
+                          1e-140;
     if (polygon_->border_touches(corners, margin)) return BoxRelation::crosses;
     return polygon_->contains(corners[0][0], corners[0][1]) ? relation : BoxRelation::outside;
 }

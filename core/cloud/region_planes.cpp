@@ -1,17 +1,14 @@
 // Regions that planes and polygons bound: convex volumes, what a view shows, prisms, lassos.
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/region.h"
 #include "pcm/cloud/region_checks.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace pcm {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;  // of one rounding
 
 // A view from its eye: a point p is at rows * (d - rest) in eye space, with d = p - centre.
 struct ViewFrame {
@@ -304,7 +301,7 @@ void Region::bound_by_planes()
                             bound += multiplier * three[m]->offset;
                             for (std::size_t a = 0; a < 3; ++a) {
                                 residual[a] += multiplier * three[m]->normal[a];
-                                rounding += 4 * epsilon * multiplier * std::fabs(three[m]->normal[a]);
+                                rounding += 4 * unit_roundoff * multiplier * std::fabs(three[m]->normal[a]);
                             }
                         }
                         if (!(largest_magnitude(residual) + rounding <= most_residual) || !(bound < best[axis][end]))

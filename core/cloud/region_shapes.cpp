@@ -1,18 +1,15 @@
 // The makers of regions: they check their arguments, and bound the region by a box.
 #include "pcm/cloud/region.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/region_checks.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace pcm {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;  // of one rounding
 
 void require_length(const std::string& region, const char* name, double length)
 {

@@ -20,16 +20,7 @@ namespace {
 
 // Of a point that is kept: its place, the table's, and in the lists of borders.
 constexpr std::uint64_t bytes_of_kept = 64;
-constexpr double least_points = 4096;
-
-// A box of the cloud; its neighbours are those less than a spacing away.
-struct Unit {
-    Box3i grid;
-    Box3d box;
-    std::vector<std::size_t> before, after;  // neighbours, by their place in the order
-    std::vector<Vec3d> border;               // points kept here that are near to a later neighbour
-    std::size_t waiting = 0;                 // later neighbours that are not done
-};
+constexpr double least_unit_points = 4096;
 
 bool near(const Box3d& a, const Box3d& b, double distance)
 {
@@ -93,6 +84,14 @@ public:
     }
 
 private:
+    // A box of the cloud; its neighbours are those less than a spacing away.
+    struct Unit {
+        Box3i grid;
+        Box3d box;
+        std::vector<std::size_t> before, after;  // neighbours, by their place in the order
+        std::vector<Vec3d> border;               // points kept here that are near to a later neighbour
+        std::size_t waiting = 0;                 // later neighbours that are not done
+    };
     struct Job {
         std::size_t unit = 0;
         Pending<PointsInBox> points;
@@ -101,7 +100,7 @@ private:
     void make_units(double points)
     {
         const VoxelLattice lattice{spacing_, {0, 0, 0}};
-        for (const VoxelUnit& voxels : divide_into_units(cloud_, lattice, std::max(points, least_points))) {
+        for (const VoxelUnit& voxels : divide_into_units(cloud_, lattice, std::max(points, least_unit_points))) {
             Unit unit;
             unit.grid = grid_box_of(cloud_, lattice, voxels);
             if (unit.grid.empty()) continue;

@@ -8,7 +8,8 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t least_neighbours = 9, most_points = 65;  // further neighbours say nothing of what touches here
+constexpr std::size_t least_neighbours = 9,
+                      most_surface_points = 65;  // further neighbours say nothing of what touches here
 constexpr std::size_t least_of_a_sheet = 3;
 // The gap over the root mean square of the distances from the sheets: at first, when both may still be tilted together,
 // and at last. One sheet with heights of a normal distribution has 2.7 when it is cut in two, with uniform ones 3.5.
@@ -59,8 +60,8 @@ private:
 
 // The points relative to their centroid: along the normal, and across it in units of their spread.
 struct Heights {
-    std::array<double, most_points> up, across, along;
-    std::array<bool, most_points> above{};
+    std::array<double, most_surface_points> up, across, along;
+    std::array<bool, most_surface_points> above{};
     std::size_t count = 0;
 
     std::size_t upper() const
@@ -74,7 +75,7 @@ struct Heights {
 Heights heights_of(const OnePointsNeighbours& n, const Vec3d& normal)
 {
     Heights h;
-    h.count = std::min(n.count + 1, most_points);
+    h.count = std::min(n.count + 1, most_surface_points);
     Vec3d centre{};
     for (std::size_t j = 0; j + 1 < h.count; ++j) centre = centre + Vec3d{n.dx[j], n.dy[j], n.dz[j]};
     centre = centre / static_cast<double>(h.count);

@@ -25,7 +25,7 @@ std::size_t bytes_of_point(const Schema& schema)
 }
 
 // Points whose processing is worth a box of their own.
-constexpr std::uint64_t least_points = 4096, most_points = std::uint64_t(1) << 22;
+constexpr std::uint64_t least_held_points = 4096, most_held_points = std::uint64_t(1) << 22;
 
 bool has(const Schema& schema, std::string_view name) { return schema.find(name).has_value(); }
 
@@ -46,7 +46,7 @@ public:
         describe(from);
         const std::uint64_t memory = options.memory_bytes / (threads_ + 1);
         most_points_ = static_cast<std::size_t>(
-            std::clamp<std::uint64_t>(memory / bytes_of_point(from.schema), least_points, pcm::most_points));
+            std::clamp<std::uint64_t>(memory / bytes_of_point(from.schema), least_held_points, most_held_points));
         // The estimate is exceeded rarely where it leaves some room.
         units_ = divide_into_units(cloud_, options_.voxels, 0.8 * static_cast<double>(most_points_));
     }

@@ -23,7 +23,7 @@ const SharedModule& module()
     return loaded;
 }
 
-double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+double elapsed_seconds(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 struct Extent {
     Vec3d low{}, high{};
@@ -212,7 +212,7 @@ ShapeFit pcl_fit(const FitPoints& points, const ShapeFitOptions& options)
     fit.threshold = threshold;
     fit.inliers = inliers;
     fit.iterations = found.samples;
-    fit.seconds = seconds_since(begin);
+    fit.seconds = elapsed_seconds(begin);
     return fit;
 }
 

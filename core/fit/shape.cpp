@@ -14,7 +14,7 @@ namespace {
 
 constexpr double degree = pi / 180;
 
-[[noreturn]] void refuse(const std::string& what, const std::string& hint = {})
+[[noreturn]] void refuse_shape(const std::string& what, const std::string& hint = {})
 {
     throw Error(ErrorCode::invalid_argument, {}, what, hint);
 }
@@ -81,13 +81,13 @@ Shape parse_shape(const std::string& text)
     std::string name;
     words >> name;
     const auto kind = shape_kind(name);
-    if (!kind) refuse("'" + text + "' is no shape", all_forms());
+    if (!kind) refuse_shape("'" + text + "' is no shape", all_forms());
     const ShapeTraits& row = traits_of(*kind);
     std::vector<double> numbers;
     for (double number = 0; words >> number;) numbers.push_back(number);
     const std::size_t expected = 3u + (row.axis ? 3u : 0u) + row.radius + row.second;
     if (!words.eof() || numbers.size() != expected)
-        refuse("'" + text + "' was expected to be '" + row.form + "', " + std::to_string(expected) + " numbers");
+        refuse_shape("'" + text + "' was expected to be '" + row.form + "', " + std::to_string(expected) + " numbers");
     Shape shape;
     shape.kind = *kind;
     shape.point = {numbers[0], numbers[1], numbers[2]};
@@ -115,14 +115,14 @@ void check(const Shape& shape)
     const std::string name = row.name;
     require_place("the place of the " + name, shape.point);
     if (row.axis && !(is_finite(shape.axis) && length(shape.axis) > 0))
-        refuse("the " + name + "'s " + (shape.kind == ShapeKind::plane ? "normal" : "axis") +
-               " is not finite, or has the length 0");
+        refuse_shape("the " + name + "'s " + (shape.kind == ShapeKind::plane ? "normal" : "axis") +
+                     " is not finite, or has the length 0");
     if (row.radius) require_coordinate("the " + name + "'s radius", shape.radius);
-    if (row.radius && !(shape.radius > 0)) refuse("the " + name + "'s radius is not above 0");
+    if (row.radius && !(shape.radius > 0)) refuse_shape("the " + name + "'s radius is not above 0");
     if (shape.kind == ShapeKind::cone && !(shape.second > 0 && shape.second < pi / 2))
-        refuse("half the cone's opening angle is not between 0 and 90 degrees");
+        refuse_shape("half the cone's opening angle is not between 0 and 90 degrees");
     if (shape.kind == ShapeKind::torus && !(shape.second > 0 && shape.second < shape.radius))
-        refuse("the radius of the torus' tube is not between 0 and that of its circle");
+        refuse_shape("the radius of the torus' tube is not between 0 and that of its circle");
 }
 
 double signed_distance(const Shape& shape, const Vec3d& p)

@@ -29,17 +29,18 @@ using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
+[[noreturn]] void refuse_options(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
 
 void check(const ShapeFitOptions& options)
 {
-    if (!(options.threshold >= 0 && std::isfinite(options.threshold))) refuse("the threshold is below 0 or not finite");
-    if (!(options.probability > 0 && options.probability < 1)) refuse("the probability is not between 0 and 1");
-    if (options.iterations == 0) refuse("the number of iterations is 0");
-    if (!(options.seconds >= 0)) refuse("the time limit is below 0");
+    if (!(options.threshold >= 0 && std::isfinite(options.threshold)))
+        refuse_options("the threshold is below 0 or not finite");
+    if (!(options.probability > 0 && options.probability < 1)) refuse_options("the probability is not between 0 and 1");
+    if (options.iterations == 0) refuse_options("the number of iterations is 0");
+    if (!(options.seconds >= 0)) refuse_options("the time limit is below 0");
     if (!(options.least_radius >= 0 && options.largest_radius > options.least_radius))
-        refuse("the largest radius is not above the least");
-    if (!(options.normal_angle > 0)) refuse("the angle between normals is not above 0");
+        refuse_options("the largest radius is not above the least");
+    if (!(options.normal_angle > 0)) refuse_options("the angle between normals is not above 0");
 }
 
 ShapeFit refused(ShapeKind kind, FitIssue issue)
@@ -400,7 +401,7 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
 ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineOptions& options)
 {
     check(start);
-    if (!(options.threshold > 0)) refuse("the threshold is not above 0");
+    if (!(options.threshold > 0)) refuse_options("the threshold is not above 0");
     const Clock::time_point begin = Clock::now();
     PointSpread spread;
     const FitIssue issue = obvious_issue(points, start.kind, model_of(start.kind).parameters, spread);

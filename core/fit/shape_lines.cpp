@@ -12,7 +12,7 @@ namespace {
 constexpr double chord_of_radius = 1.0 / 500;
 constexpr int least_segments = 8, most_segments = 720;  // of a whole circle
 constexpr int lines_around = 8;                         // of a whole circle
-constexpr double beyond = 0.05;                         // of its length, an axis is longer at either end
+constexpr double overhang = 0.05;                       // of its length, an axis is longer at either end
 constexpr double normal_length = 0.1;                   // of the outline's diagonal
 constexpr double margin = 0.01;                         // of a box around curved lines
 
@@ -92,7 +92,7 @@ std::vector<ShapeLine> turned_lines(const Shape& shape, const ShapeBounds& bound
         const Vec3d out = frame.at(angle);
         lines.push_back({{along(from) + radius(from) * out, along(to) + radius(to) * out}, false, false});
     }
-    const double more = beyond * (to - from);
+    const double more = overhang * (to - from);
     lines.push_back({{along(from - more), along(to + more)}, false, true});
     return lines;
 }

@@ -4,6 +4,7 @@
 #include "pcm/measure/line_length.h"
 #include "pcm/measure/measure_values.h"
 #include "pcm/measure/polygon.h"
+#include "pcm/measure/refuse.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
@@ -14,8 +15,6 @@ namespace pcm {
 namespace {
 
 constexpr double eps = std::numeric_limits<double>::epsilon();
-
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
 
 // How far a coordinate of the points may be from where it was meant, for its rounding to double.
 double rounding_of(const std::vector<MeasuredPoint>& points)

@@ -1,5 +1,7 @@
 #include "pcm/measure/cell_field.h"
 
+#include "pcm/cloud/numbers.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -7,8 +9,6 @@
 namespace pcm::cells {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 }  // namespace
 
@@ -69,7 +69,7 @@ Field coarser(const Field& fine)
     }
     coarse.height.resize(sum.size());
     for (std::size_t cell = 0; cell < sum.size(); ++cell)
-        coarse.height[cell] = weight[cell] > 0 ? sum[cell] / weight[cell] : nan;
+        coarse.height[cell] = weight[cell] > 0 ? sum[cell] / weight[cell] : not_a_number;
     return coarse;
 }
 

@@ -1,19 +1,17 @@
 #include "pcm/measure/gap_filling.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/measure/cell_field.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 namespace pcm {
 namespace {
 
 using namespace cells;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 // ---- Cross-validation
 
@@ -75,7 +73,7 @@ void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::siz
     std::size_t left = 0;
     for (std::size_t cell = 0; cell < field.height.size(); ++cell) {
         if (const auto block = block_at(cell)) {
-            hidden.height[cell] = nan;
+            hidden.height[cell] = not_a_number;
             if (field.area[cell] > 0) blocks[*block].area += field.area[cell];
             if (field.known(cell)) blocks[*block].known += field.area[cell];
         } else if (field.known(cell)) {
@@ -226,7 +224,7 @@ FilledCells fill_gaps(const std::vector<double>& height, const std::vector<doubl
 {
     Field field{height, areas, columns};
     for (std::size_t cell = 0; cell < height.size(); ++cell)
-        if (!(areas[cell] > 0)) field.height[cell] = nan;
+        if (!(areas[cell] > 0)) field.height[cell] = not_a_number;
     FilledCells filled;
     std::size_t known = 0, gap_cells = 0;
     for (std::size_t cell = 0; cell < height.size(); ++cell) {

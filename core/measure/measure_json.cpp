@@ -14,7 +14,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 constexpr const char* format = "pcm measures";
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::bad_format, {}, what); }
+[[noreturn]] void refuse_list(const std::string& what) { throw Error(ErrorCode::bad_format, {}, what); }
 
 double finite(double value, const Measure& measure)
 {
@@ -67,7 +67,7 @@ Measure measure_of(const Json& json, const std::string& where)
     Measure measure;
     const std::string kind = fields.text("kind", true);
     const auto known = measure_kind(kind);
-    if (!known) refuse(fields.named("kind") + " is '" + kind + "', which is no kind of measure");
+    if (!known) refuse_list(fields.named("kind") + " is '" + kind + "', which is no kind of measure");
     measure.kind = *known;
     measure.name = fields.text("name", true);
     measure.hidden = fields.flag("hidden");
@@ -75,7 +75,7 @@ Measure measure_of(const Json& json, const std::string& where)
     try {
         if (fields.has("surface")) measure.surface = parse_shape(fields.text("surface", true));
     } catch (const Error& error) {
-        refuse(fields.named("surface") + ": " + error.what());
+        refuse_list(fields.named("surface") + ": " + error.what());
     }
     std::size_t number = 0;
     for (const Json& point : fields.list("points", true))
@@ -102,8 +102,8 @@ MeasureList MeasureList::parse(const std::string& text)
     const Json json = parse_bounded_json(text);
     const JsonFields fields(json, "the file");
     if (!fields.has("format") || fields.text("format", true) != format)
-        refuse("this is no list of measures: 'format' is not \"pcm measures\"");
-    if (fields.number("version", true) != 1) refuse("'version' is not 1, the only version supported");
+        refuse_list("this is no list of measures: 'format' is not \"pcm measures\"");
+    if (fields.number("version", true) != 1) refuse_list("'version' is not 1, the only version supported");
     MeasureList list;
     std::size_t number = 0;
     for (const Json& measure : fields.list("measures", true)) {
@@ -112,7 +112,7 @@ MeasureList MeasureList::parse(const std::string& text)
             list.add(measure_of(measure, where));
         } catch (const Error& error) {
             if (error.code() == ErrorCode::bad_format) throw;
-            refuse(where + ": " + error.what());
+            refuse_list(where + ": " + error.what());
         }
         list.forget_steps();
     }

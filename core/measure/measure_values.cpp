@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/exact_products.h"
 #include "pcm/measure/line_length.h"
+#include "pcm/measure/refuse.h"
 #include "pcm/system/error.h"
 
 #include <cmath>
@@ -10,8 +11,6 @@ namespace pcm {
 namespace {
 
 constexpr double degrees = 180 / pi;
-
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
 
 MeasureValue length_value(const char* name, const LineLength& line, const std::vector<MeasuredPoint>& points)
 {

@@ -2,7 +2,9 @@
 
 #include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/exact_products.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/measure/placed_cloud.h"
+#include "pcm/measure/refuse.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
@@ -11,10 +13,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
 
 Vec3d flat(const Vec3d& p) { return {p[0], p[1], 0}; }
 

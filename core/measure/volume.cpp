@@ -1,10 +1,12 @@
 #include "pcm/measure/volume.h"
 
 #include "pcm/cloud/coordinates.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/measure/cell_grid.h"
 #include "pcm/measure/height_cells.h"
 #include "pcm/measure/measure_values.h"
 #include "pcm/measure/placed_cloud.h"
+#include "pcm/measure/refuse.h"
 #include "pcm/measure/volume_sums.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -17,13 +19,7 @@
 namespace pcm {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double points_per_cell = 9;
-
-[[noreturn]] void refuse(const std::string& what, const std::string& hint = {})
-{
-    throw Error(ErrorCode::invalid_argument, {}, what, hint);
-}
 
 std::vector<Vec3d> polygon_of(const PlacedCloud& cloud, const VolumeOptions& options)
 {

@@ -4,12 +4,9 @@
 #include "pcm/system/text.h"
 
 #include <cmath>
-#include <limits>
 
 namespace pcm {
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 double normal_density(double z) { return std::exp(-z * z / 2) / std::sqrt(2 * pi); }
 double normal_share(double z) { return std::erfc(-z / std::sqrt(2.0)) / 2; }

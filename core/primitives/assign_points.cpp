@@ -18,7 +18,7 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
-constexpr std::size_t some_points = 256;
+constexpr std::size_t most_kept_points = 256;
 constexpr double piece_edge = 0.2;     // share of the edge where the surface of a piece continues
 constexpr double piece_bend = 0.4;     // of the distances, what is left of them in a mean of 17; noise leaves 0.24
 constexpr double piece_outline = 1.5;  // of so many times the square root of its points, a part of its outline
@@ -231,12 +231,12 @@ private:
         std::vector<std::size_t> some_of(parts_.size(), 0);  // one of how many points is kept
         for (const std::uint32_t part : part_)
             if (part != none) ++some_of[part];
-        for (std::size_t& count : some_of) count = 1 + count / some_points;
+        for (std::size_t& count : some_of) count = 1 + count / most_kept_points;
         const double cos_angle = std::cos(std::min(0.5 * options_.normal_angle, pi / 2));
         for (std::uint32_t i = 0; i < sample_.size(); ++i) {
             if (part_[i] == none || !sample_.inside[i]) continue;
             SurfacePart& part = parts_[part_[i]];
-            if (options_.keep_some && part.some.size() < some_points && i % some_of[part_[i]] == 0)
+            if (options_.keep_some && part.some.size() < most_kept_points && i % some_of[part_[i]] == 0)
                 part.some.push_back(sample_.origin + sample_.at[i]);
             ++part.sampled;
             part.box.extend(sample_.origin + sample_.at[i]);

@@ -7,11 +7,11 @@
 namespace pcm {
 namespace {
 
-constexpr double noises = 3;          // an inlier's largest distance
+constexpr double inlier_noises = 3;   // an inlier's largest distance
 constexpr double far_less = 0.3;      // noise
 constexpr double as_little = 1.25;    // times the noise of the surface: nothing is left to explain,
 constexpr double half_less = 0.45;    // where it is less than half of what there was
-constexpr double most = 0.5;          // of the points
+constexpr double least_share = 0.5;   // of the points
 constexpr double most_radius = 200;   // of the other kind, in the noise: what is less bent may be a scanner's error
 constexpr std::size_t enough = 3000;  // points to compare kinds
 const double gain_on_plane = std::log(2.0), gain_on_curved = std::log(1.2);  // per inlier, of a kind of higher rank
@@ -69,7 +69,7 @@ double log_false_alarms(std::size_t points, std::size_t inliers, std::size_t sam
 
 double chance_of(const ShapeFit& fit, const FitPoints& points, double depth)
 {
-    const double distance = fit.noise > 0 ? std::min(fit.threshold, noises * fit.noise) : fit.threshold;
+    const double distance = fit.noise > 0 ? std::min(fit.threshold, inlier_noises * fit.noise) : fit.threshold;
     std::size_t inliers = 0;
     for (std::size_t i = 0; i < points.size(); ++i) inliers += distance_to(fit.shape, points.source(i)) <= distance;
     return log_false_alarms(points.size(), inliers, sample_of(fit.shape.kind), depth > 0 ? distance / depth : 1);
@@ -118,7 +118,7 @@ std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3
     for (std::size_t i = 0; i < inliers.size(); i += every) some.push_back(inliers[i]);
     const FitPoints compared = FitPoints::of(some);
     ShapeFitOptions options;
-    options.threshold = 2 * noises * noise;
+    options.threshold = 2 * inlier_noises * noise;
     options.progress = progress;
     std::optional<ShapeKind> best;
     double least = std::max(far_less * fit.noise, std::min(as_little * noise, half_less * fit.noise));
@@ -126,7 +126,8 @@ std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3
         options.kind = row.kind;
         if (row.kind == fit.shape.kind || !(options.threshold > 0)) continue;
         const ShapeFit other = fit_shape(compared, options);
-        if (!is_determined(other) || static_cast<double>(other.inliers) < most * static_cast<double>(some.size()) ||
+        if (!is_determined(other) ||
+            static_cast<double>(other.inliers) < least_share * static_cast<double>(some.size()) ||
             !(other.noise < least))
             continue;
         if (fit.shape.kind == ShapeKind::plane && !(radius_at(other.shape, some.front()) < most_radius * fit.noise))

@@ -18,7 +18,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffffu;
+constexpr std::uint32_t no_candidate = 0xffffffffu;
 constexpr std::size_t groups = 64;       // of nodes, whose sums are added in their order
 constexpr double enough_interior = 0.2;  // of a part's points: else those at edges are used too
 constexpr double cubes_per_extent = 16;  // in which errors are compared with their neighbours'
@@ -93,7 +93,7 @@ public:
             if (piece) result_.piece_points += part.points;
             if (!piece || options.keep_pieces) add(p, hypotheses);
         }
-        candidate_of_.assign(assigned.parts.size(), none);
+        candidate_of_.assign(assigned.parts.size(), no_candidate);
         for (std::uint32_t c = 0; c < candidates_.size(); ++c) candidate_of_[candidates_[c].part] = c;
     }
 
@@ -167,9 +167,9 @@ private:
 
     std::uint32_t candidate(std::uint32_t label) const
     {
-        if (label == 0) return none;
+        if (label == 0) return no_candidate;
         const std::uint32_t part = assigned_.part_of(label & ~interior_label);
-        return part == AssignedPoints::no_part ? none : candidate_of_[part];
+        return part == AssignedPoints::no_part ? no_candidate : candidate_of_[part];
     }
 
     // The sums of groups are added in their order, so that the result does not depend on threads, and as soon as those
@@ -202,7 +202,7 @@ private:
         const std::vector<Vec3d> at = points_.positions(node);
         for (std::size_t i = 0; i < labels.size(); ++i) {
             const std::uint32_t c = candidate(labels[i]);
-            if (c == none || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
+            if (c == no_candidate || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
             auto found = sums.find(c);
             if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], facts_too)).first;
             found->second.add(at[i], (labels[i] & interior_label) != 0, candidates_[c].shape);
@@ -251,7 +251,8 @@ private:
                 const std::vector<Vec3d> at = points_.positions(node);
                 for (std::size_t i = 0; i < labels.size(); ++i) {
                     const std::uint32_t c = candidate(labels[i]);
-                    const bool near = c != none && distance_to(candidates_[c].shape, at[i]) <= candidates_[c].threshold;
+                    const bool near =
+                        c != no_candidate && distance_to(candidates_[c].shape, at[i]) <= candidates_[c].threshold;
                     labels[i] = near ? label_of[c] : 0;
                 }
                 labels_.set_all(node, labels);

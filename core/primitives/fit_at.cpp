@@ -32,7 +32,7 @@ constexpr double most_noise_grown = 3;      // of a surface whose noise differs 
 constexpr double most_noise_close = 4, least_shared = 0.25;
 // Standard deviations of noise per threshold: a third where nothing is cut. Of 105 good answers
 // two of 93 right ones are above, and three of 12 wrong ones.
-constexpr double most_of_threshold = 0.46;
+constexpr double most_noise_share = 0.46;
 constexpr double is_at_limit = 2.4;  // times the first threshold, of a threshold that growth raised (grow_shape.h)
 const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
 
@@ -317,7 +317,7 @@ private:
             return doubt(fit, FitIssue::other_surface,
                          "its points leave it farther and farther the more of them there are, by " + brief(noise) +
                              " at last: it may be a piece of another surface, so take a smaller neighbourhood");
-        if (options_.fit.threshold == 0 && fit.noise > most_of_threshold * fit.threshold)
+        if (options_.fit.threshold == 0 && fit.noise > most_noise_share * fit.threshold)
             return doubt(fit, FitIssue::no_consensus,
                          "the threshold cuts the noise of its points, which may be those of another surface: give a "
                          "larger threshold, or take a smaller neighbourhood");

@@ -16,9 +16,9 @@
 namespace pcm {
 namespace {
 
-constexpr double noises = 3.3, most_raised = 2.5;  // of a raised threshold
-constexpr double rounds_end = 0.7;                 // of the progress
-constexpr double least_inner = 0.5;                // of the points
+constexpr double raised_noises = 3.3, most_raised_share = 2.5;  // of a raised threshold
+constexpr double rounds_end = 0.7;                              // of the progress
+constexpr double least_inner = 0.5;                             // of the points
 
 class ShapeGrowth {
 public:
@@ -45,7 +45,7 @@ public:
             if (!grown.fit.has_shape()) break;
             grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) < 0.25;
             if (options_.raise_threshold && grown.rounds < rounds) {
-                const double raised = std::min(noises * grown.fit.noise, most_raised * options_.threshold);
+                const double raised = std::min(raised_noises * grown.fit.noise, most_raised_share * options_.threshold);
                 grown.converged = grown.converged && raised <= 1.05 * threshold_;
                 if (!grown.converged) threshold_ = std::max(threshold_, raised);
             }

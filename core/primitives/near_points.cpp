@@ -53,7 +53,7 @@ std::uint64_t scattered(std::uint64_t x)
     return x ^ (x >> 31);
 }
 
-struct Candidate {
+struct NearPoint {
     double square;
     NodeId node;
     std::uint32_t number;
@@ -62,24 +62,24 @@ struct Candidate {
     Vec3d position, normal;
 };
 
-bool nearer(const Candidate& a, const Candidate& b)
+bool nearer(const NearPoint& a, const NearPoint& b)
 {
     return std::tie(a.square, a.node, a.number) < std::tie(b.square, b.node, b.number);
 }
 
-bool is_before(const Candidate& a, const Candidate& b)
+bool is_before(const NearPoint& a, const NearPoint& b)
 {
     return std::tie(a.level, a.rank, a.node, a.number) < std::tie(b.level, b.rank, b.node, b.number);
 }
 
 // The first `most` of all that are added, by an order.
-template <bool (*before)(const Candidate&, const Candidate&)>
+template <bool (*before)(const NearPoint&, const NearPoint&)>
 class FirstOnes {
 public:
     explicit FirstOnes(std::size_t most) : most_(most) {}
     bool full() const { return heap_.size() == most_; }
-    const Candidate& last() const { return heap_.front(); }
-    void add(const Candidate& candidate)
+    const NearPoint& last() const { return heap_.front(); }
+    void add(const NearPoint& candidate)
     {
         if (full()) {
             if (!before(candidate, last())) return;
@@ -89,11 +89,11 @@ public:
         heap_.push_back(candidate);
         std::push_heap(heap_.begin(), heap_.end(), before);
     }
-    std::vector<Candidate> take() { return std::move(heap_); }
+    std::vector<NearPoint> take() { return std::move(heap_); }
 
 private:
     const std::size_t most_;
-    std::vector<Candidate> heap_;
+    std::vector<NearPoint> heap_;
 };
 
 // Reads the nodes near the place, the nearest first.
@@ -183,7 +183,7 @@ private:
         for (const std::size_t a : selector_.tested()) columns[a] = chunk.attributes[a].get();
         selector_.narrow(columns, position, some, relation);
         for (const std::uint32_t i : some) {
-            Candidate candidate;
+            NearPoint candidate;
             candidate.position = position(i);
             candidate.square = squared_distance(candidate.position, place_);
             candidate.node = id;
@@ -200,10 +200,10 @@ private:
     NearPoints result()
     {
         NearPoints result;
-        std::vector<Candidate> nearest = nearest_.take();
+        std::vector<NearPoint> nearest = nearest_.take();
         std::sort(nearest.begin(), nearest.end(), nearer);
         result.spacing = spacing_of(nearest);
-        std::vector<Candidate> kept;
+        std::vector<NearPoint> kept;
         if (by_count()) {
             result.found = nearest.size();
             if (!nearest.empty()) result.radius = std::sqrt(nearest.back().square);
@@ -219,7 +219,7 @@ private:
         }
         std::sort(kept.begin(), kept.end(), nearer);
         if (!kept.empty()) result.points.origin = kept.front().position;
-        for (const Candidate& point : kept) {
+        for (const NearPoint& point : kept) {
             if (normals_.exists())
                 result.points.add(point.position, point.normal);
             else
@@ -230,7 +230,7 @@ private:
     }
 
     // The median distance of the nearest points from the nearest one at another place.
-    static double spacing_of(const std::vector<Candidate>& points)
+    static double spacing_of(const std::vector<NearPoint>& points)
     {
         const std::size_t count = std::min(points.size(), spacing_sample);
         std::vector<double> squares;

@@ -11,9 +11,9 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t neighbours = 17;  // the point itself among them, as in surface_beyond.cpp
+constexpr std::size_t judged_neighbours = 17;  // the point itself among them, as in surface_beyond.cpp
 constexpr std::size_t most_places = 200;
-constexpr double noises = 3.3;
+constexpr double threshold_noises = 3.3;
 
 // From 180 clicks on plants that were ray-cast from stations, shapes among clutter, canopies, and on the scans of
 // GROUND_TRUTH.csv. Fits to one surface have 0.29 to 0.42 of two_peaks where there are 500 points (table by stereo:
@@ -100,7 +100,7 @@ std::optional<Tilt> tilt_of(const Near& near, std::size_t place, const std::vect
 
 bool SurfaceEvidence::has_two_peaks() const
 {
-    return points >= neighbours && !has_shared_errors() &&
+    return points >= judged_neighbours && !has_shared_errors() &&
            two_peaks > most_two_peaks + by_chance / std::sqrt(static_cast<double>(points));
 }
 
@@ -121,7 +121,7 @@ std::string SurfaceEvidence::message() const
 
 double spread_of(const ShapeFit& fit)
 {
-    return fit.noise > 0 ? std::min(fit.threshold, noises * fit.noise) : fit.threshold;
+    return fit.noise > 0 ? std::min(fit.threshold, threshold_noises * fit.noise) : fit.threshold;
 }
 
 double farthest_place(const ShapeFit& fit)
@@ -136,7 +136,7 @@ SurfaceEvidence surface_evidence(const Shape& shape, double threshold, double re
     SurfaceEvidence evidence;
     const Near near = near_shape(shape, threshold, points);
     const std::size_t count = evidence.points = near.distance.size();
-    if (count < neighbours) return evidence;
+    if (count < judged_neighbours) return evidence;
     evidence.two_peaks = two_peaks_of(near.distance, std::max(resolution, least_spread * threshold));
     std::array<std::vector<double>, 3> foot;
     double squares = 0;
@@ -148,9 +148,9 @@ SurfaceEvidence surface_evidence(const Shape& shape, double threshold, double re
     std::vector<NearTree::Near> around;
     double smooth = 0, tilted = 0, places = 0, planes = 0;
     for (std::size_t i = 0; i < count; i += 1 + count / most_places) {
-        tree.nearest(near.foot[i], neighbours, around);
+        tree.nearest(near.foot[i], judged_neighbours, around);
         double mean = 0;
-        for (const NearTree::Near& one : around) mean += near.distance[one.index] / neighbours;
+        for (const NearTree::Near& one : around) mean += near.distance[one.index] / judged_neighbours;
         smooth += mean * mean;
         places += 1;
         if (const auto tilt = tilt_of(near, i, around)) {

@@ -15,14 +15,14 @@
 namespace pcm {
 namespace {
 
-constexpr double counted = 1.5;            // edges from the shape, half a block: a steep surface has points there, too
-constexpr double noises_per_cube = 6;      // a block is three cubes wide: its direction is known to a few degrees
-constexpr std::uint32_t least_points = 6;  // of a block with a direction
-constexpr double deviations = 3;           // by which a direction must be off
+constexpr double counted = 1.5;        // edges from the shape, half a block: a steep surface has points there, too
+constexpr double noises_per_cube = 6;  // a block is three cubes wide: its direction is known to a few degrees
+constexpr std::uint32_t least_block_points = 6;  // of a block with a direction
+constexpr double deviations = 3;                 // by which a direction must be off
 
 using Key = std::array<std::int64_t, 3>;
 using Products = Eigen::Matrix<double, 4, 4>;  // of x, y, z and the distance from the shape
-using Sums = Eigen::Matrix<double, 4, 1>;
+using Sums4 = Eigen::Matrix<double, 4, 1>;
 
 struct Hash {
     std::size_t operator()(const Key& key) const
@@ -36,11 +36,11 @@ struct Hash {
 // Sums over points, relative to a place.
 struct Moments {
     std::uint32_t points = 0;
-    Sums sums = Sums::Zero();
+    Sums4 sums = Sums4::Zero();
     Products products = Products::Zero();
 
     // Others, relative to a place that is `offset` away from this one's.
-    void add(const Moments& other, const Sums& offset)
+    void add(const Moments& other, const Sums4& offset)
     {
         const double n = other.points;
         products += other.products + offset * other.sums.transpose() + other.sums * offset.transpose() +
@@ -61,7 +61,7 @@ public:
     {
         const Key key = key_of(p);
         const Vec3d d = p - middle_of(key);
-        const Sums v(d[0], d[1], d[2], signed_distance(shape_, p));
+        const Sums4 v(d[0], d[1], d[2], signed_distance(shape_, p));
         Moments& cube = cubes_[key];
         ++cube.points;
         cube.sums += v;
@@ -98,12 +98,12 @@ private:
             const Key step{n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1};
             const auto found = cubes_.find({key[0] + step[0], key[1] + step[1], key[2] + step[2]});
             if (found == cubes_.end()) continue;
-            block.add(found->second, edge_ * Sums(static_cast<double>(step[0]), static_cast<double>(step[1]),
-                                                  static_cast<double>(step[2]), 0));
+            block.add(found->second, edge_ * Sums4(static_cast<double>(step[0]), static_cast<double>(step[1]),
+                                                   static_cast<double>(step[2]), 0));
         }
-        if (block.points < least_points) return false;
+        if (block.points < least_block_points) return false;
         const double n = block.points;
-        const Sums mean = block.sums / n;
+        const Sums4 mean = block.sums / n;
         const Products spread = block.products / n - mean * mean.transpose();
         const Vec3d middle = middle_of(key) + Vec3d{mean[0], mean[1], mean[2]};
         const AxisFrame frame(normal_at(shape_, middle));

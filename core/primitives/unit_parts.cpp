@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t most_some_points = 4096;
 constexpr std::size_t border_cells = std::size_t(1) << 19;  // in memory at once
-constexpr std::uint32_t none = AssignedPoints::no_part;
+constexpr std::uint32_t no_place = AssignedPoints::no_part;
 
 // A part as it is in the file; then as many points as `some` says.
 struct Record {
@@ -167,18 +167,18 @@ AssignedPoints UnitParts::together(const BorderCells& border, std::uint64_t leas
         return counts[root].points >= least_points && counts[root].sampled >= least_sampled;
     };
     AssignedPoints assigned;
-    std::vector<std::uint32_t> place(numbers_.size(), none);
+    std::vector<std::uint32_t> place(numbers_.size(), no_place);
     for_each([&](const UnitPart& one) {
         const std::uint32_t root = joined.root(index(one.number));
         if (!wanted(root)) return;
-        if (place[root] == none) {
+        if (place[root] == no_place) {
             place[root] = static_cast<std::uint32_t>(assigned.parts.size());
             assigned.parts.emplace_back();
         }
         add_to(assigned.parts[place[root]], one.part);
     });
     for (std::uint32_t i = 0; i < numbers_.size(); ++i)
-        if (place[joined.root(i)] != none) assigned.numbers.push_back({numbers_[i], place[joined.root(i)]});
+        if (place[joined.root(i)] != no_place) assigned.numbers.push_back({numbers_[i], place[joined.root(i)]});
     return assigned;
 }
 

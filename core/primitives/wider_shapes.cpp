@@ -12,7 +12,7 @@ namespace {
 constexpr int doublings = 3;
 constexpr double joined_share = 0.9;        // of the points of two layers that a shape for both has
 constexpr double widest_rms = 0.2;          // of a whole surface, in thresholds
-constexpr double most_continued = 0.1;      // share of its edge where it may seem to continue
+constexpr double most_open_edge = 0.1;      // share of its edge where it may seem to continue
 constexpr std::size_t least_sampled = 100;  // of a part that is looked at
 constexpr double kept_share = 0.5;          // of a piece's points are on a shape with the widest threshold
 
@@ -26,7 +26,7 @@ struct Trial {
 bool is_cut_out(const SurfacePart& part, double threshold)
 {
     const auto interior = static_cast<double>(part.sampled - part.edge);
-    if (static_cast<double>(part.continued) > most_continued * static_cast<double>(part.edge)) return true;
+    if (static_cast<double>(part.continued) > most_open_edge * static_cast<double>(part.edge)) return true;
     return !(part.squares < widest_rms * widest_rms * threshold * threshold * interior);
 }
 

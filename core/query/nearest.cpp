@@ -25,7 +25,10 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+double seconds_now()
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 void require(const std::vector<Vec3d>& points, const NearestOptions& options)
 {
@@ -73,7 +76,7 @@ NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& poin
                            const NearestOptions& options)
 {
     require({point}, options);
-    const double start = now();
+    const double start = seconds_now();
     NearestResult result;
     PointSearch search(cache, blocks, options.level, options.max_distance);
     search.run(point, k, result.points);
@@ -83,7 +86,7 @@ NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& poin
     result.outcome.points_out = result.points.size();
     result.outcome.error = error_of(result.points, spacing, options.max_distance);
     result.outcome.error_meaning = error_meaning;
-    result.outcome.seconds = now() - start;
+    result.outcome.seconds = seconds_now() - start;
     return result;
 }
 
@@ -94,7 +97,7 @@ NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<
     if (points.size() > 0xffffffffu)
         throw Error(ErrorCode::invalid_argument, {}, "more than 4294967295 points were given at once",
                     "search for them in parts");
-    const double start = now(), spacing = spacing_at(cache.tree(), options.level);
+    const double start = seconds_now(), spacing = spacing_at(cache.tree(), options.level);
     const std::vector<std::uint32_t> order = morton_order(points);
     std::vector<std::vector<Neighbour>> found(points.size());
     std::atomic<std::size_t> next{0};
@@ -132,7 +135,7 @@ NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<
     batch.outcome.points_in = compared;
     batch.outcome.points_out = batch.points.size();
     batch.outcome.error_meaning = error_meaning;
-    batch.outcome.seconds = now() - start;
+    batch.outcome.seconds = seconds_now() - start;
     return batch;
 }
 
@@ -142,7 +145,7 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
     if (beam.kind() != Region::Kind::ray && beam.kind() != Region::Kind::cone)
         throw Error(ErrorCode::invalid_argument, {},
                     "the first point along a region can be found in a ray or a cone only");
-    const double start = now();
+    const double start = seconds_now();
     HitResult result;
     HeldChunks chunks(cache, blocks, level);
     const Tree& tree = chunks.tree();
@@ -193,7 +196,7 @@ HitResult find_first_hit(L2Cache& cache, BlockCache& blocks, const Region& beam,
     result.outcome.error = spacing_at(tree, level);
     result.outcome.error_meaning =
         "every point of the whole cloud has a point of this level nearer than this, source units";
-    result.outcome.seconds = now() - start;
+    result.outcome.seconds = seconds_now() - start;
     return result;
 }
 

@@ -12,7 +12,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint32_t version = 3;  // the index's: both hold the same block
+constexpr std::uint32_t about_version = 3;  // the index's: both hold the same block
 constexpr std::uint8_t coverage_kept = 1;
 
 // Throws Error(corrupt) when the file is not as long as its contents need, before memory is taken for it.
@@ -21,7 +21,7 @@ void check_size(const File& file)
     const std::uint64_t size = file.size();
     if (size <= first_beginning_bytes) return;
     const std::uint64_t needed = parse_beginning(file, [&](ByteReader& in) {
-        in.get_bytes(sizeof about_magic + sizeof version);
+        in.get_bytes(sizeof about_magic + sizeof about_version);
         get_tree_info(in, file.path());
         return in.position() + sizeof(std::uint64_t);
     });
@@ -128,7 +128,7 @@ void write_about(const std::filesystem::path& folder, const TreeInfo& info)
 {
     ByteWriter out;
     out.put_bytes(about_magic, sizeof about_magic);
-    out.put(version);
+    out.put(about_version);
     put_tree_info(out, info);
     out.put(checksum(out.bytes().data(), out.size()));
     replace_file(folder / about_file_name, out.bytes().data(), out.size());
@@ -153,9 +153,10 @@ TreeInfo read_about(const std::filesystem::path& folder)
     ByteReader in(bytes.data(), bytes.size() - 8, path);
     in.get_bytes(sizeof about_magic);
     const auto found = in.get<std::uint32_t>();
-    if (found != version)
-        throw Error(ErrorCode::unsupported, path,
-                    "version " + std::to_string(found) + ", this program reads version " + std::to_string(version));
+    if (found != about_version)
+        throw Error(
+            ErrorCode::unsupported, path,
+            "version " + std::to_string(found) + ", this program reads version " + std::to_string(about_version));
     TreeInfo info = get_tree_info(in, path);
     if (in.left() != 0) throw Error(ErrorCode::corrupt, path, "the file has bytes after its end");
     return info;

@@ -13,21 +13,21 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint32_t version = 3;
+constexpr std::uint32_t index_version = 3;
 constexpr std::size_t node_bytes = 112, data_file_bytes = 12;
 
 [[noreturn]] void refuse_version(std::uint32_t found, const std::filesystem::path& path)
 {
-    throw Error(
-        ErrorCode::unsupported, path,
-        "tree format version " + std::to_string(found) + ", this program reads version " + std::to_string(version),
-        found < version ? "build the tree again from its files" : "");
+    throw Error(ErrorCode::unsupported, path,
+                "tree format version " + std::to_string(found) + ", this program reads version " +
+                    std::to_string(index_version),
+                found < index_version ? "build the tree again from its files" : "");
 }
 
 [[noreturn]] void refuse_version(std::uint32_t found, std::vector<std::byte> bytes, const std::filesystem::path& path)
 {
     // Where everything else is of this version, the version is damaged.
-    std::memcpy(bytes.data() + sizeof index_magic, &version, sizeof version);
+    std::memcpy(bytes.data() + sizeof index_magic, &index_version, sizeof index_version);
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored == checksum(bytes.data(), bytes.size() - 8))
@@ -103,7 +103,7 @@ std::uint64_t most_bytes_of(const File& file)
 {
     return parse_beginning(file, [&](ByteReader& in) {
         check_magic(in, file.path());
-        if (const auto found = in.get<std::uint32_t>(); found != version) refuse_version(found, file.path());
+        if (const auto found = in.get<std::uint32_t>(); found != index_version) refuse_version(found, file.path());
         const std::uint64_t levels = get_tree_info(in, file.path()).levels;
         in.get_bytes(in.get<std::uint32_t>() * data_file_bytes);
         in.get_bytes(in.get<std::uint32_t>() * sizeof(NodeId));
@@ -175,7 +175,7 @@ std::vector<std::byte> encode_index(const TreeIndex& index)
 {
     ByteWriter out;
     out.put_bytes(index_magic, sizeof index_magic);
-    out.put(version);
+    out.put(index_version);
     put_tree_info(out, index.info);
     out.put(static_cast<std::uint32_t>(index.data_files.size()));
     for (const DataFile& file : index.data_files) {
@@ -229,7 +229,7 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
     ByteReader in(bytes.data(), bytes.size(), path);
     check_magic(in, path);
     const auto found = in.get<std::uint32_t>();
-    if (found != version) refuse_version(found, bytes, path);
+    if (found != index_version) refuse_version(found, bytes, path);
     std::uint64_t stored;
     std::memcpy(&stored, bytes.data() + bytes.size() - 8, 8);
     if (stored != checksum(bytes.data(), bytes.size() - 8))

@@ -1,6 +1,7 @@
 #include "pcm/view/camera_path.h"
 
 #include "pcm/cloud/coordinates.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/system/bounded_json.h"
 #include "pcm/system/error.h"
@@ -16,7 +17,6 @@ namespace pcm {
 namespace {
 
 using Json = nlohmann::ordered_json;
-constexpr double degree = pi / 180;
 
 // The camera's axes in source axes.
 struct Axes {
@@ -37,7 +37,7 @@ Vec3d corner(const Box3d& box, unsigned number)
     return p;
 }
 
-[[noreturn]] void refuse(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
+[[noreturn]] void refuse_path(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
 
 // Errors from here on lack the file and the frame: CameraPath::read() adds them.
 Vec3d vector_of(const Json& frame, const char* key)
@@ -46,34 +46,34 @@ Vec3d vector_of(const Json& frame, const char* key)
     const auto is_number = [](const Json& value) { return value.is_number(); };
     if (found == frame.end() || !found->is_array() || found->size() != 3 ||
         !std::all_of(found->begin(), found->end(), is_number))
-        refuse(std::string("'") + key + "' is not three numbers");
+        refuse_path(std::string("'") + key + "' is not three numbers");
     return {(*found)[0].get<double>(), (*found)[1].get<double>(), (*found)[2].get<double>()};
 }
 
 double number_of(const Json& frame, const char* key)
 {
-    if (!frame[key].is_number()) refuse(std::string("'") + key + "' is not a number");
+    if (!frame[key].is_number()) refuse_path(std::string("'") + key + "' is not a number");
     return frame[key].get<double>();
 }
 
 CameraFrame frame_of(const Json& json)
 {
-    if (!json.is_object()) refuse("it is not an object");
+    if (!json.is_object()) refuse_path("it is not an object");
     CameraFrame frame;
     frame.eye = vector_of(json, "eye");
     frame.target = vector_of(json, "target");
     if (json.contains("up")) frame.up = vector_of(json, "up");
-    if (json.contains("angle") == json.contains("height")) refuse("one of 'angle' and 'height' was expected");
+    if (json.contains("angle") == json.contains("height")) refuse_path("one of 'angle' and 'height' was expected");
     if (json.contains("angle"))
         frame.angle = number_of(json, "angle");
     else
         frame.height = number_of(json, "height");
     if (json.contains("rest")) {
-        if (!json["rest"].is_boolean()) refuse("'rest' is neither true nor false");
+        if (!json["rest"].is_boolean()) refuse_path("'rest' is neither true nor false");
         frame.rest = json["rest"].get<bool>();
     }
     if (json.contains("name")) {
-        if (!json["name"].is_string()) refuse("'name' is not a text");
+        if (!json["name"].is_string()) refuse_path("'name' is not a text");
         frame.name = json["name"].get<std::string>();
     }
     check(frame);
@@ -89,14 +89,16 @@ std::string text_of(const Json& json, const char* key)
 CameraPath path_of(const Json& json, const std::string& name, std::size_t& number)
 {
     if (!json.is_object() || text_of(json, "format") != "pcm camera path")
-        refuse("this is not a camera path: 'format' is not \"pcm camera path\"");
-    if (!json.contains("version") || json["version"] != 1) refuse("'version' is not 1, the only version supported");
+        refuse_path("this is not a camera path: 'format' is not \"pcm camera path\"");
+    if (!json.contains("version") || json["version"] != 1)
+        refuse_path("'version' is not 1, the only version supported");
     CameraPath path;
     path.name = json.contains("name") ? text_of(json, "name") : name;
     const std::string coordinates = text_of(json, "coordinates");
-    if (coordinates != "box" && coordinates != "source") refuse("'coordinates' is neither \"box\" nor \"source\"");
+    if (coordinates != "box" && coordinates != "source") refuse_path("'coordinates' is neither \"box\" nor \"source\"");
     path.in_box = coordinates == "box";
-    if (!json.contains("frames") || !json["frames"].is_array() || json["frames"].empty()) refuse("there are no frames");
+    if (!json.contains("frames") || !json["frames"].is_array() || json["frames"].empty())
+        refuse_path("there are no frames");
     for (const Json& frame : json["frames"]) {
         ++number;
         path.frames.push_back(frame_of(frame));
@@ -108,18 +110,19 @@ CameraPath path_of(const Json& json, const std::string& name, std::size_t& numbe
 
 void check(const CameraFrame& frame)
 {
-    if (frame.angle && !(*frame.angle > 0 && *frame.angle < 180)) refuse("'angle' is not between 0 and 180 degrees");
+    if (frame.angle && !(*frame.angle > 0 && *frame.angle < 180))
+        refuse_path("'angle' is not between 0 and 180 degrees");
     require_place("the camera's eye", frame.eye);
     require_place("the camera's target", frame.target);
     require_place("the camera's direction 'up'", frame.up);
     if (!frame.angle) {
         require_coordinate("the view's height", frame.height);
-        if (!(frame.height > 0)) refuse("'height' is not above 0");
+        if (!(frame.height > 0)) refuse_path("'height' is not above 0");
     }
     const Vec3d ahead = frame.target - frame.eye;
-    if (!(length(ahead) > 0)) refuse("'eye' and 'target' are equal");
+    if (!(length(ahead) > 0)) refuse_path("'eye' and 'target' are equal");
     if (!(length(frame.up) > 0) || !(length(cross(normalised(ahead), normalised(frame.up))) > 1e-9))
-        refuse("'up' is parallel to the direction of view");
+        refuse_path("'up' is parallel to the direction of view");
 }
 
 CameraPath CameraPath::read(const std::filesystem::path& file)
@@ -169,7 +172,7 @@ std::string CameraPath::text() const
 CameraPath CameraPath::placed(const Box3d& box) const
 {
     if (!in_box) return *this;
-    if (box.empty()) refuse("a camera path in box coordinates needs a cloud with points");
+    if (box.empty()) refuse_path("a camera path in box coordinates needs a cloud with points");
     const double longest = std::max({box.extent(0), box.extent(1), box.extent(2)});
     const double half = (longest > 0 ? longest : 1e-9) / 2;
     const auto place = [&](Vec3d& v) {
@@ -237,7 +240,7 @@ Camera view_of(const CameraFrame& frame, const Vec3d& origin, const Box3d& box, 
 
 CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, int width, int height)
 {
-    if (box.empty()) refuse("there is nothing to look at: the cloud has no points");
+    if (box.empty()) refuse_path("there is nothing to look at: the cloud has no points");
     CameraFrame frame;
     frame.angle = angle;
     frame.target = box.centre();

@@ -7,16 +7,13 @@
 #include <utility>
 #include <vector>
 #include "pcm/cloud/box_distance.h"
+#include "pcm/cloud/numbers.h"
 
 namespace pcm {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 // Relative rounding error of a squared distance: subtracted from the lower bound, added to the upper one.
 constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();
-
-double square(double v) { return v * v; }
 
 // MINMAXDIST squared: some point of a tight box is at most this far.
 double farthest_nearest_of(const Box3d& box, const Vec3d& p)

@@ -21,7 +21,7 @@ Horizon horizon_of(UpAxis axis)
     return {{1, 0, 0}, {0, 0, -1}, {0, 1, 0}};
 }
 
-[[noreturn]] void refuse(const std::string& what)
+[[noreturn]] void refuse_pose(const std::string& what)
 {
     throw Error(ErrorCode::invalid_argument, {}, what,
                 "Give a finite eye, right-handed unit axes and a focus above 0.");
@@ -31,19 +31,20 @@ Horizon horizon_of(UpAxis axis)
 std::array<Vec3d, 3> orthonormal(const EyePose& pose)
 {
     for (const Vec3d* v : {&pose.eye, &pose.right, &pose.up, &pose.back})
-        if (!is_finite(*v)) refuse("a pose has a number that is not finite");
-    if (!(pose.focus > 0) || !std::isfinite(pose.focus)) refuse("a pose has a focus that is not above 0");
+        if (!is_finite(*v)) refuse_pose("a pose has a number that is not finite");
+    if (!(pose.focus > 0) || !std::isfinite(pose.focus)) refuse_pose("a pose has a focus that is not above 0");
     constexpr double tolerance = 1e-3;
     for (const Vec3d* v : {&pose.right, &pose.up, &pose.back})
-        if (std::fabs(std::sqrt(dot(*v, *v)) - 1) > tolerance) refuse("a pose has an axis that is not of unit length");
+        if (std::fabs(std::sqrt(dot(*v, *v)) - 1) > tolerance)
+            refuse_pose("a pose has an axis that is not of unit length");
     const Vec3d back = (1 / std::sqrt(dot(pose.back, pose.back))) * pose.back;
     Vec3d up = pose.up - dot(pose.up, back) * back;
     const double up_length = std::sqrt(dot(up, up));
-    if (std::fabs(up_length - 1) > tolerance) refuse("a pose has axes that are not perpendicular");
+    if (std::fabs(up_length - 1) > tolerance) refuse_pose("a pose has axes that are not perpendicular");
     up = (1 / up_length) * up;
     const Vec3d right = cross(up, back);
     if (length(right - pose.right) > 2 * tolerance)
-        refuse("a pose has axes that are not perpendicular and right-handed");
+        refuse_pose("a pose has axes that are not perpendicular and right-handed");
     return {right, up, back};
 }
 

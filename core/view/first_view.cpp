@@ -1,5 +1,6 @@
 #include "pcm/view/first_view.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/view/value_range.h"
 
 #include <algorithm>
@@ -12,7 +13,6 @@
 namespace pcm {
 namespace {
 
-constexpr double degree = 3.14159265358979323846 / 180;
 constexpr double filled = 0.85;
 constexpr std::size_t one_outside_in = 500;
 

@@ -1,5 +1,7 @@
 #include "pcm/view/frustum.h"
 
+#include "pcm/cloud/numbers.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,7 +11,6 @@ namespace pcm {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // The three components of a projection's row; the fourth is m[12 + row].
 Vec3d row_of(const Matrix4d& m, std::size_t row) { return {m[row], m[4 + row], m[8 + row]}; }

@@ -1,5 +1,6 @@
 #include "pcm/view/ground.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/vector.h"
 
 #include <algorithm>
@@ -13,8 +14,6 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t asked = 24, lowest = 6;
-
-double square(double v) { return v * v; }
 
 // The nearest points in plan: squared distance and height.
 class NearestInPlan {

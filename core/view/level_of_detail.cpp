@@ -1,15 +1,14 @@
 #include "pcm/view/level_of_detail.h"
 
+#include "pcm/cloud/numbers.h"
+
 #include <algorithm>
-#include <limits>
 #include <optional>
 #include <queue>
 #include <utility>
 
 namespace pcm {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // One selection: a queue of the visible nodes whose ancestors are all wanted or have no points.
 class Selecting {

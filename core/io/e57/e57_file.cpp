@@ -1,5 +1,6 @@
 #include "pcm/io/e57/e57_file.h"
 
+#include "pcm/io/e57/load_value.h"
 #include "pcm/io/file_text.h"
 #include "pcm/system/error.h"
 
@@ -27,14 +28,6 @@ constexpr std::size_t most_namespaces = 200;
 [[noreturn]] void fail(const E57Pages& pages, ErrorCode code, const std::string& what, const std::string& hint = {})
 {
     throw Error(code, pages.file().path(), what, hint);
-}
-
-template <class T>
-T load(const std::byte* from)
-{
-    T value;
-    std::memcpy(&value, from, sizeof value);
-    return value;
 }
 
 // Checks the header; returns the XML section.

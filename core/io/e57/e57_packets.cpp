@@ -1,5 +1,6 @@
 #include "pcm/io/e57/e57_packets.h"
 
+#include "pcm/io/e57/load_value.h"
 #include "pcm/io/file_text.h"
 
 #include <algorithm>
@@ -15,14 +16,6 @@ constexpr std::size_t section_header_bytes = 32;
 constexpr std::size_t bytes_behind = 16;
 // Writers balance the streams of a packet; a stream that is ahead of the others has to be kept in memory.
 constexpr std::size_t most_waiting_bytes = std::size_t{64} << 20;
-
-template <class T>
-T load(const std::byte* from)
-{
-    T value;
-    std::memcpy(&value, from, sizeof value);
-    return value;
-}
 
 std::uint64_t load_bits(const std::byte* bytes, std::uint64_t bit, unsigned count)
 {

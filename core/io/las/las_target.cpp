@@ -8,7 +8,6 @@
 namespace pcm::las {
 namespace {
 
-bool is_float(ScalarType type) { return type == ScalarType::f32 || type == ScalarType::f64; }
 bool is_signed(ScalarType type)
 {
     return type == ScalarType::i8 || type == ScalarType::i16 || type == ScalarType::i32 || type == ScalarType::i64;

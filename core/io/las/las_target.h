@@ -26,6 +26,8 @@ std::optional<Conversion> exact_conversion(const Attribute& attribute, const Att
 // The header of the LAS file that the cloud came from, its bytes; null without one.
 const std::vector<std::byte>* source_header(const FileInfo& cloud);
 
+inline bool is_float(ScalarType type) { return type == ScalarType::f32 || type == ScalarType::f64; }
+
 struct Target {
     unsigned format = 0;
     unsigned minor = 2;  // of the version

@@ -20,8 +20,6 @@ namespace {
 constexpr std::size_t most_name_bytes = 32;
 constexpr std::size_t most_record_bytes = 65535;
 
-bool is_float(ScalarType type) { return type == ScalarType::f32 || type == ScalarType::f64; }
-
 // The first `most` bytes, without an incomplete UTF-8 character at the end.
 std::string cut_text(const std::string& text, std::size_t most)
 {

@@ -41,7 +41,7 @@ namespace at = laz::vlr;
 
 constexpr std::size_t message_bytes = 512;
 constexpr std::size_t most_chunk_bytes = std::size_t{8} << 20;
-constexpr std::size_t most_ahead_bytes = std::size_t{112} << 20;
+constexpr std::size_t most_pending_bytes = std::size_t{112} << 20;
 
 struct FreeBytes {
     void operator()(pcm_laz_bytes* bytes) const { pcm_laz_bytes_free(bytes); }
@@ -249,7 +249,7 @@ std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t record_length,
     const std::size_t coder_bytes = laz::coder_bytes(format, extra);
     const std::size_t each = 2 * chunk_points_of(record_length) * record_length + coder_bytes;
     const std::size_t wanted = thread_count(threads);
-    const std::size_t fit = std::max<std::size_t>(1, most_ahead_bytes / each);
+    const std::size_t fit = std::max<std::size_t>(1, most_pending_bytes / each);
     return std::make_unique<LazSink>(out, record_length, std::move(laszip_vlr), coder_bytes,
                                      static_cast<unsigned>(std::min(wanted, fit)));
 }

@@ -10,7 +10,7 @@
 namespace pcm {
 namespace {
 
-constexpr auto no_column = static_cast<std::size_t>(-1);
+constexpr auto no_position = static_cast<std::size_t>(-1);
 
 std::string unquoted(std::string_view word)
 {
@@ -37,12 +37,12 @@ bool is_number(std::string_view word)
 
 // The columns of x, y and z among names; no_column where there is none.
 struct Axes {
-    std::array<std::size_t, 3> columns = {no_column, no_column, no_column};
+    std::array<std::size_t, 3> columns = {no_position, no_position, no_position};
     bool geographic = false;
 
     std::size_t count() const
     {
-        return 3 - static_cast<std::size_t>(std::count(columns.begin(), columns.end(), no_column));
+        return 3 - static_cast<std::size_t>(std::count(columns.begin(), columns.end(), no_position));
     }
 };
 
