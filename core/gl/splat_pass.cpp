@@ -29,35 +29,35 @@ bool has_extension(const char* name)
     return false;
 }
 
-// The driver's capabilities and limits, queried once.
-struct Device {
-    bool compatibility = false;
-    bool doubles = false;
-    bool sample_mask = false;
-    float largest_point = 1;
-    GLint viewport_most[2] = {0, 0};
-
-    static Device ask()
-    {
-        Device device;
-        device.compatibility = is_compatibility_context();
-        const auto* vendor = reinterpret_cast<const char*>(glGetString(GL_VENDOR));
-        // Intel's devices have no doubles since their 11th generation; Mesa emulates them with integers, a hundred
-        // times slower.
-        const bool emulated = vendor && std::strstr(vendor, "Intel") != nullptr;
-        device.doubles = !emulated && glUniform3dv && glUniformMatrix3dv && has_extension("GL_ARB_gpu_shader_fp64");
-        device.sample_mask = has_extension("GL_ARB_sample_shading");
-        float range[2] = {1, 1};
-        glGetFloatv(device.compatibility ? GL_ALIASED_POINT_SIZE_RANGE : GL_POINT_SIZE_RANGE, range);
-        device.largest_point = std::max(1.0f, range[1]);
-        glGetIntegerv(GL_MAX_VIEWPORT_DIMS, device.viewport_most);
-        return device;
-    }
-};
-
 }  // namespace
 
 struct SplatPass::Impl {
+    // The driver's capabilities and limits, queried once.
+    struct Device {
+        bool compatibility = false;
+        bool doubles = false;
+        bool sample_mask = false;
+        float largest_point = 1;
+        GLint viewport_most[2] = {0, 0};
+
+        static Device ask()
+        {
+            Device device;
+            device.compatibility = is_compatibility_context();
+            const auto* vendor = reinterpret_cast<const char*>(glGetString(GL_VENDOR));
+            // Intel's devices have no doubles since their 11th generation; Mesa emulates them with integers, a hundred
+            // times slower.
+            const bool emulated = vendor && std::strstr(vendor, "Intel") != nullptr;
+            device.doubles = !emulated && glUniform3dv && glUniformMatrix3dv && has_extension("GL_ARB_gpu_shader_fp64");
+            device.sample_mask = has_extension("GL_ARB_sample_shading");
+            float range[2] = {1, 1};
+            glGetFloatv(device.compatibility ? GL_ALIASED_POINT_SIZE_RANGE : GL_POINT_SIZE_RANGE, range);
+            device.largest_point = std::max(1.0f, range[1]);
+            glGetIntegerv(GL_MAX_VIEWPORT_DIMS, device.viewport_most);
+            return device;
+        }
+    };
+
     bool may_use_doubles = true;
     std::optional<Device> device;
     std::map<SplatPermutation, SplatProgram> programs;

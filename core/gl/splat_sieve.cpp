@@ -10,7 +10,7 @@
 namespace pcm {
 namespace {
 
-constexpr double border = 2;  // pixels around the view that count as in it: half the smallest splat, and rounding
+constexpr double view_border = 2;  // pixels around the view that count as in it: half the smallest splat, and rounding
 
 // Relative depth ranges: up to `even` a box is treated as one place, from `by_groups` on group by group.
 constexpr double even = 0.25, by_groups = 0.7;
@@ -32,8 +32,8 @@ SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, doubl
     Camera wide = camera.view;
     wide.origin = {0, 0, 0};
     for (std::size_t c = 0; c < 4; ++c) {
-        wide.projection[4 * c] *= wide.width / (wide.width + 2 * border);
-        wide.projection[4 * c + 1] *= wide.height / (wide.height + 2 * border);
+        wide.projection[4 * c] *= wide.width / (wide.width + 2 * view_border);
+        wide.projection[4 * c + 1] *= wide.height / (wide.height + 2 * view_border);
     }
     seen_ = Frustum::of(wide);
 }
