@@ -19,7 +19,6 @@ namespace {
 
 // An orthographic view shows 1.75 above and below the centre at a distance of 8 (trackball_pose.h).
 constexpr double height_per_focus = 2 * 1.75 / 8;
-constexpr float orthographic_fov = 5;
 
 }  // namespace
 

@@ -26,7 +26,7 @@ struct Marks {
 
 QString file_of(const MeshModel& layer) { return QFileInfo(layer.fullName()).fileName(); }
 
-[[noreturn]] void refuse(const char* what)
+[[noreturn]] void refuse_marks(const char* what)
 {
     throw Error(ErrorCode::bad_format, {}, std::string("the marks of layers ") + what);
 }
@@ -34,13 +34,13 @@ QString file_of(const MeshModel& layer) { return QFileInfo(layer.fullName()).fil
 std::vector<Marks> parse(const QString& text)
 {
     const QJsonDocument json = QJsonDocument::fromJson(text.toUtf8());
-    if (!json.isObject()) refuse("are not JSON");
-    if (json.object()["version"].toInt() != 1) refuse("have a version that is not 1");
-    if (!json.object()["layers"].isArray()) refuse("have no list 'layers'");
+    if (!json.isObject()) refuse_marks("are not JSON");
+    if (json.object()["version"].toInt() != 1) refuse_marks("have a version that is not 1");
+    if (!json.object()["layers"].isArray()) refuse_marks("have no list 'layers'");
     std::vector<Marks> all;
     for (const QJsonValue& value : json.object()["layers"].toArray()) {
         const QJsonObject one = value.toObject();
-        if (!one["file"].isString()) refuse("have a layer without a 'file'");
+        if (!one["file"].isString()) refuse_marks("have a layer without a 'file'");
         all.push_back(
             {one["file"].toString(), one["locked"].toBool(), one["solo"].toBool(), one["shown"].toBool(true)});
     }

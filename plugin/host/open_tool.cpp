@@ -14,7 +14,7 @@ namespace pcm::host {
 
 namespace {
 
-constexpr int wait_ms = 20;
+constexpr int tool_wait_ms = 20;
 
 // An action of a menu: it belongs to the plugin.
 QAction* action_of(const QMainWindow& window, const QString& text)
@@ -30,7 +30,7 @@ QAction* action_of(const QMainWindow& window, const QString& text)
 void open_tool(MeshDocument& document, const QString& name)
 {
     if (views_of(document).empty()) return;
-    QTimer::singleShot(wait_ms, &document, [alive = QPointer<MeshDocument>(&document), name] {
+    QTimer::singleShot(tool_wait_ms, &document, [alive = QPointer<MeshDocument>(&document), name] {
         if (!alive) return;
         if (alive->isBusy()) return open_tool(*alive, name);
         const auto views = views_of(*alive);

@@ -17,7 +17,7 @@ namespace pcm::host {
 
 namespace {
 
-const char* const element = "PointCloudPrimitives";
+const char* const list_element = "PointCloudPrimitives";
 const char* const reached_element = "PointCloudPrimitivePoints";
 const char* const owner = "primitives";
 constexpr std::size_t most_labels = 30;    // with more of them only the selected one has a label
@@ -197,7 +197,7 @@ void keep_primitives_in_projects()
 {
     static bool once = false;
     if (std::exchange(once, true)) return;
-    add_project_part({element,
+    add_project_part({list_element,
                       [](MeshDocument& document) {
                           const PrimitiveList& list = PrimitiveBook::of(document).list();
                           return list.empty() ? QString() : QString::fromStdString(json_of(list.all()));

@@ -13,7 +13,7 @@ namespace pcm::host {
 
 namespace {
 
-constexpr int wait_ms = 20;
+constexpr int camera_wait_ms = 20;
 
 QString camera_text(MeshDocument& document)
 {
@@ -33,7 +33,7 @@ QString camera_text(MeshDocument& document)
 // MeshLab resets the trackball when it has opened a project, and is busy until then.
 void look_when_idle(MeshDocument& document, const CameraFrame& frame)
 {
-    QTimer::singleShot(wait_ms, &document, [alive = QPointer<MeshDocument>(&document), frame] {
+    QTimer::singleShot(camera_wait_ms, &document, [alive = QPointer<MeshDocument>(&document), frame] {
         if (!alive) return;
         if (alive->isBusy()) return look_when_idle(*alive, frame);
         const auto origin = Registry::instance().origin_of(*alive);

@@ -12,9 +12,9 @@ namespace pcm::host {
 
 namespace {
 
-const char* const element = "PointCloudLengthUnit";
-const char* const key = "pcm_length_unit";  // of the document
-const char* const not_known = "unknown";    // in projects, where an empty text is no element
+const char* const unit_element = "PointCloudLengthUnit";
+const char* const unit_property = "pcm_length_unit";  // of the document
+const char* const not_known = "unknown";              // in projects, where an empty text is no element
 
 bool is_choice(const std::string& symbol)
 {
@@ -26,7 +26,7 @@ bool is_choice(const std::string& symbol)
 
 std::optional<std::string> chosen_unit(const MeshDocument& document)
 {
-    const QVariant kept = document.property(key);
+    const QVariant kept = document.property(unit_property);
     return kept.isValid() ? std::optional(kept.toString().toStdString()) : std::nullopt;
 }
 
@@ -35,7 +35,7 @@ void choose_unit(MeshDocument& document, const std::string& symbol)
     if (!is_choice(symbol))
         throw Error(ErrorCode::invalid_argument, {}, "'" + symbol + "' is not a unit that a project can have",
                     "m, ft, ftUS, or unknown");
-    document.setProperty(key, QString::fromStdString(symbol));
+    document.setProperty(unit_property, QString::fromStdString(symbol));
 }
 
 std::optional<std::string> ask_unit(MeshDocument& document, QWidget* parent)
@@ -58,7 +58,7 @@ void keep_units_in_projects()
 {
     static bool once = false;
     if (std::exchange(once, true)) return;
-    add_project_part({element,
+    add_project_part({unit_element,
                       [](MeshDocument& document) {
                           const auto unit = chosen_unit(document);
                           return !unit ? QString() : unit->empty() ? not_known : QString::fromStdString(*unit);

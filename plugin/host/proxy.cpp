@@ -12,7 +12,7 @@ namespace pcm::host {
 
 namespace {
 
-constexpr std::array<std::uint8_t, 3> grey{191, 191, 191};
+constexpr std::array<std::uint8_t, 3> uncoloured{191, 191, 191};
 
 struct Sample {
     std::vector<Vec3d> positions;
@@ -67,7 +67,7 @@ void add_extremes(Proxy& proxy, const TreeInfo& info, const Vec3d& origin)
 {
     std::vector<ProxyPoint> missing;
     for (const Vec3i& extreme : info.extremes) {
-        const ProxyPoint point{local(info.grid.to_source(extreme), origin), grey};
+        const ProxyPoint point{local(info.grid.to_source(extreme), origin), uncoloured};
         const auto is_there = [&](const ProxyPoint& other) { return other.position == point.position; };
         if (std::none_of(missing.begin(), missing.end(), is_there)) missing.push_back(point);
     }
@@ -125,7 +125,7 @@ Proxy make_proxy(PointCloud& cloud, const Vec3d& origin, std::uint64_t most)
     if (!proxy.is_whole) proxy.spacing = spacing_of(cloud, level, stride, sample.positions.size());
     proxy.points.reserve(sample.positions.size() + info.extremes.size());
     for (std::size_t i = 0; i < sample.positions.size(); ++i)
-        proxy.points.push_back({local(sample.positions[i], origin), coloured ? colours[i] : grey});
+        proxy.points.push_back({local(sample.positions[i], origin), coloured ? colours[i] : uncoloured});
     if (info.points > 0 && !proxy.is_whole) add_extremes(proxy, info, origin);
     return proxy;
 }

@@ -13,7 +13,7 @@ namespace pcm::host {
 
 namespace {
 
-[[noreturn]] void refuse(const std::string& what)
+[[noreturn]] void refuse_reached(const std::string& what)
 {
     throw Error(ErrorCode::bad_format, {}, "the points of primitives in the project: " + what);
 }
@@ -46,7 +46,7 @@ QJsonObject object_of(const ReachedFrom& from)
 double number(const QJsonObject& object, const char* name)
 {
     const double value = object[name].toDouble(std::nan(""));
-    if (!(value >= 0) || !std::isfinite(value)) refuse(std::string(name) + " is no number from 0");
+    if (!(value >= 0) || !std::isfinite(value)) refuse_reached(std::string(name) + " is no number from 0");
     return value;
 }
 
@@ -66,7 +66,7 @@ ReachedFrom reached_of(const QJsonObject& object)
         const QJsonArray numbers = value.toArray();
         Vec3d seed{};
         for (int a = 0; a < 3; ++a) seed[std::size_t(a)] = numbers.at(a).toDouble(std::nan(""));
-        if (numbers.size() != 3 || !is_finite(seed)) refuse("a seed is not three numbers");
+        if (numbers.size() != 3 || !is_finite(seed)) refuse_reached("a seed is not three numbers");
         from.seeds.push_back(seed);
     }
     for (const QJsonValue& value : object["clips"].toArray())
@@ -94,16 +94,16 @@ std::map<std::string, ReachedFrom> reached_of(const QString& text)
 {
     QJsonParseError parsed;
     const QJsonDocument document = QJsonDocument::fromJson(text.toUtf8(), &parsed);
-    if (parsed.error != QJsonParseError::NoError) refuse(parsed.errorString().toStdString());
+    if (parsed.error != QJsonParseError::NoError) refuse_reached(parsed.errorString().toStdString());
     std::map<std::string, ReachedFrom> reached;
     for (const QJsonValue& value : document.array()) {
         const QString key = value.toObject()["of"].toString();
-        if (key.isEmpty()) refuse("an entry does not name its primitive");
+        if (key.isEmpty()) refuse_reached("an entry does not name its primitive");
         try {
             reached[key.toStdString()] = reached_of(value.toObject());
         } catch (const Error& error) {
             if (error.code() == ErrorCode::bad_format) throw;
-            refuse(error.what());
+            refuse_reached(error.what());
         }
     }
     return reached;

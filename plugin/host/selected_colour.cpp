@@ -8,13 +8,13 @@ namespace pcm::host {
 
 namespace {
 
-const char* const key = "PointCloud/SelectedColour";
+const char* const colour_setting = "PointCloud/SelectedColour";
 
 // Read once: views ask in each frame.
-std::optional<QColor>& kept()
+std::optional<QColor>& kept_colour()
 {
     static std::optional<QColor> colour = [] {
-        const QColor read(QSettings().value(key).toString());
+        const QColor read(QSettings().value(colour_setting).toString());
         return read.isValid() ? std::optional(read) : std::nullopt;
     }();
     return colour;
@@ -22,13 +22,13 @@ std::optional<QColor>& kept()
 
 }  // namespace
 
-std::optional<QColor> chosen_selected_colour() { return kept(); }
+std::optional<QColor> chosen_selected_colour() { return kept_colour(); }
 
 void choose_selected_colour(const QColor& colour, const MeshDocument& document)
 {
     if (!colour.isValid()) return;
-    kept() = colour;
-    QSettings().setValue(key, colour.name());
+    kept_colour() = colour;
+    QSettings().setValue(colour_setting, colour.name());
     repaint_views(document);
 }
 

@@ -8,7 +8,6 @@
 namespace pcm::host {
 namespace {
 
-constexpr float orthographic_fov = 5;
 constexpr double half_height = 1.75, orthographic_distance = 8;
 
 double camera_distance(float fov)

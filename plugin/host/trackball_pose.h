@@ -16,6 +16,8 @@
 
 namespace pcm::host {
 
+inline constexpr float orthographic_fov = 5;
+
 // In the document's coordinates.
 EyePose pose_of(const vcg::Similarityf& track, float fov);
 

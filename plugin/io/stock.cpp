@@ -11,7 +11,7 @@ namespace pcm::host {
 namespace {
 
 template <class Formats>
-MeshIOInterface* find(const QString& extension, const MeshIOInterface* ours, const Formats& formats)
+MeshIOInterface* find_plugin(const QString& extension, const MeshIOInterface* ours, const Formats& formats)
 {
     const QDir folder(PluginManager::getDefaultPluginDirPath());
     for (const QFileInfo& file : folder.entryInfoList(QDir::Files)) {  // by name, as MeshLab does
@@ -29,12 +29,12 @@ MeshIOInterface* find(const QString& extension, const MeshIOInterface* ours, con
 
 MeshIOInterface* stock_importer(const QString& extension, const MeshIOInterface* ours)
 {
-    return find(extension, ours, [](const MeshIOInterface& plugin) { return plugin.importFormats(); });
+    return find_plugin(extension, ours, [](const MeshIOInterface& plugin) { return plugin.importFormats(); });
 }
 
 MeshIOInterface* stock_exporter(const QString& extension, const MeshIOInterface* ours)
 {
-    return find(extension, ours, [](const MeshIOInterface& plugin) { return plugin.exportFormats(); });
+    return find_plugin(extension, ours, [](const MeshIOInterface& plugin) { return plugin.exportFormats(); });
 }
 
 }  // namespace pcm::host

@@ -15,11 +15,11 @@ namespace pcm::host {
 
 namespace {
 
-constexpr double most_tilt = 2 * pi / 180;  // of a plan view
-constexpr double least_across = 0.1;        // of an arrow to north
-constexpr double most_lines = 200;          // of a grid, in each direction
-constexpr int margin = 6, bar_height = 6;   // Qt's pixels
-constexpr double arrow = 44;                // size of its image, Qt's pixels
+constexpr double most_tilt = 2 * pi / 180;           // of a plan view
+constexpr double least_across = 0.1;                 // of an arrow to north
+constexpr double most_lines = 200;                   // of a grid, in each direction
+constexpr int bar_margin = 6, scale_bar_height = 6;  // Qt's pixels
+constexpr double arrow = 44;                         // size of its image, Qt's pixels
 
 // The place at a height on the line of sight through a place of the picture, of a view that looks down.
 Vec3d at_height(const ScreenMap& map, double x, double y, double height)
@@ -121,18 +121,18 @@ QImage scale_bar_image(const ScaleBar& bar, const QString& unit, double ratio)
     const QFontMetrics metrics(font);
     const QString text = step_text(bar.length, bar.length) + " " + unit;
     const double wide = bar.pixels / ratio;
-    const double width = std::max<double>(wide, metrics.horizontalAdvance(text)) + 2 * margin;
-    const double height = metrics.height() + bar_height + 3 * margin;
+    const double width = std::max<double>(wide, metrics.horizontalAdvance(text)) + 2 * bar_margin;
+    const double height = metrics.height() + scale_bar_height + 3 * bar_margin;
     QImage image(int(std::ceil(width * ratio)), int(std::ceil(height * ratio)), QImage::Format_RGBA8888);
     image.fill(QColor(0, 0, 0, 128));
     QPainter painter(&image);
     painter.scale(ratio, ratio);
     painter.setFont(font);
     painter.setPen(Qt::white);
-    painter.drawText(QRectF(margin, margin, width, metrics.height()), Qt::AlignLeft | Qt::AlignVCenter, text);
-    const double top = metrics.height() + 2 * margin;
-    painter.fillRect(QRectF(margin, top, wide, bar_height), Qt::white);
-    painter.fillRect(QRectF(margin + wide / 2, top + 1, wide / 2 - 1, bar_height - 2), Qt::black);
+    painter.drawText(QRectF(bar_margin, bar_margin, width, metrics.height()), Qt::AlignLeft | Qt::AlignVCenter, text);
+    const double top = metrics.height() + 2 * bar_margin;
+    painter.fillRect(QRectF(bar_margin, top, wide, scale_bar_height), Qt::white);
+    painter.fillRect(QRectF(bar_margin + wide / 2, top + 1, wide / 2 - 1, scale_bar_height - 2), Qt::black);
     return image;
 }
 

@@ -15,7 +15,7 @@ namespace pcm::host {
 
 namespace {
 
-constexpr int least_width = 110;  // pixels
+constexpr int least_width_px = 110;  // pixels
 
 using OnChange = std::function<void(const QString& name, const Value& value)>;
 
@@ -29,7 +29,7 @@ void add_row(QGridLayout& rows, const RichParameter& setting, QWidget* label, QW
     widget->setObjectName(setting.name());
     // As wide as the panel leaves it: a box for numbers would be as wide as its largest one.
     widget->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Fixed);
-    widget->setMinimumWidth(least_width);
+    widget->setMinimumWidth(least_width_px);
     rows.addWidget(label, row, 0);
     rows.addWidget(widget, row, 1);
 }
