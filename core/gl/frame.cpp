@@ -35,6 +35,13 @@ float fill_of(double spacing_px, const CloudStyle& style)
     return static_cast<float>(std::ceil(fill_of_spacing * std::min(spacing_px, largest_fill)));
 }
 
+Finish Frame::finish(bool fast) const
+{
+    const bool lies_in_surfaces =
+        std::any_of(clouds.begin(), clouds.end(), [](const FrameCloud& cloud) { return cloud.format.shape; });
+    return {options.eye_dome, fast, options.fill_gaps && lies_in_surfaces};
+}
+
 std::vector<TreeInView> Frame::trees() const
 {
     std::vector<TreeInView> trees;

@@ -59,6 +59,8 @@ struct Frame {
     bool again = false, drawn_again = false;
     std::array<double, 2> offset{};
 
+    // Splats that lie in surfaces leave gaps where these are seen edge-on, and where the density of points changes.
+    Finish finish(bool fast) const;
     // What the splats of this frame cost.
     bool costs_more() const { return at_rest && !options.paraboloids; }
     FrameBudget& costs() const { return costs_more() ? picture.rest_budget : picture.budget; }
