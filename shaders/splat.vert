@@ -236,6 +236,21 @@ vec3 direction_of(uint code)
     return normalize(d);
 }
 
+// Near by, where discs are wide, their colours would be a mosaic. In frames of a mean each disc is moved along the view at random, by up to
+// half of `blend` times its rim's depth, which moves its borders with its neighbours: in the mean their colours pass into one another.
+uniform uint frame;               // of a mean; 0: the picture itself
+const vec2 wide_disc = vec2(4.0, 8.0);  // pixels across, from which and where wholly
+const float blend = 0.6;
+
+float shift_of_border()
+{
+    uvec3 p = floatBitsToUint(position) * uvec3(0x9e3779b1u, 0x85ebca77u, 0xc2b2ae3du);
+    uint h = (p.x ^ p.y ^ p.z) + frame * 0x27d4eb2fu;
+    h = (h ^ h >> 16u) * 0x7feb352du;  // a hash of 32 bits (Wellons 2018)
+    h = (h ^ h >> 15u) * 0x846ca68bu;
+    return blend * (float((h ^ h >> 16u) >> 8u) / 16777216.0 - 0.5);
+}
+
 void main()
 {
     if (is_clipped()) {
@@ -317,6 +332,7 @@ void main()
     depth_most = abs(depth_of.y) * reach / (depth * depth);
     centre = principal + focal * slope;
 #endif
+    if (frame > 0u && lies) depth_line.x += depth_line.w * shift_of_border() * smoothstep(wide_disc.x, wide_disc.y, 2.0 * r / pixel);
     vec2 extent = sqrt(vec2(xx, yy));
 #if defined(QUADS)
     vec2 middle = place.xy / place.w;

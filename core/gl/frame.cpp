@@ -79,7 +79,7 @@ void Frame::begin(const FrameCloud& cloud)
 {
     splats.begin(shifted(cloud.view, offset), cloud.tree->info(), cloud.style, picture.target.reversed(),
                  picture.target.samples(), at_rest, cloud.values,
-                 {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour});
+                 {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour, frame_of_mean});
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)

@@ -55,9 +55,10 @@ struct Frame {
     FrameWork work{};
     bool at_rest = options.paraboloids;  // adaptive splats are drawn as paraboloids
     // The picture is complete and is drawn once more, for a mean (gl/smoothing.h): into `next`, at this offset in
-    // pixels.
+    // pixels, as this one of the frames.
     bool again = false, drawn_again = false;
     std::array<double, 2> offset{};
+    std::uint32_t frame_of_mean = 0;
 
     // Splats that lie in surfaces leave gaps where these are seen edge-on, and where the density of points changes.
     Finish finish(bool fast) const;

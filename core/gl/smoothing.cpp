@@ -59,7 +59,9 @@ void begin_smoothing(Frame& frame, bool resting)
         smoothing.reset();
     if (!smoothing) p.sum.release();
     frame.again = smoothing && smoothing->frames < smoothing->goal;
-    if (frame.again) frame.offset = pixel_offset(smoothing->frames);
+    if (!frame.again) return;
+    frame.offset = pixel_offset(smoothing->frames);
+    frame.frame_of_mean = smoothing->frames;
 }
 
 void draw_for_mean(Frame& frame)
