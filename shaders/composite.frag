@@ -78,6 +78,11 @@ int end_of(ivec2 at, ivec2 step, out vec4 colour, out float depth)
 bool is_in_surface(ivec2 at, out vec4 colour, out float depth)
 {
     const ivec2 steps[4] = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1));
+    // Most empty pixels are of the background, far from everything.
+    ivec2 last = size - 1;
+    if (texelFetch(depths, min(at + ivec2(widest_gap, 0), last), 0).r == farthest && texelFetch(depths, max(at - ivec2(widest_gap, 0), ivec2(0)), 0).r == farthest &&
+        texelFetch(depths, min(at + ivec2(0, widest_gap), last), 0).r == farthest && texelFetch(depths, max(at - ivec2(0, widest_gap), ivec2(0)), 0).r == farthest)
+        return false;
     float lines = 0.0, weights = 0.0, low = 2.0, high = -1.0;
     float side = 0.0, alpha = 1.0;
     vec3 sum = vec3(0.0);
