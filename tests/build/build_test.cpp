@@ -10,6 +10,7 @@
 #include "tests/build/build_support.h"
 #include "tests/clouds.h"
 #include "tests/memory_reader.h"
+#include "tests/outcome.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
 
@@ -100,9 +101,9 @@ TEST_P(EveryShape, EveryPointOnceBitForBit)
     grid.scale = {0.001, 0.001, 0.001};
     grid.offset = {5e6, 4.8e6, -100};
     write_las(folder / "in.las", points, grid);
+    const Stopwatch watch;
     const BuildReport report = build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
-    EXPECT_EQ(report.outcome.points_in, points.size());
-    EXPECT_EQ(report.outcome.points_out, points.size());
+    expect_outcome(report.outcome, points.size(), points.size(), watch);
     EXPECT_EQ(report.outcome.error, 0.0);
     EXPECT_TRUE(report.notes.empty()) << report.notes.front();
     const auto tree = Tree::open(folder / "out.pct");
