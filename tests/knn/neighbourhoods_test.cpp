@@ -6,6 +6,7 @@
 #include "pcm/system/error.h"
 #include "pcm/update/append.h"
 #include "tests/memory_reader.h"
+#include "tests/outcome.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
 
@@ -57,9 +58,10 @@ All all_of(L2Cache& cache, const NeighbourhoodOptions& options, NeighbourhoodRep
 {
     All all;
     std::mutex mutex;
+    const Stopwatch watch;
     const auto made = for_each_neighbourhood(cache, options, [&] { return std::make_unique<Collector>(all, mutex); });
     if (report) *report = made;
-    EXPECT_EQ(made.outcome.points_out, all.size());
+    expect_outcome(made.outcome, cache.tree().info().points, all.size(), watch);
     return all;
 }
 
