@@ -136,6 +136,12 @@ bool compare(ivec2 at, ivec2 away, float here, out vec2 relief)
     return true;
 }
 
+// Points that stand alone, as leaves do, have no rims around them either.
+float widest_beside(ivec2 at, ivec2 away)
+{
+    return side_of(min(texelFetch(colours, at + away, 0).a, texelFetch(colours, at - away, 0).a));
+}
+
 float shade(ivec2 at, float depth, float side)
 {
     const ivec2 half_ring[4] = ivec2[4](ivec2(2, 0), ivec2(0, 2), ivec2(1, 1), ivec2(-1, 1));
@@ -152,7 +158,7 @@ float shade(ivec2 at, float depth, float side)
     vec2 own = vec2(0.75, 0.35) * side * relief_of_pixel + vec2(0.3, 0.4 * side / wide) * slope;
     float ratios = 1.0, bent = 0.0;  // the sum of the logarithms of ratios is the logarithm of their product
     for (int i = 0; i < 4; i += EYE_DOME) {
-        ratios *= 1.0 + max(0.0, edges[i].x - own.x);
+        if (edges[i].x > own.x) ratios *= 1.0 + (edges[i].x - own.x) * min(1.0, 12.0 / widest_beside(at, half_ring[i]));
         // In widths of the ring. A step, which is far more, is not a bend.
         float bend = max(0.0, max(bends[i].x, -0.3 * bends[i].x) - own.y) / (wide * relief_of_pixel);
         bent += bend / (1.0 + bend * bend / 9.0);
