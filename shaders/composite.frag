@@ -57,7 +57,7 @@ float eye_distance(float depth)
 #endif
 
 #ifdef CLOSE_GAPS
-const int widest_gap = 5;  // pixels to either side
+const int widest_gap = 6;  // pixels to either side
 
 // The first covered pixel from `at` in a direction, and how many steps away it is; 0: there is none.
 int end_of(ivec2 at, ivec2 step, out vec4 colour, out float depth)
@@ -96,12 +96,12 @@ bool is_in_surface(ivec2 at, out vec4 colour, out float depth)
         int b = end_of(at, -steps[i], colour_b, depth_b);
         if (b == 0) continue;
         float between = float(a + b - 1) * (i < 2 ? 1.0 : 1.414);
-        float smaller = min(side_of(colour_a.a), side_of(colour_b.a));
-        if (between > max(1.5, 0.6 * smaller)) continue;
+        float side_a = side_of(colour_a.a), side_b = side_of(colour_b.a);
+        if (between > max(1.5, 0.6 * max(side_a, side_b))) continue;
         float passed = (depth_a * float(b) + depth_b * float(a)) / float(a + b);
         low = min(low, passed);
         high = max(high, passed);
-        side += smaller;
+        side += min(side_a, side_b);
         lines += 1.0;
         vec2 weight = 1.0 / vec2(a, b);
         sum += colour_a.rgb * weight.x + colour_b.rgb * weight.y;
