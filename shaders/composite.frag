@@ -158,7 +158,10 @@ float shade(ivec2 at, float depth, float side)
     vec2 own = vec2(0.75, 0.35) * side * relief_of_pixel + vec2(0.3, 0.4 * side / wide) * slope;
     float ratios = 1.0, bent = 0.0;  // the sum of the logarithms of ratios is the logarithm of their product
     for (int i = 0; i < 4; i += EYE_DOME) {
-        if (edges[i].x > own.x) ratios *= 1.0 + (edges[i].x - own.x) * min(1.0, 12.0 / widest_beside(at, half_ring[i]));
+        if (edges[i].x > own.x) {
+            float fade = min(1.0, 12.0 / widest_beside(at, half_ring[i]));
+            ratios *= 1.0 + (edges[i].x - own.x) * fade * fade;
+        }
         // In widths of the ring. A step, which is far more, is not a bend.
         float bend = max(0.0, max(bends[i].x, -0.3 * bends[i].x) - own.y) / (wide * relief_of_pixel);
         bent += bend / (1.0 + bend * bend / 9.0);
