@@ -97,7 +97,7 @@ bool is_in_surface(ivec2 at, out vec4 colour, out float depth)
         if (b == 0) continue;
         float between = float(a + b - 1) * (i < 2 ? 1.0 : 1.414);
         float side_a = side_of(colour_a.a), side_b = side_of(colour_b.a);
-        if (between > max(1.5, 0.6 * max(side_a, side_b))) continue;
+        if (between > max(3.0, 0.6 * max(side_a, side_b))) continue;
         float passed = (depth_a * float(b) + depth_b * float(a)) / float(a + b);
         low = min(low, passed);
         high = max(high, passed);
