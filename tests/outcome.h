@@ -1,6 +1,7 @@
 // What an operation reports of itself, checked from outside.
 #pragma once
 
+#include "pcm/system/error.h"
 #include "pcm/system/progress.h"
 
 #include <gtest/gtest.h>
@@ -8,6 +9,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 
 namespace pcm::test {
 
@@ -37,6 +39,18 @@ inline void expect_outcome(const Outcome& outcome, std::uint64_t points_in, std:
     EXPECT_TRUE(outcome.error >= 0 && std::isfinite(outcome.error)) << outcome.error;
     if (outcome.error > 0) EXPECT_FALSE(outcome.error_meaning.empty());
     EXPECT_TRUE(outcome.warnings.empty());
+}
+
+// Runs `action`, which must throw pcm::Error, and returns it.
+inline Error error_of(const std::function<void()>& action)
+{
+    try {
+        action();
+    } catch (const Error& error) {
+        return error;
+    }
+    ADD_FAILURE() << "no pcm::Error was thrown";
+    return Error(ErrorCode::io, {}, "none");
 }
 
 }  // namespace pcm::test

@@ -142,7 +142,7 @@ TEST(ShapeMeshes, WhatHasNoLengthHasNone)
     EXPECT_THROW(Mesh(parse_shape("sphere 0 0 0 1"), {}, {std::nan(""), false}), Error);
 }
 
-// Numbers that are no shape are refused, not drawn, whoever made them; for planes, which have no mesh, too.
+// Numbers that are no shape are refused, not drawn, wherever they come from; for planes, which have no mesh, too.
 TEST(ShapeMeshes, OfNoShapeAreRefused)
 {
     const double nan = std::nan(""), infinity = HUGE_VAL;

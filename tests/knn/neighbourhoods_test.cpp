@@ -484,12 +484,7 @@ TEST_F(NeighbourhoodsOf, CancelsAndRefuses)
     options.neighbours = most_neighbours;  // takes longer than a tenth of a second
     int calls = 0;
     options.progress = [&](const ProgressUpdate&) { return ++calls < 2; };
-    try {
-        all_of(cache, options);
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::cancelled);
-    }
+    EXPECT_EQ(error_of([&] { all_of(cache, options); }).code(), ErrorCode::cancelled);
     options.progress = {};
     for (const std::size_t k : {std::size_t(0), most_neighbours + 1})
         EXPECT_THROW(all_of(cache, (options.neighbours = k, options)), Error);
