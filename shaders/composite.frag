@@ -1,7 +1,7 @@
 #version 330 core
 // Composites a picture of splats, colour and depth, into another framebuffer. Permutations: SAMPLES n (of the picture; absent: one per
 // pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), SUM (colours times
-// coverage, and coverage, to be added up; without depth), EYE_DOME n (of the pairs of opposite neighbours every n-th is looked at).
+// coverage, and coverage, to be added up; without depth), EYE_DOME n (of the pairs of opposite neighbours every n-th is looked at), CLOSE_GAPS.
 //
 // With several samples, the colours of the covered ones are averaged, their fraction becomes the alpha, and the nearest depth is written.
 //
@@ -39,11 +39,10 @@ float coverage_of(float alpha) { return floor(alpha * 255.0 / 16.0 + 0.01) / 15.
 float mark_of(float alpha) { return mod(floor(alpha * 255.0 + 0.5), 16.0); }
 float side_of(float alpha) { return exp2(0.5 * (15.0 - mark_of(alpha))); }
 
-#ifdef EYE_DOME
+#if defined(EYE_DOME) || defined(CLOSE_GAPS)
 uniform vec4 distance_of_depth;     // distance = (x + y * d) / (z + w * d), where d is 1 at the near plane
 uniform float relief_of_distance;   // orthographic: 1 / visible height; 0: perspective
 uniform float relief_of_pixel;      // of a step as deep as a pixel is wide
-uniform float strength;
 uniform ivec2 size;
 
 float eye_distance(float depth)
@@ -55,6 +54,72 @@ float eye_distance(float depth)
 #endif
     return (distance_of_depth.x + distance_of_depth.y * d) / (distance_of_depth.z + distance_of_depth.w * d);
 }
+#endif
+
+#ifdef CLOSE_GAPS
+const int widest_gap = 6;  // pixels to either side
+
+// The first covered pixel from `at` in a direction, and how many steps away it is; 0: there is none.
+int end_of(ivec2 at, ivec2 step, out vec4 colour, out float depth)
+{
+    for (int k = 1; k <= widest_gap; ++k) {
+        at += step;
+        if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, size))) return 0;
+        colour = texelFetch(colours, at, 0);
+        if (colour.a == 0.0) continue;
+        depth = texelFetch(depths, at, 0).r;
+        return k;
+    }
+    return 0;
+}
+
+// A pixel that no splat covers lies in a surface if splats end on both sides of it, along at least three of the four lines through it, no
+// farther apart than their points may be, and all of these lines pass it at the same depth. (Depth is linear on the screen along a plane.)
+bool is_in_surface(ivec2 at, out vec4 colour, out float depth)
+{
+    const ivec2 steps[4] = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1));
+    // Most empty pixels are of the background, far from everything.
+    ivec2 last = size - 1;
+    if (texelFetch(depths, min(at + ivec2(widest_gap, 0), last), 0).r == farthest && texelFetch(depths, max(at - ivec2(widest_gap, 0), ivec2(0)), 0).r == farthest &&
+        texelFetch(depths, min(at + ivec2(0, widest_gap), last), 0).r == farthest && texelFetch(depths, max(at - ivec2(0, widest_gap), ivec2(0)), 0).r == farthest)
+        return false;
+    float lines = 0.0, weights = 0.0, low = 2.0, high = -1.0;
+    float side = 0.0, alpha = 1.0;
+    vec3 sum = vec3(0.0);
+    depth = 0.0;
+    for (int i = 0; i < 4; ++i) {
+        if (float(i) - lines > 1.5) return false;
+        vec4 colour_a, colour_b;
+        float depth_a, depth_b;
+        int a = end_of(at, steps[i], colour_a, depth_a);
+        if (a == 0) continue;
+        int b = end_of(at, -steps[i], colour_b, depth_b);
+        if (b == 0) continue;
+        float between = float(a + b - 1) * (i < 2 ? 1.0 : 1.414);
+        float side_a = side_of(colour_a.a), side_b = side_of(colour_b.a);
+        if (between > max(3.0, 0.6 * max(side_a, side_b))) continue;
+        float passed = (depth_a * float(b) + depth_b * float(a)) / float(a + b);
+        low = min(low, passed);
+        high = max(high, passed);
+        side += min(side_a, side_b);
+        lines += 1.0;
+        vec2 weight = 1.0 / vec2(a, b);
+        sum += colour_a.rgb * weight.x + colour_b.rgb * weight.y;
+        weights += weight.x + weight.y;
+        depth += passed;
+        alpha = min(alpha, min(colour_a.a, colour_b.a));  // of the widest splat
+    }
+    if (lines < 3.0) return false;
+    colour = vec4(sum / weights, alpha);
+    depth /= lines;
+    vec2 ends = vec2(eye_distance(low), eye_distance(high));
+    float apart = abs(ends.x - ends.y) * (relief_of_distance > 0.0 ? relief_of_distance : 1.0 / min(ends.x, ends.y));
+    return apart <= min(side / lines, 6.0) * relief_of_pixel;
+}
+#endif
+
+#ifdef EYE_DOME
+uniform float strength;
 
 // How far a pixel lies behind the middle between two opposite neighbours, and by how much one of these is farther than the other: x and y.
 // False where there is no such pair. The background is behind everything.
@@ -69,6 +134,12 @@ bool compare(ivec2 at, ivec2 away, float here, out vec2 relief)
     vec2 steps = relief_of_distance > 0.0 ? (here - there) * relief_of_distance : here / there - 1.0;
     relief = vec2(steps.x + steps.y, abs(steps.x - steps.y));
     return true;
+}
+
+// Points that stand alone, as leaves do, have no rims around them either.
+float widest_beside(ivec2 at, ivec2 away)
+{
+    return side_of(min(texelFetch(colours, at + away, 0).a, texelFetch(colours, at - away, 0).a));
 }
 
 float shade(ivec2 at, float depth, float side)
@@ -87,7 +158,10 @@ float shade(ivec2 at, float depth, float side)
     vec2 own = vec2(0.75, 0.35) * side * relief_of_pixel + vec2(0.3, 0.4 * side / wide) * slope;
     float ratios = 1.0, bent = 0.0;  // the sum of the logarithms of ratios is the logarithm of their product
     for (int i = 0; i < 4; i += EYE_DOME) {
-        ratios *= 1.0 + max(0.0, edges[i].x - own.x);
+        if (edges[i].x > own.x) {
+            float fade = min(1.0, 12.0 / widest_beside(at, half_ring[i]));
+            ratios *= 1.0 + (edges[i].x - own.x) * fade * fade;
+        }
         // In widths of the ring. A step, which is far more, is not a bend.
         float bend = max(0.0, max(bends[i].x, -0.3 * bends[i].x) - own.y) / (wide * relief_of_pixel);
         bent += bend / (1.0 + bend * bend / 9.0);
@@ -121,8 +195,12 @@ void main()
 #endif
 #else
     fragment = texelFetch(colours, at, 0);
-    if (fragment.a == 0.0) discard;
     depth = texelFetch(depths, at, 0).r;
+#ifdef CLOSE_GAPS
+    if (fragment.a == 0.0 && !is_in_surface(at, fragment, depth)) discard;
+#else
+    if (fragment.a == 0.0) discard;
+#endif
 #ifdef EYE_DOME
     fragment.rgb *= shade(at, depth, side_of(fragment.a));
 #endif

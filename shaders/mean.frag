@@ -3,7 +3,8 @@
 // and REVERSED, of the frame without an offset, as in composite.frag.
 //
 // Its depth is that frame's, so that what is picked by depth is the same as without the others. A pixel that only the others cover has the
-// nearest depth of its neighbours: what is in it lies less than half a pixel from one of these. If there is none it is behind everything.
+// nearest depth of its neighbours: what is in it lies less than half a pixel from one of these. If there is none it is one that closes a gap,
+// and has the depth of the nearest covered pixel of those around it.
 
 #ifdef SAMPLES
 uniform sampler2DMS depths;
@@ -44,9 +45,9 @@ void main()
     if (!(sum.a > 0.0)) discard;
     fragment = vec4(sum.rgb / sum.a, sum.a / frames);
     float depth = depth_at(at);
-    if (depth == farthest)
-        for (int y = max(at.y - 1, 0); y <= min(at.y + 1, size.y - 1); ++y)
-            for (int x = max(at.x - 1, 0); x <= min(at.x + 1, size.x - 1); ++x) depth = nearer(depth, depth_at(ivec2(x, y)));
+    for (int reach = 1; depth == farthest && reach <= 5; ++reach)
+        for (int y = max(at.y - reach, 0); y <= min(at.y + reach, size.y - 1); ++y)
+            for (int x = max(at.x - reach, 0); x <= min(at.x + reach, size.x - 1); ++x) depth = nearer(depth, depth_at(ivec2(x, y)));
 #ifdef REVERSED
     depth = 1.0 - depth;
 #endif

@@ -236,6 +236,21 @@ vec3 direction_of(uint code)
     return normalize(d);
 }
 
+// Near by, where discs are wide, their colours would be a mosaic. In frames of a mean each disc is moved along the view at random, by up to
+// half of `blend` times its rim's depth, which moves its borders with its neighbours: in the mean their colours pass into one another.
+uniform uint frame;               // of a mean; 0: the picture itself
+const vec2 wide_disc = vec2(4.0, 8.0);  // pixels across, from which and where wholly
+const float blend = 0.6;
+
+float shift_of_border()
+{
+    uvec3 p = floatBitsToUint(position) * uvec3(0x9e3779b1u, 0x85ebca77u, 0xc2b2ae3du);
+    uint h = (p.x ^ p.y ^ p.z) + frame * 0x27d4eb2fu;
+    h = (h ^ h >> 16u) * 0x7feb352du;  // a hash of 32 bits (Wellons 2018)
+    h = (h ^ h >> 15u) * 0x846ca68bu;
+    return blend * (float((h ^ h >> 16u) >> 8u) / 16777216.0 - 0.5);
+}
+
 void main()
 {
     if (is_clipped()) {
@@ -253,16 +268,19 @@ void main()
     uint bits = floatBitsToUint(radius);
     uint kind = bits >> 16u & 3u;
     float volume = kind == 2u ? float(bits & 0xffffu) / 65535.0 : 0.0;
+    // The ellipse's radii u and v are in units of the depth (orthographic: of a pixel), so that no square of them leaves what float holds.
 #if defined(ORTHOGRAPHIC)
-    vec2 zoom = focal;
+    float unit = abs(1.0 / focal.y);  // eye units
+    vec2 zoom = focal * unit;         // pixels
     vec2 slope = vec2(0.0);
     vec3 ray = vec3(0.0, 0.0, -1.0);
 #else
-    vec2 zoom = focal / depth;
+    float unit = depth;
+    vec2 zoom = focal;
     vec2 slope = eye.xy / depth;
     vec3 ray = vec3(slope, -1.0);
 #endif
-    float pixel = abs(1.0 / zoom.y) / eye_scale;  // source units
+    float pixel = unit / abs(zoom.y) / eye_scale;  // source units
     float r = uintBitsToFloat(bits & ~0x3ffffu | 0x20000u) * radius_scale;
     if (bits < 0x40000u) r = 0.0;
     float least_r = min(least_radius, 0.5 * least_pixels * pixel);
@@ -272,17 +290,17 @@ void main()
     if (volume > 0.0) r = min(r, 0.5 * volume_pixels * (2.0 - volume) * pixel);
     bool lies = kind == 1u;
 #if !defined(ORTHOGRAPHIC)
-    if (!lies) r = min(r, 0.5 * length(eye) / eye_scale);
+    if (!lies) r = min(r, 0.5 * length(ray) * depth / eye_scale);
 #endif
-    float reach = r * eye_scale;
+    float reach = r * eye_scale / unit;
     vec3 u = vec3(1.0, 0.0, 0.0) * reach, v = vec3(0.0, 1.0, 0.0) * reach;
     if (lies) {
         vec3 t1, t2;
         tangents(direction_of(bits & 0xffffu), t1, t2);
-        u = to_eye * (r * t1);
-        v = to_eye * (r * t2);
+        u = reach * (to_eye * t1 / eye_scale);
+        v = reach * (to_eye * t2 / eye_scale);
     } else if (kind == 3u) {
-        u = to_eye * (r * direction_of(bits & 0xffffu));
+        u = reach * (to_eye * direction_of(bits & 0xffffu) / eye_scale);
         vec3 across = cross(ray, u);
         float length_across = length(across);
         if (length_across > 1e-3 * reach) v = across * (line_width * reach / length_across);
@@ -291,10 +309,10 @@ void main()
     // Near the eye a disc would reach behind it, and what the derivative at its centre makes of that over the whole picture: it is cut down to
     // half of its depth towards the eye and away from it, and stays as wide as it is.
     float along_view = length(vec2(u.z, v.z));
-    if (along_view > 0.5 * depth) {
+    if (along_view > 0.5) {
         vec3 steep = (u.z * u + v.z * v) / along_view;
         v = (u.z * v - v.z * u) / along_view;
-        u = steep * (0.5 * depth / along_view);
+        u = steep * (0.5 / along_view);
     }
 #endif
     vec2 pu = zoom * (u.xy + slope * u.z);
@@ -309,14 +327,15 @@ void main()
     towards = towards < 0.0 ? min(towards, -least) : max(towards, least);
     vec2 tilt = lies && least > 0.0 ? n.xy / (focal * towards) : vec2(0.0);  // of depth (orthographic) or of 1 / depth, a pixel
 #if defined(ORTHOGRAPHIC)
-    depth_line = vec4(depth_of.x + depth_of.y * depth, depth_of.y * tilt, depth_of.y * rim_depth * reach);
-    depth_most = abs(depth_of.y) * reach;
+    depth_line = vec4(depth_of.x + depth_of.y * depth, depth_of.y * tilt, depth_of.y * rim_depth * reach * unit);
+    depth_most = abs(depth_of.y) * reach * unit;
     centre = principal + focal * eye.xy;
 #else
-    depth_line = vec4(depth_of.x + depth_of.y / depth, depth_of.y * tilt / depth, -depth_of.y * rim_depth * reach / (depth * depth));
-    depth_most = abs(depth_of.y) * reach / (depth * depth);
+    depth_line = vec4(depth_of.x + depth_of.y / depth, depth_of.y * tilt / depth, -depth_of.y * rim_depth * reach / depth);
+    depth_most = abs(depth_of.y) * reach / depth;
     centre = principal + focal * slope;
 #endif
+    if (frame > 0u && lies) depth_line.x += depth_line.w * shift_of_border() * smoothstep(wide_disc.x, wide_disc.y, 2.0 * r / pixel);
     vec2 extent = sqrt(vec2(xx, yy));
 #if defined(QUADS)
     vec2 middle = place.xy / place.w;

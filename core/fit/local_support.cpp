@@ -132,7 +132,7 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
             ++inliers;
             if (!before.empty()) change += (distances_[i] - before[i]) * (distances_[i] - before[i]);
         }
-    if (!before.empty() && change <= 0.25 * noise * noise * static_cast<double>(inliers)) return false;
+    if (!before.empty() && inliers > 0 && change <= 0.25 * noise * noise * static_cast<double>(inliers)) return false;
     support_.clear();
     share_ = 1;
     if (inliers < least_inliers || inliers == n || !(threshold < 0.1)) return true;

@@ -35,6 +35,13 @@ float fill_of(double spacing_px, const CloudStyle& style)
     return static_cast<float>(std::ceil(fill_of_spacing * std::min(spacing_px, largest_fill)));
 }
 
+Finish Frame::finish(bool fast) const
+{
+    const bool lies_in_surfaces =
+        std::any_of(clouds.begin(), clouds.end(), [](const FrameCloud& cloud) { return cloud.format.shape; });
+    return {options.eye_dome, fast, options.fill_gaps && lies_in_surfaces};
+}
+
 std::vector<TreeInView> Frame::trees() const
 {
     std::vector<TreeInView> trees;
@@ -72,7 +79,7 @@ void Frame::begin(const FrameCloud& cloud)
 {
     splats.begin(shifted(cloud.view, offset), cloud.tree->info(), cloud.style, picture.target.reversed(),
                  picture.target.samples(), at_rest, cloud.values,
-                 {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour});
+                 {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour, frame_of_mean});
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)

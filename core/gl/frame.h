@@ -55,10 +55,13 @@ struct Frame {
     FrameWork work{};
     bool at_rest = options.paraboloids;  // adaptive splats are drawn as paraboloids
     // The picture is complete and is drawn once more, for a mean (gl/smoothing.h): into `next`, at this offset in
-    // pixels.
+    // pixels, as this one of the frames.
     bool again = false, drawn_again = false;
     std::array<double, 2> offset{};
+    std::uint32_t frame_of_mean = 0;
 
+    // Splats that lie in surfaces leave gaps where these are seen edge-on, and where the density of points changes.
+    Finish finish(bool fast) const;
     // What the splats of this frame cost.
     bool costs_more() const { return at_rest && !options.paraboloids; }
     FrameBudget& costs() const { return costs_more() ? picture.rest_budget : picture.budget; }

@@ -49,7 +49,7 @@ class L1Table {
 public:
     using Owner = std::uint64_t;
     static constexpr std::uint64_t frames_protected = 16;
-    static constexpr unsigned max_forms = 64;
+    static constexpr unsigned max_forms = 64;  // bits of seen_
 
     struct Key {
         Owner owner;
@@ -160,8 +160,8 @@ public:
         link_as_newest(entry);
         touch(entry);
 
-        std::uint32_t& seen = seen_[entry.key()];
-        const std::uint32_t bit = std::uint32_t{1} << form;
+        std::uint64_t& seen = seen_[entry.key()];
+        const std::uint64_t bit = std::uint64_t{1} << form;
         ++(seen & bit ? counts_.capacity_misses : counts_.compulsory_misses);
         counts_.forced_misses += forced;
         seen |= bit;
@@ -360,7 +360,7 @@ private:
     Entry* oldest_ = nullptr;
     std::set<std::uint32_t> free_;  // ordered, so that an entry gets neighbouring pages where it can
     std::uint32_t pages_ = 0;
-    std::unordered_map<Key, std::uint32_t, KeyHash> seen_;  // forms ever inserted, one bit per form
+    std::unordered_map<Key, std::uint64_t, KeyHash> seen_;  // forms ever inserted, one bit per form
     std::map<Owner, std::uint64_t> latest_frame_;
     std::uint64_t frame_ = 0;
     Owner next_owner_ = 1;

@@ -103,7 +103,7 @@ struct PictureState {
     struct Smoothing {
         unsigned asked = 1;              // RenderOptions::smooth_frames
         unsigned goal = 1;               // frames of the mean
-        float eye_dome = 0;              // of these frames
+        Finish finish;                   // of these frames
         unsigned frames = 0;             // that `sum` has; the first is the picture itself
         std::optional<Rest> unfinished;  // the next one, of which `next` has a part
     };

@@ -56,9 +56,10 @@ void begin_in_host(const ShaderProgram& program, const GlStateGuard& host)
     glUniform2f(program.uniform("depth_range"), host.depth_range()[0], host.depth_range()[1]);
 }
 
-// The uniforms of eye-dome lighting.
-void set_eye_dome(const ShaderProgram& composite, const RenderTarget& from, const Matrix4d& projection, float strength)
+void set_finish(const ShaderProgram& composite, const RenderTarget& from, const Matrix4d& projection,
+                const Finish& finish)
 {
+    if (!finish.needs_one_sample()) return;
     // Scaled, so that near planes of 1e-30 do not underflow.
     std::array<double, 4> k = distance_of_depth(projection);
     double largest = 0;
@@ -73,7 +74,7 @@ void set_eye_dome(const ShaderProgram& composite, const RenderTarget& from, cons
     // A pixel over the distance, or over the visible height.
     const double slope = projection[5] != 0 ? std::abs(2 / projection[5]) : 0;
     glUniform1f(composite.uniform("relief_of_pixel"), static_cast<float>((orthographic ? 1 : slope) / from.height()));
-    glUniform1f(composite.uniform("strength"), strength);
+    if (finish.eye_dome > 0) glUniform1f(composite.uniform("strength"), finish.eye_dome);
     glUniform2i(composite.uniform("size"), from.width(), from.height());
 }
 
@@ -171,17 +172,18 @@ void PictureSum::release()
     *this = PictureSum();
 }
 
-const ShaderProgram& Compositor::program(unsigned samples, bool reversed, Into into)
+const ShaderProgram& Compositor::program(const RenderTarget& picture, Into into, const Finish& finish)
 {
-    ShaderProgram& program = programs_[{samples, reversed, into}];
+    const unsigned samples = picture.samples(), every = !(finish.eye_dome > 0) ? 0 : finish.fast ? 2 : 1;
+    ShaderProgram& program = programs_[{samples, picture.reversed(), into, every, finish.close_gaps}];
     if (!program) {
         std::vector<std::string> defines;
         if (samples > 1) defines.push_back("SAMPLES " + std::to_string(samples));
-        if (reversed) defines.emplace_back("REVERSED");
-        if (into == the_host_shaded || into == a_sum_shaded) defines.emplace_back("EYE_DOME 1");
-        if (into == the_host_shaded_fast) defines.emplace_back("EYE_DOME 2");
+        if (picture.reversed()) defines.emplace_back("REVERSED");
+        if (every > 0) defines.push_back("EYE_DOME " + std::to_string(every));
+        if (finish.close_gaps) defines.emplace_back("CLOSE_GAPS");
         if (into == another_target) defines.emplace_back("RESOLVE");
-        if (into == a_sum || into == a_sum_shaded) defines.emplace_back("SUM");
+        if (into == a_sum) defines.emplace_back("SUM");
         program = ShaderProgram("composite.vert", into == the_host_mean ? "mean.frag" : "composite.frag", defines);
     }
     return program;
@@ -206,16 +208,16 @@ void Compositor::run(const ShaderProgram& program, const char* colours, std::uin
     glDeleteVertexArrays(1, &vertex_array);
 }
 
-// Eye-dome lighting is of pictures of one sample.
-const RenderTarget& Compositor::one_sample(const RenderTarget& picture, RenderTarget& resolved, float eye_dome)
+// Pictures of several samples are composited as they are, or made pictures of one sample first.
+const RenderTarget& Compositor::one_sample(const RenderTarget& picture, RenderTarget& resolved, const Finish& finish)
 {
-    if (!(eye_dome > 0) || picture.samples() == 1) return picture;
+    if (!finish.needs_one_sample() || picture.samples() == 1) return picture;
     resolved.prepare(picture.width(), picture.height(), 1);
     resolved.bind();
     resolved.clear();
     glDisable(GL_BLEND);
     glDepthFunc(GL_ALWAYS);
-    const ShaderProgram& resolve = program(picture.samples(), picture.reversed(), another_target);
+    const ShaderProgram& resolve = program(picture, another_target);
     glUseProgram(resolve.id());
     glUniform2i(resolve.uniform("corner"), 0, 0);
     run(resolve, "colours", picture.colours(), texture_target(picture), picture);
@@ -223,21 +225,20 @@ const RenderTarget& Compositor::one_sample(const RenderTarget& picture, RenderTa
 }
 
 void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host,
-                      const Matrix4d& projection, float eye_dome, bool fast)
+                      const Matrix4d& projection, const Finish& finish)
 {
-    const RenderTarget& from = one_sample(picture, resolved, eye_dome);
-    const Into into = !(eye_dome > 0) ? the_host : fast ? the_host_shaded_fast : the_host_shaded;
-    const ShaderProgram& composite = program(from.samples(), from.reversed(), into);
+    const RenderTarget& from = one_sample(picture, resolved, finish);
+    const ShaderProgram& composite = program(from, the_host, finish);
     begin_in_host(composite, host);
-    if (eye_dome > 0) set_eye_dome(composite, from, projection, eye_dome);
+    set_finish(composite, from, projection, finish);
     run(composite, "colours", from.colours(), texture_target(from), from);
 }
 
 void Compositor::add(const RenderTarget& picture, RenderTarget& resolved, const PictureSum& sum,
-                     const Matrix4d& projection, float eye_dome)
+                     const Matrix4d& projection, const Finish& finish)
 {
-    const RenderTarget& from = one_sample(picture, resolved, eye_dome);
-    const ShaderProgram& composite = program(from.samples(), from.reversed(), eye_dome > 0 ? a_sum_shaded : a_sum);
+    const RenderTarget& from = one_sample(picture, resolved, finish);
+    const ShaderProgram& composite = program(from, a_sum, finish);
     sum.bind();
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
@@ -245,7 +246,7 @@ void Compositor::add(const RenderTarget& picture, RenderTarget& resolved, const 
     glBlendFunc(GL_ONE, GL_ONE);
     glUseProgram(composite.id());
     glUniform2i(composite.uniform("corner"), 0, 0);
-    if (eye_dome > 0) set_eye_dome(composite, from, projection, eye_dome);
+    set_finish(composite, from, projection, finish);
     run(composite, "colours", from.colours(), texture_target(from), from);
     glEnable(GL_DEPTH_TEST);
 }
@@ -253,7 +254,7 @@ void Compositor::add(const RenderTarget& picture, RenderTarget& resolved, const 
 void Compositor::draw_mean(const PictureSum& sum, unsigned frames, const RenderTarget& picture,
                            const GlStateGuard& host)
 {
-    const ShaderProgram& mean = program(picture.samples(), picture.reversed(), the_host_mean);
+    const ShaderProgram& mean = program(picture, the_host_mean);
     begin_in_host(mean, host);
     glUniform1f(mean.uniform("frames"), static_cast<float>(frames));
     glUniform2i(mean.uniform("size"), picture.width(), picture.height());

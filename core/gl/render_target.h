@@ -58,28 +58,35 @@ private:
     std::uint32_t framebuffer_ = 0, sums_ = 0;
 };
 
+// What is made of a picture when it is composited.
+struct Finish {
+    float eye_dome = 0;       // strength of eye-dome lighting; 0: none
+    bool fast = false;        // eye-dome lighting from half as many neighbours
+    bool close_gaps = false;  // pixels that no splat covers are filled where they lie within a surface
+    bool needs_one_sample() const { return eye_dome > 0 || close_gaps; }
+};
+
 class Compositor {
 public:
     // Draws the picture into the host's framebuffer, depth tested (GL_LEQUAL) and written in the host's projection and
-    // depth range; partly covered pixels are blended. `eye_dome`: strength of eye-dome lighting, 0: none; `fast`: from
-    // half as many neighbours. `resolved` is scratch for pictures of several samples with eye-dome lighting.
+    // depth range; partly covered pixels are blended. `resolved` is scratch for pictures of several samples.
     void draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host, const Matrix4d& projection,
-              float eye_dome, bool fast = false);
+              const Finish& finish);
     // Adds the picture, as draw() would show it, to the sum.
     void add(const RenderTarget& picture, RenderTarget& resolved, const PictureSum& sum, const Matrix4d& projection,
-             float eye_dome);
+             const Finish& finish);
     // Draws the mean of `frames` pictures in place of draw(), with the depth of `picture`, which is one of them.
     void draw_mean(const PictureSum& sum, unsigned frames, const RenderTarget& picture, const GlStateGuard& host);
     void release();
 
 private:
-    enum Into { the_host, the_host_shaded, the_host_shaded_fast, another_target, a_sum, a_sum_shaded, the_host_mean };
-    const ShaderProgram& program(unsigned samples, bool reversed, Into into);
+    enum Into { the_host, another_target, a_sum, the_host_mean };
+    const ShaderProgram& program(const RenderTarget& picture, Into into, const Finish& finish = {});
     // One texture each for the shader's first two units, then a triangle over the viewport.
     void run(const ShaderProgram& program, const char* colours, std::uint32_t of_colours, std::uint32_t colour_target,
              const RenderTarget& depths);
-    const RenderTarget& one_sample(const RenderTarget& picture, RenderTarget& resolved, float eye_dome);
-    std::map<std::tuple<unsigned, bool, Into>, ShaderProgram> programs_;
+    const RenderTarget& one_sample(const RenderTarget& picture, RenderTarget& resolved, const Finish& finish);
+    std::map<std::tuple<unsigned, bool, Into, unsigned, bool>, ShaderProgram> programs_;
 };
 
 // (x + y d) / (z + w d) is the distance from the eye, along its axis, of depth d: 1 at the near plane, 0 at the far

@@ -58,7 +58,9 @@ struct RenderOptions {
     // it is. Views of more points have fewer frames (FrameReport::smooth_frames), some even none.
     unsigned smooth_frames = 1;
     bool paraboloids = false;  // adaptive splats in every frame as in a view that rests; else squares while it moves
-    bool fill_gaps = true;     // while finer points are not drawn, splats grow to fill the gaps
+    // While finer points are not drawn, splats grow to fill the gaps; and where splats that lie in surfaces leave gaps
+    // of a few pixels, these are filled in the picture.
+    bool fill_gaps = true;
     DetailOrder order = DetailOrder::error;
 };
 

@@ -34,11 +34,11 @@ void begin_mean(Frame& frame, Compositor& compositor, const Matrix4d& projection
     PictureState& p = frame.picture;
     PictureState::Smoothing& smoothing = p.smoothing.emplace();
     smoothing.asked = frame.options.smooth_frames;
-    smoothing.eye_dome = frame.options.eye_dome;
+    smoothing.finish = frame.finish(false);
     smoothing.frames = 1;
     if (!p.sum.begin(p.target.width(), p.target.height())) return;  // it stays as it is
     smoothing.goal = goal;
-    compositor.add(p.target, p.resolved, p.sum, projection, smoothing.eye_dome);
+    compositor.add(p.target, p.resolved, p.sum, projection, smoothing.finish);
 }
 
 }  // namespace
@@ -54,12 +54,14 @@ void begin_smoothing(Frame& frame, bool resting)
 {
     PictureState& p = frame.picture;
     auto& smoothing = p.smoothing;
-    if (smoothing &&
-        (!resting || smoothing->asked != frame.options.smooth_frames || smoothing->eye_dome != frame.options.eye_dome))
+    if (smoothing && (!resting || smoothing->asked != frame.options.smooth_frames ||
+                      smoothing->finish.eye_dome != frame.options.eye_dome))
         smoothing.reset();
     if (!smoothing) p.sum.release();
     frame.again = smoothing && smoothing->frames < smoothing->goal;
-    if (frame.again) frame.offset = pixel_offset(smoothing->frames);
+    if (!frame.again) return;
+    frame.offset = pixel_offset(smoothing->frames);
+    frame.frame_of_mean = smoothing->frames;
 }
 
 void draw_for_mean(Frame& frame)
@@ -86,7 +88,7 @@ void end_smoothing(Frame& frame, bool resting, Compositor& compositor, const Mat
     const bool loads = report.refining && !report.repaint;
     if (frame.again && p.rest && p.rest->begun) {
         if (frame.drawn_again) {
-            compositor.add(p.next, p.resolved, p.sum, projection, smoothing->eye_dome);
+            compositor.add(p.next, p.resolved, p.sum, projection, smoothing->finish);
             ++smoothing->frames;
         }
     } else if (frame.again) {
@@ -95,7 +97,7 @@ void end_smoothing(Frame& frame, bool resting, Compositor& compositor, const Mat
             smoothing.reset();
             return;
         }
-        compositor.add(p.next, p.resolved, p.sum, projection, smoothing->eye_dome);
+        compositor.add(p.next, p.resolved, p.sum, projection, smoothing->finish);
         ++smoothing->frames;
     } else if (!smoothing && is_complete(frame)) {
         const unsigned goal = frames_worthwhile(frame.options.smooth_frames, report.points_drawn);

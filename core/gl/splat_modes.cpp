@@ -20,7 +20,7 @@ const std::vector<SplatTraits>& splat_modes()
          SplatShape::disc, "AFFINE", false, Mode::adaptive, Mode::perspective},
         {Mode::perspective, "perspective", "Discs, perspective accurate", "the disc exactly, with its depth", true,
          true, false, SplatShape::disc, "DISC", true, Mode::adaptive, Mode::perspective},
-        {Mode::fitted, "fitted", "Fitted to the surface",
+        {Mode::fitted, "fitted", "Fitted",
          "what its surroundings say: on a surface a disc in it, which closes it, on a wire a thin one along it, among "
          "leaves a small round one",
          true, false, true, SplatShape::ellipse, "FITTED", false, Mode::adaptive, Mode::fitted},

@@ -89,8 +89,9 @@ struct SplatPass::Impl {
             view.reset();
             return;
         }
-        view = SplatView{*splat_camera,         &tree, usable, viewport, 0, device->largest_point, values, points.clips,
-                         points.selected_colour};
+        view = SplatView{
+            *splat_camera,          &tree,       usable, viewport, 0, device->largest_point, values, points.clips,
+            points.selected_colour, points.frame};
         if (paraboloids && traits_of(usable.splats).shape == SplatShape::sphere)
             view->style.radius_scale *= radius_of_paraboloid;
 

@@ -69,6 +69,7 @@ inline constexpr float radius_of_paraboloid = 1.25f;
 struct ShownPoints {
     const ViewClips* clips = nullptr;  // outlives the drawing; those that shaders test count
     std::array<float, 3> selected_colour{};
+    std::uint32_t frame = 0;  // of a mean (gl/smoothing.h); 0: the picture itself
 };
 
 class SplatPass {

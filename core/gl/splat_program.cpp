@@ -60,14 +60,15 @@ SplatProgram::SplatProgram(const SplatPermutation& permutation)
       doubles_(permutation.doubles)
 {
     const auto find = [&](const char* name) { return program_.uniform(name); };
-    at_ = {
-        find("projection"),   find("to_eye"),          find("eye_scale"),     find("point_size"),    find("pixels"),
-        find("radius_scale"), find("viewport"),        find("guard"),         find("focal"),         find("principal"),
-        find("depth_of"),     find("sample_places"),   find("normal_to_eye"), find("pixel_x"),       find("pixel_y"),
-        find("centre_ray"),   find("centre_pixel"),    find("pixel_bounds"),  find("near"),          find("reference"),
-        find("translation"),  find("from_eye"),        find("least_radius"),  find("least_pixels"),  find("ramp"),
-        find("ramp_place"),   find("uniform_colour"),  find("clip_planes"),   find("clip_ends"),     find("clip_count"),
-        find("clip_outside"), find("selected_colour"), find("tone"),          find("value_exponent")};
+    at_ = {find("projection"),    find("to_eye"),         find("eye_scale"),      find("point_size"),
+           find("pixels"),        find("radius_scale"),   find("viewport"),       find("guard"),
+           find("focal"),         find("principal"),      find("depth_of"),       find("sample_places"),
+           find("normal_to_eye"), find("pixel_x"),        find("pixel_y"),        find("centre_ray"),
+           find("centre_pixel"),  find("pixel_bounds"),   find("near"),           find("reference"),
+           find("translation"),   find("from_eye"),       find("least_radius"),   find("least_pixels"),
+           find("ramp"),          find("ramp_place"),     find("uniform_colour"), find("clip_planes"),
+           find("clip_ends"),     find("clip_count"),     find("clip_outside"),   find("selected_colour"),
+           find("tone"),          find("value_exponent"), find("frame")};
 }
 
 void SplatProgram::set(std::int32_t place, const Vec3d& v) const
@@ -123,6 +124,7 @@ void SplatProgram::set_view(const SplatView& view) const
     }
     if (at_.value_exponent >= 0) glUniform1f(at_.value_exponent, static_cast<float>(view.values.shade_exponent));
     if (at_.selected_colour >= 0) glUniform3fv(at_.selected_colour, 1, view.selected_colour.data());
+    if (at_.frame >= 0) glUniform1ui(at_.frame, view.frame);
     if (at_.focal >= 0) set_disc(view);
 }
 

@@ -45,6 +45,7 @@ struct SplatView {
     ShownValues values;
     const ViewClips* clips = nullptr;  // none: nothing is clipped
     std::array<float, 3> selected_colour{};
+    std::uint32_t frame = 0;  // ShownPoints::frame
 
     // The box of a chunk's positions, relative to the view's origin.
     Box3d box_of(const VertexEntry& entry) const;
@@ -81,7 +82,7 @@ private:
         std::int32_t focal, principal, depth_of, sample_places, normal_to_eye;
         std::int32_t pixel_x, pixel_y, centre_ray, centre_pixel, pixel_bounds, near;
         std::int32_t reference, translation, from_eye, least_radius, least_pixels, ramp, ramp_place, uniform_colour;
-        std::int32_t clip_planes, clip_ends, clip_count, clip_outside, selected_colour, tone, value_exponent;
+        std::int32_t clip_planes, clip_ends, clip_count, clip_outside, selected_colour, tone, value_exponent, frame;
     };
     ShaderProgram program_;
     Colouring colouring_;

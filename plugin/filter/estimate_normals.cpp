@@ -79,7 +79,7 @@ Filter estimate_normals()
     return {"Estimate Normals of Point Cloud Tree",
             "Gives every point of a <b>point cloud tree</b> the normal of the plane through its nearest neighbours "
             "and, in the same pass, the radius of its splat. The results are the attributes <i>normal</i> and "
-            "<i>radius</i>, in a copy of the tree or in place, and splats fitted to the surface follow them. Works on "
+            "<i>radius</i>, in a copy of the tree or in place, and Fitted splats follow them. Works on "
             "clouds "
             "larger than memory. Esc cancels it.",
             F::FilterClass(F::MeshCreation | F::PointSet),

@@ -100,7 +100,7 @@ void run_attribute_filter(const FilterRun& run, NeighbourAttributeOptions option
     if (report.used_known_normals) run.log("Radii were measured across the normals that the cloud has.");
     const Schema schema = Tree::open(target.path())->info().schema;
     if (schema.find(attribute_name::radius) && schema.find(attribute_name::normal))
-        run.log("The cloud has radii and normals now: splats fitted to the surface, the default, follow them.");
+        run.log("The cloud has radii and normals now: Fitted splats, the default, follow them.");
     show_result(run, tree, target_of(run.parameters));
 }
 

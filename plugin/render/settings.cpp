@@ -56,7 +56,7 @@ void add_style(RichParameterList& parameters)
     parameters.addParam(RichEnum(splat_mode, static_cast<int>(style.splats), labels_of(splat_modes()), "Splats",
                                  "What a point is drawn as: " + descriptions_of(splat_modes(), "; ") +
                                      ". A cloud without normals is shown with the most similar of these that "
-                                     "needs none, and the log says so. Default: fitted to the surface."));
+                                     "needs none, and the log says so. Default: Fitted."));
     parameters.addParam(RichFloat(splat_size, style.point_size_px, "Splat size (px)",
                                   "Side of the squares of one size, in pixels, from 1 to 256. Default 2."));
     parameters.addParam(

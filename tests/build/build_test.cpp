@@ -10,6 +10,7 @@
 #include "tests/build/build_support.h"
 #include "tests/clouds.h"
 #include "tests/memory_reader.h"
+#include "tests/outcome.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
 
@@ -100,9 +101,9 @@ TEST_P(EveryShape, EveryPointOnceBitForBit)
     grid.scale = {0.001, 0.001, 0.001};
     grid.offset = {5e6, 4.8e6, -100};
     write_las(folder / "in.las", points, grid);
+    const Stopwatch watch;
     const BuildReport report = build_tree({folder / "in.las"}, folder / "out.pct", small_chunks());
-    EXPECT_EQ(report.outcome.points_in, points.size());
-    EXPECT_EQ(report.outcome.points_out, points.size());
+    expect_outcome(report.outcome, points.size(), points.size(), watch);
     EXPECT_EQ(report.outcome.error, 0.0);
     EXPECT_TRUE(report.notes.empty()) << report.notes.front();
     const auto tree = Tree::open(folder / "out.pct");
@@ -224,7 +225,10 @@ TEST(Build, PCM_NOT_UNDER_SANITIZERS(LevelsAreMaximalPoissonSamples))
 TEST(Build, MeasuringLevelsIsExact)
 {
     const TemporaryFolder folder;
-    write_las(folder / "in.las", records(Shape::volume, 4000, 22), {});
+    auto spread = records(Shape::volume, 4000, 22);
+    for (std::size_t i = 0; i < 5; ++i)  // these stand alone
+        spread[800 * i].x += static_cast<std::int32_t>(i + 1) * 30000000;
+    write_las(folder / "in.las", spread, {});
     build_tree({folder / "in.las"}, folder / "out.pct", small_chunks(1000));
     const auto tree = Tree::open(folder / "out.pct");
     std::vector<std::pair<Vec3d, std::size_t>> points;
@@ -239,8 +243,10 @@ TEST(Build, MeasuringLevelsIsExact)
     const auto distance = [](const Vec3d& p, const Vec3d& q) { return length(p - q); };
     const LevelsReport report = verify_levels(*tree, 1);
     ASSERT_GE(report.levels.size(), 1u);
+    std::uint64_t isolated = 0;
     for (std::size_t level = 0; level < report.levels.size(); ++level) {
         double least = 1e300, farthest = 0;
+        std::uint64_t of_level = 0;
         std::vector<double> neighbour;
         for (std::size_t i = 0; i < points.size(); ++i) {
             double nearest = 1e300;
@@ -251,6 +257,7 @@ TEST(Build, MeasuringLevelsIsExact)
                 farthest = std::max(farthest, nearest);
                 continue;
             }
+            ++of_level;
             least = std::min(least, nearest);
             if (nearest <= 2 * report.levels[level].spacing) neighbour.push_back(nearest);
         }
@@ -258,10 +265,14 @@ TEST(Build, MeasuringLevelsIsExact)
         for (const double d : neighbour) mean += d / static_cast<double>(neighbour.size());
         for (const double d : neighbour) variance += (d - mean) * (d - mean) / static_cast<double>(neighbour.size());
         const double spacing = report.levels[level].spacing;
+        EXPECT_EQ(report.levels[level].points, of_level);
+        EXPECT_EQ(report.levels[level].isolated, of_level - neighbour.size());
+        isolated += report.levels[level].isolated;
         EXPECT_NEAR(report.levels[level].least_distance, least / spacing, 1e-9);
         EXPECT_NEAR(report.levels[level].coverage, farthest / spacing, 1e-9);
         EXPECT_NEAR(report.levels[level].variation, std::sqrt(variance) / mean, 1e-9);
     }
+    EXPECT_GE(isolated, 1u);  // or nothing is tested
 
     // Spacings that are not the true ones.
     std::vector<std::byte> bytes;

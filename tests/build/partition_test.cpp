@@ -79,6 +79,7 @@ Partitioned partition_of(const MemoryCloud& cloud, bool seekable, unsigned threa
 void expect_whole(const MemoryCloud& cloud, const std::vector<std::size_t>& kept, const Partitioned& result)
 {
     const Ingested& found = result.found;
+    EXPECT_EQ(found.schema, cloud.info.schema);
     EXPECT_EQ(found.points_in, cloud.points.size);
     EXPECT_EQ(found.points_skipped, cloud.points.size - kept.size());
     EXPECT_EQ(found.observed.points, kept.size());
@@ -245,6 +246,49 @@ TEST(Partition, TakesTheGridOfATree)
         EXPECT_EQ(result.found.grid, like.grid);
         EXPECT_EQ(result.found.layout.coordinate_bytes, wide ? 8u : 4u);
         expect_whole(cloud, all_of(cloud), result);
+    }
+}
+
+// Of integers on a grid, of floats, of doubles with few decimals, and of doubles that were integers.
+TEST(Partition, KnowsTheTypeAndTheDecimalsOfTheSource)
+{
+    const DecimalPlaces none{no_decimals, no_decimals, no_decimals};
+    for (const std::size_t count : {100u, 30000u}) {
+        for (const bool seekable : {true, false}) {
+            const Ingested found = partition_of(gridded("random", count), seekable, 2).found;
+            EXPECT_EQ(found.position_type, ScalarType::i32);
+            EXPECT_EQ(found.decimals, none);
+        }
+        MemoryCloud cloud = doubles("random", count);
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t a = 0; a < 3; ++a) {
+                const double places = a == 1 ? 1e4 : 100;
+                cloud.points.xyz[a][i] = std::nearbyint(cloud.points.xyz[a][i] * places) / places;
+            }
+        // Next to coordinates of 1000 the grid cannot hold all bits of this one.
+        for (std::size_t a = 0; a < 3; ++a) cloud.points.xyz[a][1] = a == 1 ? 0.0003 : 0.07;
+        TreeInfo like;
+        like.grid = Grid{{1e-5, 1e-5, 1e-5}, {0, 0, 0}};
+        for (const ScalarType type : {ScalarType::f32, ScalarType::f64}) {
+            cloud.info.position_type = type;
+            const Ingested found = partition_of(cloud, false, 2).found;
+            EXPECT_EQ(found.position_type, type);
+            EXPECT_EQ(found.decimals, type == ScalarType::f64 ? (DecimalPlaces{2, 4, 2}) : none);
+            const Ingested as_tree = partition_of(cloud, false, 2, false, &like).found;
+            EXPECT_EQ(as_tree.position_type, type);
+            EXPECT_EQ(as_tree.decimals, none);
+        }
+        cloud.info.near_grid = Grid{{1e-4, 1e-4, 1e-4}, {5, 0, 0}};
+        const Ingested found = partition_of(cloud, false, 2).found;
+        EXPECT_EQ(found.grid, *cloud.info.near_grid);
+        EXPECT_EQ(found.position_type, ScalarType::i32);
+        EXPECT_EQ(found.decimals, none);
+        EXPECT_EQ(found.layout.coordinate_bytes, 4u);
+        // Numbers of which no bit is lost need no decimals.
+        MemoryCloud exact = doubles("random", count);
+        for (std::size_t i = 0; i < count; ++i)
+            for (std::size_t a = 0; a < 3; ++a) exact.points.xyz[a][i] = std::nearbyint(exact.points.xyz[a][i] * 2) / 2;
+        EXPECT_EQ(partition_of(exact, false, 2).found.decimals, none);
     }
 }
 

@@ -142,6 +142,41 @@ TEST(ShapeMeshes, WhatHasNoLengthHasNone)
     EXPECT_THROW(Mesh(parse_shape("sphere 0 0 0 1"), {}, {std::nan(""), false}), Error);
 }
 
+// Numbers that are no shape are refused, not drawn, wherever they come from; for planes, which have no mesh, too.
+TEST(ShapeMeshes, OfNoShapeAreRefused)
+{
+    const double nan = std::nan(""), infinity = HUGE_VAL;
+    const Vec3d up{0, 0, 1};
+    std::vector<Shape> bad{{ShapeKind::plane, {nan, 0, 0}, up, 0, 0},
+                           {ShapeKind::plane, {0, 0, 0}, {0, 0, 0}, 0, 0},
+                           {ShapeKind::sphere, {0, infinity, 0}, up, 1, 0},
+                           {ShapeKind::cylinder, {0, 0, 0}, {0, 0, 0}, 1, 0},
+                           {ShapeKind::cylinder, {0, 0, 0}, {0, nan, 0}, 1, 0},
+                           {ShapeKind::torus, {0, 0, 0}, up, 1, 1},
+                           {ShapeKind::torus, {0, 0, 0}, up, 1, 0},
+                           {ShapeKind::torus, {0, 0, 0}, up, 1, nan}};
+    for (const double radius : {0.0, -1.0, nan, infinity})
+        for (const ShapeKind kind : {ShapeKind::sphere, ShapeKind::cylinder, ShapeKind::torus})
+            bad.push_back({kind, {0, 0, 0}, up, radius, 0.1});
+    for (const double angle : {0.0, -0.1, pi / 2, nan}) bad.push_back({ShapeKind::cone, {0, 0, 0}, up, 0, angle});
+    ShapeBounds bounds;
+    bounds.from = 1;
+    bounds.to = 2;
+    for (const Shape& shape : bad) {
+        SCOPED_TRACE(text_of(shape));
+        const auto code_of = [&](const auto& make) {
+            try {
+                make();
+            } catch (const Error& error) {
+                return error.code();
+            }
+            return ErrorCode::io;
+        };
+        EXPECT_EQ(code_of([&] { Mesh(shape, bounds, {}); }), ErrorCode::invalid_argument);
+        EXPECT_EQ(code_of([&] { lines_of(shape, bounds, {}); }), ErrorCode::invalid_argument);
+    }
+}
+
 double area_of(const std::vector<Vec3d>& outline, const std::vector<std::array<std::uint32_t, 3>>& triangles)
 {
     double sum = 0;

@@ -42,7 +42,8 @@ protected:
 // Not under the address sanitizer: much drawing in software.
 TEST_F(RenderExtents, PCM_NOT_UNDER_ADDRESS(AreDrawnRightOrRefused))
 {
-    const char* const views[] = {"", "--orthographic", "--angle 5", "--angle 150 --eye-dome 1", "--splats constant"};
+    const char* const views[] = {"", "--orthographic", "--angle 5", "--angle 60 --eye-dome 1",
+                                 "--splats constant --angle 150"};
     std::map<std::string, double> pixels;
     build(1);
     const Result tried = render("");

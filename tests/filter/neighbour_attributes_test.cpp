@@ -7,6 +7,7 @@
 #include "pcm/tree/verify.h"
 #include "pcm/update/target.h"
 #include "tests/filter/oracle.h"
+#include "tests/outcome.h"
 
 namespace {
 
@@ -106,8 +107,9 @@ TEST_F(NeighbourAttributes, AreThoseOfComparingAllPairs)
             fs::remove_all(tree_);
             build_small(cloud_of(2500, 7, [&](double u, double v, double w) { return origin + bumpy(u, v, w); }),
                         tree_);
+            const Stopwatch watch;
             const NeighbourAttributeReport report = compute(wanting(all_values(), k));
-            EXPECT_EQ(report.outcome.points_out, 2500u);
+            expect_outcome(report.outcome, 2500, 2500, watch);
             EXPECT_EQ(report.points_computed, 2500u);
             EXPECT_FALSE(report.level);
             EXPECT_GT(report.peak_memory_bytes, 1u << 20);

@@ -6,6 +6,7 @@
 #include "pcm/tree/verify.h"
 #include "pcm/tree/verify_levels.h"
 #include "tests/filter/oracle.h"
+#include "tests/outcome.h"
 
 #include <set>
 
@@ -104,10 +105,10 @@ protected:
         EXPECT_EQ(remove_outliers(tree_, options).outliers, count);
         EXPECT_TRUE(positions_of(tree_).size() == before.points.size());
         options.count_only = false;
+        const Stopwatch watch;
         const OutlierReport report = remove_outliers(tree_, options);
         EXPECT_EQ(report.outliers, count);
-        EXPECT_EQ(report.outcome.points_in, before.points.size());
-        EXPECT_EQ(report.outcome.points_out, wanted.size());
+        expect_outcome(report.outcome, before.points.size(), wanted.size(), watch);
         EXPECT_TRUE(positions_of(tree_) == wanted);
         EXPECT_TRUE(verify_tree(tree_, 1).faults.empty());
         EXPECT_TRUE(verify_levels(*Tree::open(tree_), 1).faults.empty());
@@ -115,7 +116,7 @@ protected:
         options.label = true;
         const OutlierReport labelled = remove_outliers(folder_ / "labelled.pct", options);
         EXPECT_EQ(labelled.outliers, count);
-        EXPECT_EQ(labelled.outcome.points_out, before.points.size());
+        expect_outcome(labelled.outcome, before.points.size(), before.points.size(), watch);
         const Oracle after(folder_ / "labelled.pct");
         Positions good;
         for (const OraclePoint& p : after.points) {

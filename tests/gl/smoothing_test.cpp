@@ -42,11 +42,11 @@ Sum premultiplied(const Pixel& p) { return {double(p.r), double(p.g), double(p.b
 
 // The mean of pictures that are drawn one by one by cameras at the offsets; `drawing` without smoothing.
 std::vector<Sum> mean_of_pictures(Drawing& drawing, const Framebuffer& framebuffer, const Camera& view,
-                                  const RenderOptions& options, unsigned frames)
+                                  const Vec3d& origin, const RenderOptions& options, unsigned frames)
 {
     std::vector<Sum> mean(static_cast<std::size_t>(view.width * view.height));
     for (unsigned i = 0; i < frames; ++i) {
-        draw_until_done(drawing, framebuffer, shifted(view, pixel_offset(i)), map_offset, options);
+        draw_until_done(drawing, framebuffer, shifted(view, pixel_offset(i)), origin, options);
         const auto pixels = framebuffer.read();
         for (std::size_t k = 0; k < mean.size(); ++k)
             for (std::size_t c = 0; c < 4; ++c) mean[k][c] += premultiplied(pixels[k])[c] / frames;
@@ -109,7 +109,8 @@ TEST(Smoothing, IsTheMeanOfPicturesAtTheOffsets)
                 const Camera view = view_of_cube(parallel);
                 Drawing drawing(cloud);
                 drawing.style = coloured(mode);
-                const auto mean = mean_of_pictures(drawing, framebuffer, view, smooth(1, eye_dome, samples), 5);
+                const auto mean =
+                    mean_of_pictures(drawing, framebuffer, view, map_offset, smooth(1, eye_dome, samples), 5);
                 const FrameReport report =
                     draw_until_done(drawing, framebuffer, view, map_offset, smooth(5, eye_dome, samples));
                 EXPECT_EQ(report.frames_averaged, 5u);
@@ -135,7 +136,7 @@ TEST(Smoothing, ViewsThatDoNotConvergeHaveTheirMean)
     drawing.style = coloured(SplatMode::adaptive);
     RenderOptions options = smooth(1);
     options.converge = false;
-    const auto mean = mean_of_pictures(drawing, framebuffer, view_of_cube(), options, 6);
+    const auto mean = mean_of_pictures(drawing, framebuffer, view_of_cube(), map_offset, options, 6);
     draw_until_done(drawing, framebuffer, view_of_cube(), map_offset, options);
     const auto depths = depths_of(framebuffer);
     options.smooth_frames = 6;
@@ -377,5 +378,60 @@ TEST(Smoothing, TilesAreTheLargerPicture)
         }
         // Rounding of places at the edges of splats.
         EXPECT_LT(differ, whole.size() / 200);
+    }
+}
+
+// Near by, where the discs of a surface are wide, their colours pass into one another: red and blue points at random
+// are no mosaic of red and blue. What is not a disc in a surface keeps its borders, and so does a picture without a
+// mean.
+TEST(Smoothing, WideDiscsPassIntoOneAnother)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    auto points = random_points(40000, 20000, 5);
+    for (LasPoint& p : points) {
+        p.x -= 10000, p.y -= 10000, p.z = 0;
+        p.green = 0;
+        p.red = p.intensity % 2 ? 65535 : 0;
+        p.blue = p.intensity % 2 ? 0 : 65535;
+    }
+    const auto plane = make_cloud(folder, "plane", grid_at({0, 0, 0}), points);
+    const Framebuffer framebuffer(wide, high);
+    const auto view_at = [](double distance, bool parallel) {
+        const Matrix projection =
+            parallel ? orthographic(0.4 * distance, 0.3 * distance, 0.01, 100) : perspective(0.6, 4.0 / 3, 0.01, 100);
+        return view_of(translation(0, 0, -distance), projection, wide, high);
+    };
+    // The share of the pixels that are neither red nor blue by more than an eighth.
+    const auto share_mixed = [&](SplatMode mode, double distance, unsigned frames, bool parallel) {
+        const Camera view = view_at(distance, parallel);
+        Drawing drawing(plane);
+        drawing.style = coloured(mode);
+        draw_until_done(drawing, framebuffer, view, {0, 0, 0}, smooth(frames));
+        const auto pixels = framebuffer.read();
+        drawing.release();
+        const auto mixed = std::count_if(pixels.begin(), pixels.end(),
+                                         [](const Pixel& p) { return p.a == 255 && p.r > 32 && p.b > 32; });
+        EXPECT_GT(std::count_if(pixels.begin(), pixels.end(), [](const Pixel& p) { return p.a == 255; }),
+                  wide * high * 9 / 10);
+        return static_cast<double>(mixed) / (wide * high);
+    };
+    for (const bool parallel : {false, true}) {
+        // Splats 20 pixels across.
+        const double near = 1.0;
+        EXPECT_EQ(share_mixed(SplatMode::fitted, near, 1, parallel), 0);
+        const double borders = share_mixed(SplatMode::adaptive, near, 8, parallel);
+        EXPECT_LT(borders, 0.2);
+        const double discs = share_mixed(SplatMode::fitted, near, 8, parallel);
+        EXPECT_GT(discs, 2 * borders);
+        EXPECT_EQ(share_mixed(SplatMode::fitted, near, 8, parallel), discs);  // the same each time
+        // Far away the offsets alone mix them.
+        const Camera view = view_at(50, parallel);
+        Drawing drawing(plane);
+        drawing.style = coloured(SplatMode::fitted);
+        const auto mean = mean_of_pictures(drawing, framebuffer, view, {0, 0, 0}, smooth(1), 5);
+        draw_until_done(drawing, framebuffer, view, {0, 0, 0}, smooth(5));
+        EXPECT_LT(largest_difference(framebuffer.read(), mean), 1.01);
+        drawing.release();
     }
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/io/reader.h"
+#include "tests/outcome.h"
 #include "tests/support.h"
 
 #include <cstdint>
@@ -141,18 +142,6 @@ inline Whole read_whole(PointReader& reader, std::size_t batch_points = default_
 inline Whole read_whole(const std::filesystem::path& path, std::size_t batch_points = default_batch_points)
 {
     return read_whole(*open_reader(path), batch_points);
-}
-
-// Runs `action`, which must throw pcm::Error, and returns it.
-inline Error error_of(const std::function<void()>& action)
-{
-    try {
-        action();
-    } catch (const Error& error) {
-        return error;
-    }
-    ADD_FAILURE() << "no pcm::Error was thrown";
-    return Error(ErrorCode::io, {}, "none");
 }
 
 inline bool mentions(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }

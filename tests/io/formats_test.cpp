@@ -81,6 +81,10 @@ TEST(Formats, TraitsOfWritingBelongToFormatsThatAreWritten)
     EXPECT_EQ(extensions_with(takes_float_positions), ".pcd");
     EXPECT_EQ(extensions_with(needs_grid), ".las and .laz");
     EXPECT_EQ(extensions_with(takes_decimals), ".xyz, .txt, .asc, .csv and .pts");
+    EXPECT_EQ(extensions_with(takes_ascii), ".pcd and .ply");
+    EXPECT_EQ(extensions_with(asks_layout), ".xyz, .txt, .asc and .csv");
+    EXPECT_EQ(extensions_with(common_extension), ".txt, .asc and .csv");
+    EXPECT_EQ(extensions_with(unique_structure), ".ptx");
 }
 
 TEST(Formats, WritableExtensionsAreThoseOfWriters)

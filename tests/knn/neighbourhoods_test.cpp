@@ -6,6 +6,7 @@
 #include "pcm/system/error.h"
 #include "pcm/update/append.h"
 #include "tests/memory_reader.h"
+#include "tests/outcome.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
 
@@ -57,9 +58,10 @@ All all_of(L2Cache& cache, const NeighbourhoodOptions& options, NeighbourhoodRep
 {
     All all;
     std::mutex mutex;
+    const Stopwatch watch;
     const auto made = for_each_neighbourhood(cache, options, [&] { return std::make_unique<Collector>(all, mutex); });
     if (report) *report = made;
-    EXPECT_EQ(made.outcome.points_out, all.size());
+    expect_outcome(made.outcome, cache.tree().info().points, all.size(), watch);
     return all;
 }
 
@@ -482,12 +484,7 @@ TEST_F(NeighbourhoodsOf, CancelsAndRefuses)
     options.neighbours = most_neighbours;  // takes longer than a tenth of a second
     int calls = 0;
     options.progress = [&](const ProgressUpdate&) { return ++calls < 2; };
-    try {
-        all_of(cache, options);
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_EQ(error.code(), ErrorCode::cancelled);
-    }
+    EXPECT_EQ(error_of([&] { all_of(cache, options); }).code(), ErrorCode::cancelled);
     options.progress = {};
     for (const std::size_t k : {std::size_t(0), most_neighbours + 1})
         EXPECT_THROW(all_of(cache, (options.neighbours = k, options)), Error);

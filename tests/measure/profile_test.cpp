@@ -4,6 +4,7 @@
 #include "pcm/cad/dxf_file.h"
 #include "pcm/system/error.h"
 #include "tests/measure/measured_tree.h"
+#include "tests/outcome.h"
 
 #include <algorithm>
 #include <fstream>
@@ -68,6 +69,7 @@ protected:
     std::vector<ProfilePoint> visit(const ProfileOptions& options)
     {
         std::vector<ProfilePoint> found;
+        const Stopwatch watch;
         const Outcome outcome =
             visit_profile(*cloud_, options, [&](const ProfilePoint& point, const PointView& view, std::size_t i) {
                 EXPECT_EQ(view.position(i), point.position);
@@ -75,6 +77,7 @@ protected:
             });
         EXPECT_EQ(outcome.points_out, found.size());
         EXPECT_GE(outcome.points_in, found.size());
+        expect_outcome(outcome, outcome.points_in, found.size(), watch);
         return found;
     }
 

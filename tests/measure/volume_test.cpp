@@ -6,6 +6,7 @@
 #include "pcm/measure/height_cells.h"
 #include "pcm/system/error.h"
 #include "tests/measure/measured_tree.h"
+#include "tests/outcome.h"
 
 #include <cmath>
 #include <functional>
@@ -214,7 +215,12 @@ TEST_F(Volumes, OfASlopeAgainstAHeightAndAgainstItself)
     options.polygon = at_origin(square);
     options.reference.height = origin[2] - 3;
     options.side = 0.5;
+    const Stopwatch watch;
     const VolumeReport above = measure_volume(*cloud, options);
+    expect_outcome(above.outcome, above.outcome.points_in, above.points[0] + above.points[1], watch);
+    EXPECT_GE(above.outcome.points_in, above.outcome.points_out);
+    EXPECT_GT(above.outcome.points_out, 70000u);  // of 120,000 on 20 by 20, in 16 by 16
+    EXPECT_EQ(above.outcome.error, above.values()[0].uncertainty);
     EXPECT_NEAR(above.area, 256, 1e-9);
     EXPECT_EQ(above.fill, 0);
     EXPECT_EQ(above.area_without_data, 0);

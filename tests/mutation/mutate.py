@@ -24,10 +24,11 @@ MEMORY = 12 << 30  # address space of a test program: a fault may ask for any am
 
 
 def sources(root):
-    """Path -> lines of every source of the core that has tests of its own."""
+    """Path -> lines of every source of the core that has tests of its own and is built: without PCL, not what needs it."""
     listed = subprocess.run(["git", "-C", root, "ls-files", "core"], capture_output=True, text=True, check=True).stdout.split()
+    left_out = LEFT_OUT if (root / "build" / "pcl-sdk").is_dir() else (*LEFT_OUT, "core/fit/pcl/")
     return {name: (root / name).read_text(encoding="utf-8").split("\n")
-            for name in listed if name.endswith((".cpp", ".h")) and not name.startswith(LEFT_OUT)}
+            for name in listed if name.endswith((".cpp", ".h")) and not name.startswith(left_out)}
 
 
 def all_faults(files):
@@ -93,6 +94,7 @@ class Copy:
                 new.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(old, new)
         options = ["-DPCM_WITH_MESHLAB=OFF", "-DPCM_BUILD_BENCHMARKS=OFF", f"-DPCM_DECODERS_FOLDER={folder / 'decoders'}",
+                   f"-DPCM_PCL_SDK={root / 'build' / 'pcl-sdk'}",
                    f"-DPCM_TEST_DATA={root.parent / 'shared' / 'data'}", "-DCMAKE_BUILD_TYPE=RelWithDebInfo",
                    "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O2 -g1 -DNDEBUG"]  # as in release, whose objects the compiler cache has
         subprocess.run(["cmake", "-G", "Ninja", "-S", self.source, "-B", self.build, *options], check=True,
@@ -120,8 +122,10 @@ class Copy:
                         return None
                 except subprocess.TimeoutExpired:
                     pass
-            begun = re.findall(r"^\[ RUN      \] (\S+)", log.read_text(encoding="utf-8", errors="replace"), re.MULTILINE)
-            return f"{program} {begun[-1] if begun else ''}".strip()  # the first failure is the last that has begun
+            text = log.read_text(encoding="utf-8", errors="replace")
+            failed = re.findall(r"^\[  FAILED  \] ([^\s,]+)", text, re.MULTILINE)
+            begun = re.findall(r"^\[ RUN      \] (\S+)", text, re.MULTILINE)  # the last one: a crash, or time ran out
+            return " ".join([program, *(failed[:1] or begun[-1:])])
 
 
 def with_fault(text, index, faulty):

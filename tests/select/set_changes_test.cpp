@@ -7,6 +7,7 @@
 #include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/verify.h"
+#include "tests/outcome.h"
 #include "tests/select/cloud_of_points.h"
 
 #include <algorithm>
@@ -74,9 +75,10 @@ protected:
 
 TEST_F(SetChanges, SavedAsAnAttributeAndSelectedByIt)
 {
+    const Stopwatch watch;
     const SetChangeReport report = save_as_attribute(*chosen_, "yard", to_copy());
     EXPECT_EQ(report.tree, folder_ / "copy.pct");
-    EXPECT_EQ(report.outcome.points_out, chosen_->size());
+    expect_outcome(report.outcome, points_.size(), chosen_->size(), watch);
     EXPECT_FALSE(Tree::open(path())->info().schema.find("yard"));
     expect_sound(report.tree);
     const auto flags = values(report.tree, "yard");
@@ -102,6 +104,7 @@ TEST_F(SetChanges, SavedAsAnAttributeAndSelectedByIt)
 
 TEST_F(SetChanges, Classified)
 {
+    const Stopwatch watch;
     const SetChangeReport report = classify_points(*chosen_, 6, "classification", to_copy());
     expect_sound(report.tree);
     const auto before = values(path(), "classification"), after = values(report.tree, "classification");
@@ -111,7 +114,7 @@ TEST_F(SetChanges, Classified)
         ASSERT_EQ(after[i], in ? 6 : before[i]);
         changed += in && before[i] != 6;
     }
-    EXPECT_EQ(report.outcome.points_out, changed);
+    expect_outcome(report.outcome, points_.size(), changed, watch);
     EXPECT_EQ(code_of([&] { classify_points(*chosen_, 256, "classification", in_place()); }),
               ErrorCode::invalid_argument);
     EXPECT_EQ(code_of([&] { classify_points(*chosen_, -1, "classification", in_place()); }),

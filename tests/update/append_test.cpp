@@ -3,6 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_lock.h"
 #include "pcm/tree/tree_reader.h"
+#include "tests/outcome.h"
 #include "tests/update/model.h"
 
 #include <cmath>
@@ -25,10 +26,12 @@ protected:
     }
     void append_and_check(const MemoryCloud& cloud, const std::string& when)
     {
+        const Stopwatch watch;
         const AppendReport report = append(path_, cloud);
         add(rows_, rows_of(cloud, grid_));
         EXPECT_EQ(report.points_added, cloud.points.size) << when;
-        EXPECT_EQ(report.outcome.points_out, rows_.size()) << when;
+        SCOPED_TRACE(when);
+        expect_outcome(report.outcome, cloud.points.size, rows_.size(), watch);
         expect_tree(path_, rows_, when);
     }
     const TemporaryFolder folder_;

@@ -107,6 +107,47 @@ TEST(PartNodes, NodesWithoutPointsBelowVanish)
     EXPECT_TRUE(join_parts({}, {1}, {1, 1, 1}).nodes.empty());
 }
 
+// Whoever follows a node's sides from the root arrives at it, also where the path needs both words of its bits.
+TEST(PartNodes, PathsOfAnyLengthLeadToTheirNodes)
+{
+    std::mt19937_64 random(6);
+    for (int round = 0; round < 30; ++round) {
+        std::vector<PartNode> nodes;
+        std::vector<std::vector<unsigned>> ways;
+        std::vector<unsigned> way;  // the next one begins like the last one
+        for (const std::size_t depth : {128u, 127u, 66u, 65u, 64u, 63u, 1u, 128u, 100u}) {
+            way.resize(std::min({way.size(), depth, static_cast<std::size_t>(random() % 129)}));
+            while (way.size() < depth) way.push_back(random() & 1);
+            if (std::find(ways.begin(), ways.end(), way) != ways.end()) continue;
+            ways.push_back(way);
+            PartNode node;
+            node.part = 1;
+            for (const unsigned side : way) node.path = node.path.child(side);
+            node.points = static_cast<std::uint32_t>(ways.size());
+            node.level_points = {node.points};
+            node.spacing = std::ldexp(8.0, -static_cast<int>(depth));
+            node.box.extend(Vec3i{static_cast<std::int64_t>(ways.size()), 0, 0});
+            nodes.push_back(std::move(node));
+        }
+        std::set<std::vector<unsigned>> prefixes;
+        for (const auto& full : ways)
+            for (std::size_t k = 0; k <= full.size(); ++k)
+                prefixes.insert({full.begin(), full.begin() + std::ptrdiff_t(k)});
+        std::shuffle(nodes.begin(), nodes.end(), random);
+        const NodeVector joined = join_parts(nodes, {4, 0}, {1, 1, 1});
+        EXPECT_EQ(joined.nodes.size(), prefixes.size());
+        for (std::size_t k = 0; k < ways.size(); ++k) {
+            NodeId at = joined.part_roots.at(1);
+            for (const unsigned side : ways[k]) {
+                at = joined.nodes[at].children[side];
+                ASSERT_NE(at, no_node) << k;
+            }
+            EXPECT_EQ(joined.nodes[at].points, k + 1);
+            EXPECT_EQ(joined.nodes[at].depth, ways[k].size());
+        }
+    }
+}
+
 TEST(PartNodes, OfATreeAreItsNodes)
 {
     const TemporaryFolder folder;

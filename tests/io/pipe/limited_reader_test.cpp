@@ -54,6 +54,31 @@ TEST(LimitedReader, LeavesOutCountsAndShowsOne)
     EXPECT_NE(reader.info().notes.back().find("3.4e+38"), std::string::npos);
 }
 
+// What the cloud says of itself is passed on, and nothing is added where no point is far away.
+TEST(LimitedReader, SaysNothingWhereNoPointIsFar)
+{
+    MemoryCloud cloud = with_far_points(100);
+    cloud.info.notes = {"a note"};
+    cloud.info.metadata = {{"key", {std::byte{7}}}};
+    cloud.info.promised_box = Box3d{{-500, -50, 2}, {50, 600, 1e9}};
+    LimitedReader reader(std::make_unique<MemoryReader>(cloud), 100);
+    EXPECT_EQ(reader.info().promised_box->min, (Vec3d{-100, -50, 2}));
+    EXPECT_EQ(reader.info().promised_box->max, (Vec3d{50, 100, 100}));
+    const MemoryCloud read = read_all(reader);
+    EXPECT_EQ(read.points.size, 100u);
+    EXPECT_EQ(reader.info().points_left_out, 0u);
+    EXPECT_EQ(reader.info().notes, cloud.info.notes);
+    EXPECT_EQ(reader.info().metadata, cloud.info.metadata);
+
+    cloud.points.xyz[1][99] = -101;
+    cloud.info.promised_box = Box3d{{-500, 150, 2}, {50, 600, 1e9}};  // all of it is beyond the limit
+    LimitedReader one(std::make_unique<MemoryReader>(cloud), 100);
+    EXPECT_FALSE(one.info().promised_box);
+    EXPECT_EQ(read_all(one).points.size, 99u);
+    ASSERT_EQ(one.info().notes.size(), 2u);
+    EXPECT_EQ(one.info().notes[0], "a note");
+}
+
 TEST(LimitedReader, GridsAndLimitsThatMakeNoSense)
 {
     MemoryCloud cloud = random_cloud({}, Grid{{0.01, 0.01, 0.01}, {1000, 0, 0}}, 10, 6);

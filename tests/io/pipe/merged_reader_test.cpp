@@ -178,6 +178,24 @@ TEST(MergedReader, SaysWhichGridDoublesAreNear)
     EXPECT_FALSE(near_grid_of(half));
     EXPECT_FALSE(near_grid_of(coarse));
     EXPECT_FALSE(near_grid_of(far));
+    // Along any axis, to either side: whole steps up to rounding, and positions of 32 bits that stay below 2^50 steps.
+    const auto are_near = [](std::size_t axis, double from, double to) {
+        Grid first{{1, 1, 1}, {0, 0, 0}}, second = first;
+        first.offset[axis] = from;
+        second.offset[axis] = to;
+        const std::vector<MemoryCloud> clouds = {random_cloud({}, first, 3, 1), random_cloud({}, second, 3, 1)};
+        return MergedReader(sources_of(clouds)).info().near_grid.has_value();
+    };
+    const double most = 0x1p50 - 0x1p32;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        for (const double side : {1.0, -1.0}) {
+            EXPECT_TRUE(are_near(axis, 0, side * 0.9e-6));
+            EXPECT_FALSE(are_near(axis, 0, side * 1.1e-6));
+            EXPECT_FALSE(are_near(axis, 1, side * 0.5));
+            EXPECT_TRUE(are_near(axis, 0, side * (most - 1)));
+            EXPECT_FALSE(are_near(axis, 0, side * most));
+            EXPECT_FALSE(are_near(axis, side * most, 0));
+        }
 }
 
 TEST(MergedReader, SeeksAcrossFiles)

@@ -2,6 +2,8 @@
 
 #include "tests/io/text/read_text.h"
 
+#include <algorithm>
+
 namespace pcm::test {
 namespace {
 
@@ -118,6 +120,104 @@ TEST(Ptx, BadLinesAreSkippedAndCounted)
          {ptx_header(1, 1) + "1 2 3 4\n1\n1\noops\n", ptx_header(1, 3) + "1 oops 3 4\n1 2 3 4\n",
           ptx_header(1, 2) + "1 2 3 4\n" + ptx_header(1, 1) + "1 2 3 4\n", ptx_header(1, 1) + "1 2 3 4\n5 6 7 8\n"})
         EXPECT_THROW(read_whole(*open_reader(write_file(folder / "b.ptx", damaged), options)), Error) << damaged;
+}
+
+// The lines of a text with other ends, which may come after blanks or before empty lines.
+std::string with_ends(const std::string& text, const std::string& end)
+{
+    std::string result;
+    for (const char c : text) c == '\n' ? result += end : result += c;
+    return result;
+}
+
+// Lines end in every way, a mark of the encoding may stand first, and empty lines anywhere.
+TEST(Ptx, IsRecognisedByItsLines)
+{
+    const std::string header = ptx_header(1, 2), text = header + "1 2 3 0.5\n4 5 6 0.25";
+    std::vector<std::string> spellings;
+    for (const std::string mark : {"", "\xEF\xBB\xBF"})
+        for (const std::string end : {"\n", "\r\n", "\r", " \n", "\n\n", "\n \t\n"})
+            for (const std::string last : {"", "\n", "\n\n"}) {
+                spellings.push_back(mark + with_ends(text + last, end));
+                spellings.push_back(mark + end + with_ends(text + last, end));
+            }
+    TemporaryFolder folder;
+    for (const std::string& spelling : spellings) {
+        EXPECT_TRUE(looks_like_ptx(write_file(folder / "a", spelling))) << spelling;
+        for (const char* name : {"a.ptx", "a.txt"}) {
+            const Whole whole = read_text(spelling, name);
+            EXPECT_EQ(whole.info.format, "PTX");
+            ASSERT_EQ(whole.points.size, 2u) << spelling;
+            EXPECT_EQ(whole.position(1), (Vec3d{4, 5, 6}));
+            EXPECT_EQ(whole.value("intensity", 0), 0.5);
+        }
+    }
+    EXPECT_TRUE(looks_like_ptx(write_file(folder / "a", header)));
+    EXPECT_TRUE(looks_like_ptx(write_file(folder / "a", header.substr(0, header.size() - 1))));  // no end of line
+    const std::string many = "1 2 3 4\n";
+    std::string long_text = header;
+    while (long_text.size() < 10000) long_text += many;
+    EXPECT_TRUE(looks_like_ptx(write_file(folder / "a", long_text)));
+}
+
+TEST(Ptx, OtherTextIsNoPtx)
+{
+    const std::string header = ptx_header(1, 2), points = "1 2 3 0.5\n4 5 6 0.25\n";
+    const std::vector<std::string> others{
+        "",
+        "\n",
+        "\xEF\xBB\xBF",
+        "\xEF",
+        "hello\n",
+        "1\n2\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n",  // nine lines
+        "1 2\n" + header.substr(2) + points,
+        "1\n2\n3\n" + header.substr(4) + points,  // two numbers, or three lines
+        "-1" + header.substr(1) + points,
+        "1.5" + header.substr(1) + points,
+        "1\n2.5" + header.substr(3) + points,
+        "x y z\n" + points + points + points + points + points + points,
+        ptx_header(1, 2, "1 0 0 0\n0 1 0 0\n0 0 1\n0 0 0 1\n") + points,
+        ptx_header(1, 2, "1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1 0\n") + points,
+        ptx_header(1, 2, "1 0 0 0\n0 1 0 0\n0 0 a 0\n0 0 0 1\n") + points,
+        std::string(5000, ' ') + header + points,
+        header.substr(0, 20) + std::string(5000, ' ') + header.substr(20)};
+    TemporaryFolder folder;
+    for (const std::string& other : others)
+        EXPECT_FALSE(looks_like_ptx(write_file(folder / "a", other))) << other.substr(0, 200);
+}
+
+// The cloud has the columns of all scans, whichever comes first; those that a scan lacks are 0 in it.
+TEST(Ptx, ScansMayHaveOtherColumns)
+{
+    struct Kind {
+        const char* line;
+        double intensity;
+        Vec3d rgb;
+    };
+    const std::vector<Kind> kinds{{"1 1 1\n", 0, {0, 0, 0}},
+                                  {"2 2 2 0.1\n", 0.1, {0, 0, 0}},
+                                  {"3 3 3 7 8 9\n", 0, {7, 8, 9}},
+                                  {"4 4 4 0.3 40000 500 6\n", 0.3, {40000, 500, 6}}};
+    std::vector<std::size_t> order{0, 1, 2, 3};
+    do {
+        std::string text;
+        for (const std::size_t k : order) text += ptx_header(1, 1) + kinds[k].line;
+        for (const std::size_t batch : {1, 100}) {
+            const Whole whole = read_text(text, "a.ptx", {}, batch);
+            EXPECT_EQ(names_of(whole.info.schema), "intensity:f32 rgb:u16x3 scan:u32");
+            ASSERT_EQ(whole.points.size, 4u);
+            for (std::size_t i = 0; i < 4; ++i) {
+                const Kind& kind = kinds[order[i]];
+                EXPECT_EQ(whole.position(i)[2], static_cast<double>(order[i] + 1));
+                EXPECT_EQ(whole.value("intensity", i), static_cast<float>(kind.intensity)) << text;
+                for (std::uint32_t c = 0; c < 3; ++c) EXPECT_EQ(whole.value("rgb", i, c), kind.rgb[c]) << text;
+                EXPECT_EQ(whole.value("scan", i), static_cast<double>(i + 1));
+            }
+        }
+    } while (std::next_permutation(order.begin(), order.end()));
+    EXPECT_EQ(names_of(read_text(ptx_header(1, 1) + kinds[0].line, "a.ptx").info.schema), "");
+    EXPECT_EQ(names_of(read_text(ptx_header(1, 1) + kinds[2].line, "a.ptx").info.schema), "rgb:u8x3");
+    EXPECT_EQ(names_of(read_text(ptx_header(1, 1) + "1 2 3 0.25\n", "a.ptx").info.schema), "intensity:f32");
 }
 
 }  // namespace

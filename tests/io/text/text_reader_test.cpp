@@ -249,6 +249,41 @@ TEST(TextReader, TheLayoutIsReported)
     EXPECT_EQ(describe(*stated.text_layout), "x y z id:u64, separated by blanks");
 }
 
+// All that was understood and guessed is said, and nothing else.
+TEST(TextReader, TheNotesOfAFileAreThese)
+{
+    const std::string overrides = "; the columns option overrides this";
+    const std::string no_colours =
+        "the columns r g b hold neither whole numbers up to 65535 nor fractions up to 1, and are kept as three "
+        "attributes without colour";
+    struct {
+        const char* text;
+        std::vector<std::string> notes;
+    } const cases[] = {
+        {"1 2 3 4\n5 6 7 8\n", {"columns x y z intensity, separated by blanks" + overrides}},
+        {"x y z r g b\n1 2 3 300000 5 6\n4 5 6 1 2 3\n",
+         {"columns x y z r g b, separated by blanks, 1 line skipped, named in line 1" + overrides, no_colours}},
+        {"# made by hand\nX;Y;Z;Red;Green;Blue\n1,5;2;3;4;5;6\n1;2;3;255;0;9\n",
+         {"columns x y z r g b (colours 0-255), separated by semicolons, 2 lines skipped, with decimal commas, named "
+          "in "
+          "line 2" +
+              overrides,
+          "names of columns understood: Red\u2192r, Green\u2192g, Blue\u2192b"}},
+        {"lon lat z i\n1 2 3 4\n5 6 7 8\n",
+         {"columns x y z intensity, separated by blanks, 1 line skipped, named in line 1" + overrides,
+          "names of columns understood: lon\u2192x, lat\u2192y, i\u2192intensity",
+          "x and y are longitude and latitude, in degrees as they are in the file"}}};
+    for (const auto& c : cases) EXPECT_EQ(notes_after(c.text, "a.xyz"), c.notes) << c.text;
+    // What the user stated is not said to be a guess.
+    TextLayout layout;
+    layout.columns = {"x", "y", "z", "r", "g", "b"};
+    EXPECT_EQ(read_text("1 2 3 300000 5 6\n", "a.xyz", layout).info.notes,
+              (std::vector<std::string>{"columns x y z r g b, separated by blanks", no_colours}));
+    EXPECT_EQ(notes_after("1\n1\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n1 2 3 0.5 -7 1 2\n",
+                          "a.ptx"),
+              std::vector<std::string>{no_colours});
+}
+
 TEST(TextReader, LinesThatDoNotFitAreNamed)
 {
     const std::string many = [] {
