@@ -100,6 +100,7 @@ Argument& Argument::positive() { return allowed_.least = 0, allowed_.above_least
 Argument& Argument::not_negative() { return allowed_.least = 0, *this; }
 Argument& Argument::only(Face face) { return only_ = face, *this; }
 Argument& Argument::shown(bool shown) { return shown_ = shown, *this; }
+Argument& Argument::on_in_dialogs() { return on_in_dialogs_ = true, *this; }
 Argument& Argument::count(std::size_t numbers) { return count_ = numbers, *this; }
 Argument& Argument::one_of(std::vector<Choice> choices) { return choices_ = std::move(choices), *this; }
 

@@ -17,7 +17,8 @@ public:
         options_.radius_limit = usual_radius_limit;
         arguments_.add("radii", wanted.radius)
             .label("Radii too")
-            .help("Also write the radii of splats, measured across the normals, in the same pass");
+            .help("Also write the radii of splats, measured across the normals, in the same pass")
+            .on_in_dialogs();
         declare_radii(wanted);
         arguments_.add("curvature", wanted.curvature)
             .label("Curvature too")
