@@ -36,8 +36,11 @@ TargetChoice TargetArguments::choice(Face face, const Arguments& arguments) cons
     const std::string output_name = called(face, *arguments.find("output")),
                       in_place_name = called(face, *arguments.find("in_place"));
     if (output.empty() && !in_place)
-        throw ArgumentError("no output is given: name the tree to write by " + output_name + ", or give " +
-                            in_place_name + " to change this one");
+        throw ArgumentError(face == Face::command
+                                ? "no output is given: give " + output_name + " COPY, a tree to write, or " +
+                                      in_place_name + " to change this one"
+                                : "no output is given: name the tree to write as " + output_name + ", or switch on " +
+                                      in_place_name);
     if (!output.empty() && in_place && face == Face::command)
         throw ArgumentError("give either " + output_name + ", a tree to write, or " + in_place_name + ", not both");
     if (in_place) return {{}, true, overwrite};
