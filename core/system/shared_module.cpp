@@ -7,7 +7,7 @@
 namespace pcm {
 namespace {
 
-// Beside this code, where an install of it has its libraries, and where the system looks.
+// The folder of this code, the one where an install of it has its libraries, and where the system looks.
 std::vector<std::filesystem::path> places(const std::string& name)
 {
     std::vector<std::filesystem::path> all;
