@@ -20,7 +20,7 @@ inline constexpr unsigned most_build_threads = 1024;
 struct BuildOptions {
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole build; at least least_build_memory
     unsigned threads = 0;                                 // 0: one per processor
-    std::uint32_t chunk_points = default_chunk_points;    // most points per chunk
+    std::uint32_t chunk_points = default_chunk_points;    // maximum points per chunk
     Sampling sampling = Sampling::poisson;                // how the points of a level are chosen
     bool overwrite = false;                               // replace an existing tree (only ever a tree)
     bool resume = true;  // resume an interrupted build, and write checkpoints so that this one can be resumed
@@ -33,8 +33,8 @@ struct BuildReport {
     Outcome outcome;                   // error: largest position error, source units
     std::uint64_t points_skipped = 0;  // without a finite position, or beyond ReadOptions::largest_coordinate
     Skipped skipped;                   // bad lines and files
-    std::uint64_t bytes = 0;           // of the tree folder
-    std::uint64_t scratch_bytes = 0;   // the most that the build had on disk in addition
+    std::uint64_t bytes = 0;           // size of the tree folder
+    std::uint64_t scratch_bytes = 0;   // peak size of scratch files on disk
     std::uint64_t nodes = 0;
     std::uint16_t levels = 0;
     std::vector<std::string> notes;  // from the readers, and about merged schemas
