@@ -24,7 +24,7 @@ namespace {
 template <class C, int Eights>
 class BlockSearch {
 public:
-    // Of the queries of the block those in `active`.
+    // Searches for the queries of the block in `active`.
     BlockSearch(const LeafTree<C>& tree, const QueryBlock<C>& queries, const KernelRequest& request,
                 std::uint32_t active)
         : tree_(tree),
@@ -78,7 +78,7 @@ public:
 
 private:
     std::uint64_t* list_of(std::uint32_t q) const { return request_.lists + q * capacity_; }
-    // Of the result.
+    // Row of the query in the result.
     std::size_t row_of(std::uint32_t q) const
     {
         return static_cast<std::size_t>(__builtin_popcount(queries_.active & ((1u << q) - 1)));
@@ -407,8 +407,8 @@ private:
     const KernelRequest& request_;
     const std::size_t capacity_;
     std::uint32_t active_;
-    C box_[6];     // of the queries
-    C middle_[3];  // of the box: the origin of the offsets
+    C box_[6];     // box of the queries
+    C middle_[3];  // middle of the box: the origin of the offsets
     alignas(64) float x_[leaf_points];
     alignas(64) float y_[leaf_points];
     alignas(64) float z_[leaf_points];
