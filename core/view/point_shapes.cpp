@@ -36,7 +36,7 @@ struct Moments {
     }
 };
 
-// Of `count` points that follow one another from `first` on. `place(i, axis)` is relative to the first, in units in
+// Moments of `count` consecutive points from `first` on. `place(i, axis)` is relative to the first, in units in
 // which squares are numbers.
 template <class Place>
 Moments moments_of(std::size_t first, std::size_t count, const Place& place)
@@ -128,7 +128,7 @@ Judged judge(std::size_t points, const Place& place)
     return judged;
 }
 
-// Of the groups beside it: whether three quarters are such.
+// Whether `is` holds for three quarters of the groups around group `g`.
 template <class Is>
 bool is_between(const std::vector<Judged>& groups, std::size_t g, const Is& is)
 {
@@ -141,7 +141,7 @@ bool is_between(const std::vector<Judged>& groups, std::size_t g, const Is& is)
     return others > 0 && 4 * such >= 3 * others;
 }
 
-// Of the points of a segment.
+// Finds the shapes of the points of a segment.
 template <class T>
 void find(const std::array<PageVector<T>, 3>& xyz, const Vec3d& scale, std::size_t first, std::size_t end,
           std::vector<PointShape>& shapes)

@@ -36,10 +36,10 @@ inline constexpr std::size_t shape_group = 64, shape_part = 16;
 
 inline Surroundings surroundings_of(PointShape shape) { return static_cast<Surroundings>(shape >> 16 & 3u); }
 PointShape shape_of(Surroundings kind,
-                    const Vec3d& direction);  // of surfaces and lines; the direction is a unit vector
+                    const Vec3d& direction);  // direction of surfaces and lines: a unit vector
 Vec3d direction_of(PointShape shape);         // the same again
 PointShape volume_shape(double share);        // 0 to 1
-double volume_of(PointShape shape);           // of volumes
+double volume_of(PointShape shape);           // share of volumes
 
 // The splat of a point of this shape is this many times as large as its size: a little larger on surfaces, whose discs
 // would leave gaps where the points' density changes; smaller in volumes, whose points are farther apart in the picture
@@ -51,7 +51,7 @@ inline constexpr double surface_factor = 1.15, least_volume_factor = 0.15;
 // (bpc/segments.h); nothing beyond a segment counts, so that a part of a chunk has the shapes of the whole.
 void find_shapes(const ChunkPositions& positions, const Vec3d& scale, const std::vector<std::uint32_t>& segments,
                  std::vector<PointShape>& shapes);
-// Of all segments of a node.
+// The points in each segment of a node.
 std::vector<std::uint32_t> points_of_segments(const Node& node);
 
 // A float with the shape in its lowest bits; the others are those of the radius, from which shaders take it to within

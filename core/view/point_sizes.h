@@ -27,8 +27,8 @@ public:
 
 private:
     const Schema schema_;
-    std::array<float, 256> radius_{};  // of each code
-    std::vector<float> unknown_;       // of each node
+    std::array<float, 256> radius_{};  // radius for each code
+    std::vector<float> unknown_;       // radius for each node
 };
 
 }  // namespace pcm
