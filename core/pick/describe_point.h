@@ -14,7 +14,7 @@ namespace pcm {
 struct DescribedAttribute {
     std::string name;
     // One per component, in the attribute's own unit (raw * scale + offset): integers and steps of a decimal scale
-    // exactly, others with the minimum digits that read back as the same number.
+    // exactly, others with the fewest digits that read back as the same number.
     std::vector<std::string> values;
     std::string text() const;  // separated by blanks
 };
@@ -22,7 +22,7 @@ struct DescribedAttribute {
 struct PointDescription {
     Vec3d position{};  // as the source has it (tree/source_rounding.h)
     // The same as text: the decimal number that steps of the grid stand for (848935.2), where the nearest double has
-    // more digits (848935.2000000001); else the minimum digits that read back as the same number.
+    // more digits (848935.2000000001); else the fewest digits that read back as the same number.
     std::array<std::string, 3> position_text;
     std::uint16_t level = 0;
     double spacing = 0;    // about the distance to its neighbours, or the radius that its cloud gives it; source units
