@@ -40,7 +40,7 @@
 // Splats of any size are drawn correctly: a chunk that may hold one beyond the driver's largest point is drawn as
 // quads. The visible part of a splat that is not constant does not depend on whether its centre is in the view.
 //
-// Of a chunk that is partly in view only those groups of points are drawn whose boxes are in view, and as quads only
+// In a chunk that is partly in view only those groups of points are drawn whose boxes are in view, and as quads only
 // where splats may be too large for points (gl/draw/splat_sieve.h); the picture is the same.
 //
 // Projections are perspective, off-axis too, or orthographic; a shear between x and y in them is ignored. The depth
@@ -69,7 +69,7 @@ inline constexpr float radius_of_paraboloid = 1.25f;
 struct ShownPoints {
     const ViewClips* clips = nullptr;  // outlives the drawing; those that shaders test count
     std::array<float, 3> selected_colour{};
-    std::uint32_t frame = 0;  // of a mean (gl/draw/smoothing.h); 0: the picture itself
+    std::uint32_t frame = 0;  // frame of a mean (gl/draw/smoothing.h); 0: the picture itself
 };
 
 class SplatPass {

@@ -38,7 +38,7 @@ struct SplatTraits {
     const char* description;  // for tooltips, after "What a point is drawn as: "
     bool reads_radius;        // or the size
     bool reads_normal;
-    bool reads_shape;  // of the points' surroundings
+    bool reads_shape;  // uses the shapes of the points' surroundings
     SplatShape shape;
     const char* define;     // the shaders' permutation; empty for none
     bool has_doubles;       // the shaders have a permutation DOUBLE of it
