@@ -217,8 +217,8 @@ std::vector<std::string> VolumeReport::notes() const
                         " of the polygon's area that have points");
     if (area_extrapolated > much * area)
         notes.push_back(percent(area_extrapolated) +
-                        " of the area lie beside the points, not between them, and are extrapolated; a polygon within "
-                        "the points has a surer volume");
+                        " of the area lie outside the points and are extrapolated; a polygon within "
+                        "the points has a more certain volume");
     return notes;
 }
 
