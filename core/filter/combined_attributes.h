@@ -15,7 +15,7 @@ enum class Combination {
     mean,
     // The mean as above, then brought to length 1: of normals. Where the mean vanishes: the first normal that is not 0.
     direction,
-    // The value of most points; of several such values the smallest. Of integers.
+    // The value of most points; the smallest of several such values. For integers.
     majority,
 };
 

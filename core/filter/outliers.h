@@ -11,12 +11,12 @@
 namespace pcm {
 
 enum class OutlierMethod : std::uint8_t {
-    // Of each point the mean distance D to its k nearest neighbours; outliers have D > mean + factor * deviation of all
+    // D: mean distance of a point to its k nearest neighbours; outliers have D > mean + factor * deviation of all
     // points (deviation: sqrt(sum((D - mean)^2) / n)).
     statistical,
     // The same with the median of D, and 1.4826 times the median of |D - median| (MAD) as the deviation: for clouds
     // whose
-    // outliers are so far away, or so many, that mean and deviation say little. Where more than half of all D are
+    // outliers are too far away or too many for mean and deviation. Where more than half of all D are
     // equal,
     // so that the MAD is 0, a tenth of the median takes the place of the deviation. No point is an outlier where more
     // than half of the points lie at one place with all k neighbours.
@@ -40,8 +40,8 @@ struct OutlierOptions {
 
 struct OutlierReport : FilterReport {
     std::uint64_t outliers = 0;
-    // Of the mean distances of all points: mean or median, deviation, and the distance above which a point is an
-    // outlier; source units. 0 for the method `radius`.
+    // Statistics of the mean distances of all points: mean or median, deviation, and the distance above which a point
+    // is an outlier; source units. 0 for the method `radius`.
     double centre = 0, deviation = 0, threshold = 0;
     bool coverage_kept = true;  // as EraseReport
 };

@@ -15,7 +15,7 @@
 
 namespace pcm {
 
-// A sum with the rounding errors of its additions added up beside it (Neumaier 1974).
+// A sum with the rounding errors of its additions added up separately (Neumaier 1974).
 class CompensatedSum {
 public:
     void add(double v)
