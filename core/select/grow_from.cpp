@@ -17,7 +17,7 @@
 namespace pcm {
 namespace {
 
-constexpr double nearly_all = 0.95;               // of a cloud
+constexpr double nearly_all = 0.95;               // share of a cloud
 constexpr double most_colour_difference = 441.7;  // beyond sqrt(3) * 255
 
 // The place of an attribute with three components, for a limit that needs it.
