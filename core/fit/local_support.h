@@ -19,7 +19,7 @@ public:
     bool find(const Shape& shape, double threshold, double noise);
     // 1 or 0 for each point; null: all, or too few points to say.
     const double* of_points() const { return support_.empty() ? nullptr : support_.data(); }
-    double share() const { return share_; }  // of the points with 1 that are not near by chance
+    double share() const { return share_; }  // share of the points with 1 that are not near by chance
 
 private:
     const ShapeModel& model_;
