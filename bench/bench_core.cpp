@@ -1,4 +1,4 @@
-// What a point costs on its way: read from LAS, built into a tree, decoded from it, found in the cache; beside memcpy,
+// What a point costs on its way: read from LAS, built into a tree, decoded from it, found in the cache; next to memcpy,
 // which is what the machine can do. Run with --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true and
 // compare medians.
 

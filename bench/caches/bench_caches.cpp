@@ -69,9 +69,8 @@ void add_replay(CLI::App& app, Arguments& a)
     app.add_option("--rest-s", s.longest_rest_s = 30, "Longest wait for a complete picture")
         ->capture_default_str()
         ->check(CLI::PositiveNumber);
-    app.add_option("--point-budget", s.point_budget = 2'000'000, "Most points of a frame")->capture_default_str();
-    app.add_option("--target-px", s.target_px = 1.4, "Refine until points are no farther apart on screen")
-        ->capture_default_str();
+    app.add_option("--point-budget", s.point_budget = 2'000'000, "Maximum points of a frame")->capture_default_str();
+    app.add_option("--target-px", s.target_px = 1.4, "Maximum distance of points on screen")->capture_default_str();
     app.add_option("--upload-ms", s.upload_ms = 3, "Of a frame, for uploads")->capture_default_str();
     app.add_option("--l1-mb", a.l1_mb, "Capacity of L1, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));
     app.add_option("--block-mb", a.block_mb, "Size of a VBO, MiB, 1 to 4")->capture_default_str();

@@ -19,9 +19,9 @@
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Radii = std::vector<std::vector<float>>;  // of each node's points
+using Radii = std::vector<std::vector<float>>;  // one for each node's points
 
-// Of all threads.
+// CPU seconds of all threads.
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }

@@ -1,5 +1,5 @@
-// Picks along random rays, from a cold cache, beside a look at every point: the same point, and how long it took.
-// Prints a table; see README.md.
+// Picks along random rays, from a cold cache, compared with a look at every point: the same point, and how long it
+// took. Prints a table; see README.md.
 #include "pcm/pick/point_picker.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"

@@ -246,7 +246,7 @@ void add_options(CLI::App& app, Arguments& a)
     app.add_option("tree", a.tree, "Tree folder")->required()->check(CLI::ExistingDirectory);
     app.add_option("--path", a.path, "Camera path, JSON")->required()->check(CLI::ExistingFile);
     app.add_option("--out", a.out, "Folder for the pictures")->required();
-    app.add_option("--every", a.every, "Of so many frames one is kept as a picture, the last")
+    app.add_option("--every", a.every, "The last of every N frames is kept as a picture")
         ->capture_default_str()
         ->check(CLI::Range(1, 1000000));
     app.add_option("--size", a.size, "Of the pictures, pixels")->capture_default_str();
@@ -255,10 +255,10 @@ void add_options(CLI::App& app, Arguments& a)
     app.add_option("--point-size", a.style.point_size_px, "Of constant splats, pixels")->capture_default_str();
     app.add_option("--eye-dome", a.options.eye_dome, "Strength of eye-dome lighting; 0: none")->capture_default_str();
     app.add_option("--samples", a.options.samples, "A pixel")->capture_default_str()->check(CLI::Range(1, 8));
-    app.add_option("--converge", a.options.smooth_frames, "A complete picture is the mean of so many frames")
+    app.add_option("--converge", a.options.smooth_frames, "A complete picture is the mean of this number of frames")
         ->capture_default_str()
         ->check(CLI::Range(1, 256));
-    app.add_option("--target-px", a.options.target_spacing_px, "Refine until points are no farther apart on screen")
+    app.add_option("--target-px", a.options.target_spacing_px, "Maximum distance of points on screen")
         ->capture_default_str();
     app.add_option("--l1-mb", a.l1_mb, "Capacity of L1, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));
     app.add_option("--l2-mb", a.l2_mb, "Capacity of L2, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));

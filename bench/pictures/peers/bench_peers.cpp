@@ -73,7 +73,7 @@ layout(location = 0) in vec3 place;
 layout(location = 1) in vec4 colour;
 layout(location = 2) in float size;
 uniform mat4 to_clip;
-uniform float pixels;  // of a unit at distance 1; 0: sizes are pixels
+uniform float pixels;  // pixels of a unit at distance 1; 0: sizes are pixels
 uniform vec2 limits;
 out vec4 shown;
 void main()

@@ -99,7 +99,7 @@ int main(int argc, char** argv)
         command->add_option("scene", a.scene, "Name of the scene")->required();
         command->add_option("--threads", a.threads, "0: one per processor")->capture_default_str();
     }
-    clouds->add_option("--points", a.points, "About so many")
+    clouds->add_option("--points", a.points, "About this number of points")
         ->capture_default_str()
         ->check(CLI::Range(1000, 1000000000));
     clouds->add_option("-o", a.cloud, "File in colours")->required();
