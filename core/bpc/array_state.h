@@ -51,7 +51,7 @@ struct BpcArray::State {
     std::vector<std::uint64_t> first{0};
     double chunks_a_point = 0;      // 1 / number of points of the first chunk
     std::list<Resident> residents;  // most recently used first
-    std::vector<Place> where;       // by chunk; residents.end() if not resident
+    std::vector<Place> where;       // place of each chunk; residents.end() if not resident
     std::size_t resident_bytes = 0;
     std::unordered_map<std::uint64_t, array::Spilled> spilled;
     array::ScratchFile scratch;

@@ -45,7 +45,7 @@ struct Chunk {
     std::vector<std::shared_ptr<const Column>> attributes;  // one slot per attribute of the schema
 
     std::size_t bytes() const;  // memory of the columns present
-    ColumnSet columns() const;  // which are present
+    ColumnSet columns() const;  // the columns present
 };
 
 // What the sizes' column looks like.

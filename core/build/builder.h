@@ -47,7 +47,7 @@ struct BuildReport {
 // `output`.part and appears under its name when it is complete, so an interrupted build is never taken for a tree. A
 // build of the same files (by path, size and modification time) with the same options resumes an interrupted one at its
 // last checkpoint and makes the same tree byte for byte; any other build removes its remains and starts from the
-// beginning. The notes of the report say which. Inputs that take less than checkpoint_seconds to read get no
+// beginning. The report's notes name them. Inputs that take less than checkpoint_seconds to read get no
 // checkpoints. An error or a cancel removes everything that was written; what fails after the tree has its name is a
 // warning of the outcome. A tree that is overwritten stays until the new
 // one replaces it, atomically where the system can do that (build_folder.h describes the state after a crash where it

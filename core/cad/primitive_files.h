@@ -40,7 +40,7 @@ struct CadReport {
 // - .json: all of it; read_primitives() reads it. Angles are in radians.
 //
 // Cylinders and cones are drawn whole (see CadOptions::arcs), a torus as far as its arc goes. Hidden primitives are
-// left out of drawings and tables, and those whose bounds are not known of drawings: the notes say so. Throws
+// left out of drawings and tables, and those without known bounds out of drawings; the notes report it. Throws
 // Error(invalid_argument) for an extension that is none of these, for a list in which nothing is to be written, numbers
 // that are not finite, and a chord that takes more than 1,000,000 faces; Error(exists); Error(unsupported) for DXF
 // where it was not built; what OutputFile throws.

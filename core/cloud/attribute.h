@@ -69,7 +69,7 @@ private:
 struct ColumnSet {
     bool positions = true;
     bool sizes = false;                      // point sizes (tree/point_size.h); only chunks of trees have them
-    std::bitset<max_attributes> attributes;  // by index in the schema
+    std::bitset<max_attributes> attributes;  // one bit per attribute of the schema
 
     static ColumnSet only_positions() { return {}; }
     // Positions and all attributes.

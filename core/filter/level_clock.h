@@ -12,8 +12,8 @@ namespace pcm {
 // Any number of threads.
 class LevelClock {
 public:
-    // costs[l]: of a unit computed at level l, in any unit, positive, not decreasing; the last is that of all points.
-    // `level`: the one to begin with, below costs.size(). `seconds`: for the pass.
+    // costs[l]: cost of a unit computed at level l, in any unit, positive, not decreasing; the last is that of all
+    // points. `level`: the one to begin with, below costs.size(). `seconds`: time limit of the pass.
     LevelClock(std::vector<double> costs, std::size_t level, double seconds);
 
     // The level of the next unit, when `passed` seconds have passed since the pass began, and a share (0 to 1) of the

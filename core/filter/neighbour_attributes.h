@@ -27,7 +27,7 @@
 
 namespace pcm {
 
-// What radii of discs are computed with unless the user says otherwise: WantedValues::radius_neighbours, and
+// What radii of discs are computed with by default: WantedValues::radius_neighbours, and
 // NeighbourAttributeOptions::radius_limit.
 inline constexpr std::uint32_t usual_radius_neighbours = 6;
 inline constexpr double usual_radius_limit = 2.5;

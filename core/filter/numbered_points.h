@@ -10,7 +10,7 @@
 
 namespace pcm {
 
-// What subsample.h says of an exact number. One thread.
+// The exact number of subsample.h. One thread.
 class NumberedPoints final : public PointReader {
 public:
     NumberedPoints(std::shared_ptr<const Tree> tree, std::uint64_t points, unsigned chunks_ahead);

@@ -36,9 +36,9 @@ struct PieceSums {
     Vec3d positions{}, normals{};
     void add(const Vec3d& p, const Vec3d& n);
     void join(const PieceSums& other, int side);
-    // Positive where the normals point outward or up, negative where they point inward or down: the clearer one of the
-    // mean height of the normals and the mean of n . (p - centre) over the distance from the centre. Where neither says
-    // anything, the sign of the first coordinate of the sum of normals that is not 0.
+    // Positive where the normals point outward or up, negative where they point inward or down: the more distinct of
+    // the mean height of the normals and the mean of n . (p - centre) over the distance from the centre. Where neither
+    // says anything, the sign of the first coordinate of the sum of normals that is not 0.
     double outward_or_up() const;
 };
 

@@ -5,7 +5,7 @@
 // 2. Around points at the borders of units neighbours are searched in the whole cloud. Pairs of points in different
 //    pieces vote, by the cosine of their normals, on whether the two pieces agree; pieces are joined along a spanning
 //    tree that prefers clear votes.
-// 3. What is joined points outward or up: the clearer one of both, over all its points.
+// 3. What is joined points outward or up: the more distinct of both, over all its points.
 // 4. Normals of pieces that the others disagree with are turned around.
 //
 // What it guarantees: neighbours that the spanning trees join agree, across units too. That is the side that a person
@@ -39,14 +39,14 @@ public:
     explicit OrientationPropagation(const Tree& tree);
 
     // A unit whose normals are computed; makes them consistent, and at a level sets those of points that take the
-    // values of others. `two_surfaces`: of each point, as join_pieces() takes and changes it. `border`: points, by
+    // values of others. `two_surfaces`: one per point, as join_pieces() takes and changes it. `border`: points, by
     // number, ascending, with neighbours outside of the unit. Any number of threads may call.
     void add_unit(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
                   std::vector<std::uint8_t>& two_surfaces, const std::vector<std::uint32_t>& border);
 
     // After the last unit, when the cache holds the normals of add_unit() at `place`: turns those around that the
-    // pieces' neighbours disagree with. Returns how many. `memory_bytes`: of the filter. Reports progress from `begin`
-    // to `end`. Throws Error(cancelled) and what reading and editing chunks throws.
+    // pieces' neighbours disagree with. Returns how many. `memory_bytes`: the filter's limit. Reports progress from
+    // `begin` to `end`. Throws Error(cancelled) and what reading and editing chunks throws.
     std::uint64_t finish(L2Cache& cache, std::size_t place, std::uint64_t memory_bytes, unsigned threads, Watch& watch,
                          double begin, double end);
 

@@ -27,11 +27,11 @@ enum class OutlierMethod : std::uint8_t {
 struct OutlierOptions {
     OutlierMethod method = OutlierMethod::statistical;
     std::size_t neighbours = 16;  // 1 to most_neighbours
-    double factor = 3;            // finite, positive; of the statistical and the robust method
-    double radius = 0;            // source units, inclusive, positive; of the method `radius`
+    double factor = 3;            // finite, positive; for the statistical and the robust method
+    double radius = 0;            // source units, inclusive, positive; for the method `radius`
     bool label = false;       // removes nothing: writes the attribute "outlier" (u8), 1 for outliers and 0 for others
     bool overwrite = false;   // label: an attribute "outlier" that this filter did not make may be lost
-    bool count_only = false;  // changes nothing; the report says what would be removed
+    bool count_only = false;  // changes nothing; the report shows what would be removed
     std::uint64_t memory_bytes = std::uint64_t(512) << 20;
     unsigned threads = 0;  // 0: one per processor
     NeighbourBackend backend = NeighbourBackend::own;

@@ -1,4 +1,4 @@
-// What a point's neighbours say about it: radius, normal, curvature, mean distance.
+// Values of a point from its neighbours: radius, normal, curvature, mean distance.
 #pragma once
 
 #include "pcm/cloud/vector.h"

@@ -55,7 +55,7 @@ std::string level_caveat(const Tree& tree);
 std::unique_ptr<PointReader> open_subsample(std::shared_ptr<const Tree> tree, const SubsampleOptions& options);
 
 struct SubsampleReport {
-    BuildReport build;                 // points_in: of the source; points_out: chosen
+    BuildReport build;                 // points_in: the source's; points_out: chosen
     std::optional<ChosenLevel> level;  // without `exact`
     std::string caveat;                // level_caveat(), unless the spacing is exact
 };

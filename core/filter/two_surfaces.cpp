@@ -9,7 +9,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t least_neighbours = 9,
-                      most_surface_points = 65;  // further neighbours say nothing of what touches here
+                      most_surface_points = 65;  // further neighbours do not show what touches here
 constexpr std::size_t least_of_a_sheet = 3;
 // The gap over the root mean square of the distances from the sheets: at first, when both may still be tilted together,
 // and at last. One sheet with heights of a normal distribution has 2.7 when it is cut in two, with uniform ones 3.5.

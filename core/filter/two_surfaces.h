@@ -8,9 +8,9 @@ namespace pcm {
 
 // Whether a point and its neighbours lie on two parallel sheets, one above the other: two planes with a gap of at least
 // six times what is left of their heights, whose points are mixed as seen along the normal (a step, an edge and a
-// curved surface have their heights in different places). `normal`: of unit length, that of all these points.
-// `least_gap`: of the sheets, source units: rounding of positions makes sheets, too. Never with fewer than 9
-// neighbours, which are too few.
+// curved surface have their heights in different places). `normal`: unit normal of all these points.
+// `least_gap`: minimum distance of the sheets, source units: rounding of positions makes sheets, too. Never with fewer
+// than 9 neighbours, which are too few.
 //
 // Measured on random plates (16 neighbours, joined with the answers of six neighbours each, orientation_pieces.h): of
 // plates up to half as thick as their points are apart, with noise up to a tenth of that, 80 to 90 % are found; of

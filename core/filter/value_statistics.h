@@ -109,7 +109,7 @@ double value_of_rank(const ForEach& for_each, std::uint64_t rank, const F& f)
     return value;
 }
 
-// The middle one of f(v), or the mean of the two middle ones. `count`: of the numbers, at least 1.
+// The middle one of f(v), or the mean of the two middle ones. `count`: how many numbers, at least 1.
 template <class ForEach, class F>
 double median_of(const ForEach& for_each, std::uint64_t count, const F& f)
 {

@@ -24,7 +24,7 @@ struct VoxelGridOptions {
     VoxelLattice voxels;
     VoxelPoint point = VoxelPoint::centroid;
     bool count = false;  // add an attribute `point_count`, u32: the number of points in the voxel
-    // Attributes that are combined otherwise than the names say; of centroids.
+    // Attributes that are combined otherwise than their names imply; for centroids.
     std::vector<std::string> by_majority, by_mean;
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // memory of the reader
     unsigned threads = 0;                                   // 0: one per processor

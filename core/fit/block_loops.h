@@ -92,7 +92,7 @@ struct BlockLoops {
     double (*squares)(const PatchBlock& block, const BlockWeights& weights, std::size_t count);
     // The cost alone.
     double (*cost)(const BlockWeights& weights, std::size_t count);
-    // Adds to the facts. `inverse`: of the products, row by row.
+    // Adds to the facts. `inverse`: inverse of the products, row by row.
     void (*facts)(const PatchBlock& block, std::size_t count, std::size_t parameters, const double* inverse,
                   double threshold, BlockFacts& facts);
 };

@@ -17,7 +17,7 @@ constexpr double least_significance = 5, good_significance = 10;
 // How far the points are from a plane, in units of their noise: errors that many points share bend a plane as much.
 constexpr double least_bend = 0.25;
 
-// The numbers that people read, of which the errors are reported: place, axis, radius, second.
+// The numbers that people read, whose errors are reported: place, axis, radius, second.
 struct Numbers {
     Vec3d place{}, axis{};
     double radius = 0, second = 0;

@@ -32,7 +32,7 @@ double reach_of(double square)
     return std::sqrt(low * high);
 }
 
-// About what falling weights amount to, of the threshold.
+// Effective width of falling weights, relative to the threshold.
 constexpr double tapered_cut = 0.95;
 
 double taper(double part)

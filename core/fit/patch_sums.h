@@ -25,16 +25,16 @@ PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const Work
                   const PatchBand& band, const NoiseMixture* mixture, DistanceBins* bins = nullptr);
 
 // Sums of squares and products of what blocks of neighbouring points pull at the parameters, row by row with
-// most_parameters to a row: the errors where those of neighbours are correlated. False: too few blocks to say.
+// most_parameters to a row: the errors where those of neighbours are correlated. False: too few blocks.
 bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, const PatchBand& band,
                 const NoiseMixture& mixture, std::array<double, most_parameters * most_parameters>& scatter);
 
 // What the points within the threshold show of chance and influence.
 struct BandFacts {
-    double chance = 0;     // share of them that points from twice to four times the threshold let expect by chance
+    double chance = 0;     // share that is there by chance, estimated from twice to four times the threshold
     double influence = 0;  // influence on the result of the most influential point, in units of the mean
 };
-// `inverse`: of the products, row by row, all of it.
+// `inverse`: full inverse of the products, row by row.
 BandFacts facts_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, double threshold,
                    const double* inverse);
 

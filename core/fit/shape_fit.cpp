@@ -228,8 +228,8 @@ public:
         return found.found ? refitted(found.shape, threshold) : refused(model_.kind, FitIssue::no_consensus);
     }
 
-    // Points that are few for their outliers show more than their noise, and a wide band finds no surface: of this
-    // threshold, its half and so on the one whose points are least there by chance.
+    // Points that are few for their outliers show more than their noise, and a wide band finds no surface:
+    // searches this threshold, its half and so on for the one whose points are least likely to be there by chance.
     ShapeFit fit_from(double threshold)
     {
         const ChanceTest test(working_);

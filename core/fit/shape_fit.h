@@ -54,7 +54,7 @@ struct ShapeFitOptions {
     // likely to be there by chance. `iterations` is then the maximum number of samples of each that is tried.
     double threshold = 0;
     std::uint32_t iterations = 10000;  // maximum number of samples
-    double probability = 0.99;         // of having drawn a sample without outliers; ends the search early; 0 < p < 1
+    double probability = 0.99;         // probability of a sample without outliers; ends the search early; 0 < p < 1
     double seconds = 0;                // time limit: ends the search with the best so far; 0: no limit
     std::uint64_t seed = 1;            // the same seed and points give the same result where time does not end it
     // Radii (of a torus: its tube's) outside are not considered, source units.
@@ -82,8 +82,8 @@ ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineO
 
 // An inlier's maximum distance, from the noise of the points' own surface: three standard deviations of points from
 // curved surfaces through neighbourhoods that are wide relative to the noise. Within a factor of two where up to a
-// third of the points are outliers, and more where the surface is dense next to them. 0 where the points say nothing
-// (all in one place, say).
+// third of the points are outliers, and more where the surface is dense next to them. 0 where the points do not show it
+// (all in one place, for instance).
 double automatic_threshold(const FitPoints& points);
 
 // Gives the points unit normals by planes through their nearest neighbours; 0 0 0 where these are on one line.

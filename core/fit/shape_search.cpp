@@ -76,7 +76,7 @@ public:
     }
 
 private:
-    // Samples say little of an arc so thin that it is a plane within the threshold: least squares starts from that
+    // Samples do not determine an arc that is a plane within the threshold: least squares starts from that
     // plane then, with the axis in four directions.
     void try_flat()
     {
@@ -218,7 +218,7 @@ private:
     SampleScore score_;
     SampleScore::Value best_;
     double done_ = 0;               // share of the samples, as shown
-    std::size_t near_loosely_ = 0;  // of the sample or best shape with most of the first points
+    std::size_t near_loosely_ = 0;  // number near the sample or best shape with most of the first points
     SearchResult result_;
 };
 

@@ -44,7 +44,7 @@ struct ValueSurvey {
 };
 
 struct Survey {
-    std::vector<std::optional<ValueSurvey>> attributes;  // by attribute; unset where nothing was asked
+    std::vector<std::optional<ValueSurvey>> attributes;  // one per attribute; unset where nothing was asked
     Box3d box;                                           // box of the finite positions, if asked
     // Doubles are floats, or a float names the point of the grid (float_names_grid_point), for every coordinate.
     bool floats_hold_positions = false;

@@ -31,7 +31,7 @@ struct LeafTree {
 template <class C>
 struct QueryBlock {
     const C* block = nullptr;          // laid out like a leaf
-    std::uint32_t active = 0;          // which of its 32 slots are queries; one or more
+    std::uint32_t active = 0;          // bits of its 32 slots that are queries; one or more
     std::uint32_t own_leaf = no_leaf;  // the leaf of the tree that this is: no point is its own neighbour then
 };
 

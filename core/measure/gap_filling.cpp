@@ -56,7 +56,7 @@ double GapErrors::at(bool outer, std::uint32_t width, const std::array<Curve, 2>
     return std::exp(std::log(curve[low]) * (1 - part) + std::log(curve[low + 1]) * part);
 }
 
-// `scale`: of the grid's cells in a row that one of the field's stands for.
+// `scale`: number of the grid's cells in a row that one of the field's stands for.
 void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::size_t dy, std::size_t scale)
 {
     Field hidden = field;

@@ -38,7 +38,7 @@
 namespace pcm {
 
 struct FilledCells {
-    std::vector<double> height;        // of cells with an area; the known ones are not changed
+    std::vector<double> height;        // heights of cells with an area; the known ones are not changed
     std::vector<double> sigma;         // standard deviation of filled cells, see above; 0 for known ones
     std::vector<std::uint32_t> width;  // width of the gap around a filled cell, cells; 0 for known ones
     std::vector<std::uint8_t> outer;   // 1: a filled cell that has known ones on one side only
@@ -47,7 +47,7 @@ struct FilledCells {
 };
 
 // `areas` and `height` by rows of `columns` cells; a cell without area is outside, a height that is NaN a gap. Without
-// any known cell nothing is filled. `spread`: of heights within a cell, where there are too few cells to say. Time:
+// any known cell nothing is filled. `spread`: fallback for heights within a cell, where cells are too few. Time:
 // some microseconds a cell; memory: about 150 bytes a cell. `check` is called several times a second by this thread,
 // and ends the work by throwing. Any thread.
 FilledCells fill_gaps(const std::vector<double>& height, const std::vector<double>& areas, std::size_t columns,

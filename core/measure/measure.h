@@ -88,7 +88,7 @@ std::optional<MeasureKind> measure_kind(const std::string& name);
 std::vector<MeasureValue> values_of(const Measure& measure);
 
 // "12.345 ± 0.002 m": rounded to the digits that the uncertainty leaves (two where it begins with 1), and to 10 digits
-// where that is 0. `unit`: of lengths, such as "m"; may be empty.
+// where that is 0. `unit`: unit of lengths, such as "m"; may be empty.
 std::string text_of(const MeasureValue& value, const std::string& unit);
 // For labels: the first value as text, of a volume with the part of the area that has points where that is not all of
 // it; what is wrong where values_of() throws.

@@ -41,7 +41,7 @@ struct ProfilePoint {
     std::uint32_t segment = 0;
 };
 
-// A line made ready to say where points lie along it. Immutable; any number of threads.
+// A line prepared for finding where points lie along it. Immutable; any number of threads.
 class ProfileLine {
 public:
     // Throws Error(invalid_argument) for fewer than two points, coordinates that are not finite, and a line without
@@ -88,7 +88,7 @@ struct ProfileFileOptions {
     double exaggeration = 1;  // factor on heights in drawings that are not in place, above 0
 };
 
-// Writes the profile as the extension says, in bounded memory:
+// Writes the profile in the format of the extension, in bounded memory:
 //
 // - .csv: station, offset, x, y, z, and the attributes (NAME, or NAME.0, NAME.1, ... of several components), all
 // digits.

@@ -1,4 +1,4 @@
-// The point of a cloud that a user sees at a pixel, exactly: of all points, not of those that a picture had time for.
+// The point of a cloud that a user sees at a pixel, exactly: any point, not just those that a picture had time for.
 //
 // A picture at full resolution shows each point as a splat whose depth grows from its centre on (gl/draw/splat_pass.h),
 // and where several cover a pixel the one that is nearest there. This is the same for one ray, but that splats are

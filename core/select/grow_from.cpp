@@ -116,7 +116,7 @@ private:
         return columns;
     }
 
-    // 16-bit colours may hold no more than 255: the roots, samples of the whole, say so, or the seed's own chunk.
+    // 16-bit colours may hold no more than 255: the roots, samples of the whole, show it, or the seed's own chunk.
     void take_colour_scale(const Tree& tree, const Chunk& chunk)
     {
         const auto range = [&](const Chunk& sample) {

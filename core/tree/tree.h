@@ -100,7 +100,7 @@ struct TreeInfo {
     bool wide = false;              // grid positions need more than 32 bits
     Box3i box;                      // tight, all points
     std::array<Vec3i, 6> extremes;  // points of the cloud with the smallest x, largest x, smallest y, ...
-    // Largest change of an input coordinate, source units; 0 for LAS. The sign of zero is not kept.
+    // Maximum change of an input coordinate, source units; 0 for LAS. The sign of zero is not kept.
     double position_error = 0;
     std::uint64_t points_skipped = 0;  // input points left out: without a finite position, or beyond a given limit
     std::uint64_t content_hash = 0;    // all points with all attributes, independent of their order (point_hash.h)
@@ -108,7 +108,7 @@ struct TreeInfo {
     // False after a deletion, until the tree is compacted: a point may have lost its neighbour of a coarser level.
     bool coverage_kept = true;
     std::uint16_t levels = 0;
-    std::vector<double> spacings;  // by level, descending; source units; 0 for a last level with all other points
+    std::vector<double> spacings;  // one per level, descending; source units; 0 for a last level with all other points
     std::uint64_t bytes = 0;       // size of the index and the data files, bytes that updates have left unused included
     std::vector<Metadata> metadata;
     std::vector<std::string> sources;  // file names the tree was built from

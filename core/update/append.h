@@ -43,7 +43,7 @@ struct AppendReport {
 //
 // Every new point must have a place on the tree's grid (fitted_reader.h) and no attribute that the tree lacks;
 // attributes that it lacks itself become 0. The tree keeps its metadata; a tree that states no coordinate system takes
-// over that of the new points, and notes say so. Throws Error(invalid_argument) when points or attributes do not fit,
+// over that of the new points, as notes report. Throws Error(invalid_argument) when points or attributes do not fit,
 // when coordinate systems, units or GPS times differ (io/pipe/system_check.h), and for options out of range,
 // Error(exists) when another process or thread changes the tree, and what reading and writing throw. After an error or
 // a cancel the written files are removed, and the tree is the old one; what fails after the points have become part of

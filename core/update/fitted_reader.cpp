@@ -17,7 +17,7 @@
 namespace pcm {
 namespace {
 
-// In words: "u16", "3 x u16", "i32 times 0.01 plus 5".
+// As text: "u16", "3 x u16", "i32 times 0.01 plus 5".
 std::string kind_of(const Attribute& attribute)
 {
     std::string text = attribute.components == 1 ? "" : std::to_string(attribute.components) + " x ";

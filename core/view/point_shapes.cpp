@@ -99,7 +99,7 @@ void judge_parts(const std::vector<Run>& parts, const Run& group, Judged& judged
                                                         : volume_shape(crease);
 }
 
-// `points`: of the group.
+// `points`: number of points of the group.
 template <class Place>
 Judged judge(std::size_t points, const Place& place)
 {

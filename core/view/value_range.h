@@ -32,7 +32,7 @@ inline bool operator!=(const ValueRange& a, const ValueRange& b) { return !(a ==
 // "LOW:HIGH", two finite numbers, the smaller one first. Throws Error(invalid_argument).
 ValueRange parse_value_range(const std::string& text);
 
-// What a sample says of one quantity.
+// Statistics of a sample of one quantity.
 struct ValueSummary {
     std::uint64_t values = 0;    // finite ones
     double least = 0, most = 0;  // range of these

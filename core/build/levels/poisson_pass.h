@@ -126,7 +126,7 @@ private:
     std::array<int, 3> bucket_;
     std::vector<Point<Coord>> buckets_;
     int table_bits_ = 1;
-    std::vector<std::uint32_t> table_;  // by hash: one more than the number of a bucket; 0 if free
+    std::vector<std::uint32_t> table_;  // hash table: one more than the number of a bucket; 0 if free
 };
 
 extern template class PoissonPass<std::uint32_t>;

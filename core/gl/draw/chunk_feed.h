@@ -126,9 +126,9 @@ private:
     std::map<NodeId, Clock::time_point> failed_;
     std::string error_;
     CloudFacts facts_;
-    std::map<std::string, std::uint32_t> filter_numbers_;  // by the conditions' text
-    std::vector<ChunkFilter> filters_;                     // by number - 1
-    std::vector<AttributePlace> attributes_;               // attributes that colours were made from, by number - 1
+    std::map<std::string, std::uint32_t> filter_numbers_;  // keyed by the conditions' text
+    std::vector<ChunkFilter> filters_;                     // index: number - 1
+    std::vector<AttributePlace> attributes_;               // attributes that colours were made from; index: number - 1
     ClassSet classes_;
     std::uint32_t classes_filter_ = 0;  // number of the filter that the points of these meet
     std::vector<std::uint8_t> rgba_, flags_;

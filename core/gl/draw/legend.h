@@ -1,4 +1,4 @@
-// What the colours of a cloud mean, in words and numbers. No OpenGL here.
+// What the colours of a cloud mean, as text and numbers. No OpenGL here.
 #pragma once
 
 #include "pcm/gl/draw/renderer.h"

@@ -95,7 +95,7 @@ struct Renderer::Impl {
         CloudReport report;
         ChunkFeed& feed = *cloud.feed;
         cloud.style = usable_style(asked, schema, &report.notice, [&](const CloudStyle& style) {
-            // With a range of its own a value says something where it is the same everywhere.
+            // With a range of its own a value is useful where it is the same everywhere.
             if (has_range(asked.colour) && style.range) return false;
             // Classes that are asked for are shown, whatever they are.
             const bool is_fallback = style.colour != asked.colour;

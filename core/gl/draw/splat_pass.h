@@ -83,7 +83,7 @@ public:
 
     // `view` includes the cloud's placement, view.origin is the cloud's local origin; a view that Frustum::of() refuses
     // draws nothing. `reversed`: depth runs from 1 (near) to 0 (far), the clip volume is 0 <= z <= w (glClipControl)
-    // and the clear value 0; otherwise OpenGL's defaults. `samples`: of the framebuffer, 1 or 0 for none. The context's
+    // and the clear value 0; otherwise OpenGL's defaults. `samples`: the framebuffer's, 1 or 0 for none. The context's
     // viewport is used; its size is the view's. Changes viewport and scissor until end(), and lastingly the state that
     // GlStateGuard restores. Throws Error(unsupported) when the driver cannot compile a program, as does draw().
     // `values` are those that the style's ramp shows. `paraboloids`: adaptive splats are these.

@@ -22,7 +22,7 @@ struct SplatPart {
 
 class SplatSieve {
 public:
-    // `largest_point`: of the driver, pixels; `guard`: by how many pixels the clip volume can be extended on each side.
+    // `largest_point`: driver's limit, pixels; `guard`: pixels by which the clip volume can be extended on each side.
     SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard);
 
     // Sorts a chunk's points; `box` encloses their positions, relative to the view's origin. Adds their places to

@@ -18,8 +18,8 @@ enum class SplatMode : std::uint8_t {
     adaptive,     // a square as large as a sphere of the point's radius appears
     affine,       // the point's disc, projected as if the view were parallel around its centre
     perspective,  // the disc itself: each fragment's ray is intersected with its plane, depth included
-    fitted,  // by the point's surroundings (view/point_shapes.h): a disc in the surface, thin along a line, small and
-             // round among leaves
+    fitted,       // set by the surroundings (view/point_shapes.h): a disc in the surface, thin along a line, small and
+                  // round among leaves
 };
 
 // What bounds a splat on the screen. Culling, the largest size of GL_POINTS and the estimate of a frame's cost follow

@@ -146,7 +146,7 @@ private:
     const std::vector<E57Scan>& scans_;
     E57Plan plan_;
     std::vector<Merged> merged_;
-    std::map<std::string, std::size_t> merged_of_;       // by name
+    std::map<std::string, std::size_t> merged_of_;       // keyed by name
     std::map<std::string, int> component_numbers_;       // for the current scan: the next number to try for a free name
     std::vector<std::pair<std::size_t, Trio>> colours_;  // scan and fields
     std::size_t rgb_place_ = 0;                          // position among the attributes

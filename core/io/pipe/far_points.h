@@ -73,7 +73,7 @@ private:
         void add(const Group& group);
     };
 
-    std::map<int, Group> groups_;  // by the exponent of the largest coordinate
+    std::map<int, Group> groups_;  // keyed by the exponent of the largest coordinate
     Group* last_ = nullptr;        // the group of the point before
     int last_exponent_ = 0;
     Box3d box_;
