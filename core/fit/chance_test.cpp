@@ -14,7 +14,7 @@ constexpr double least_side = 0.1;
 // Number of tests in points that lie anywhere: (1 / share)^(found_of_different * parameters), since shapes differ where
 // a parameter differs by about the threshold; a share above largest_share counts as that.
 constexpr double found_of_different = 0.8, largest_share = 0.1;
-constexpr double step = 1.189207115;  // between thresholds: the fourth root of 2
+constexpr double threshold_ratio = 1.189207115;  // between thresholds: the fourth root of 2
 constexpr double least_part = 1.0 / 64;
 
 std::vector<double> sorted_distances(const ShapeModel& model, const Shape& shape, const std::vector<double>& x,
@@ -87,7 +87,7 @@ double ChanceTest::best_threshold(const ShapeModel& model, const Shape& shape, d
     const std::vector<double> box = sorted_distances(model, shape, x_, y_, z_);
     const std::vector<double> near = sorted_distances(model, shape, points_.x, points_.y, points_.z);
     double best = most, least = 0;
-    for (double threshold = most; threshold > least_part * most; threshold /= step) {
+    for (double threshold = most; threshold > least_part * most; threshold /= threshold_ratio) {
         const double inliers = static_cast<double>(up_to(near, threshold));
         const double log_false_alarms = log_alarms(model, share_within(box, threshold), inliers);
         if (!(log_false_alarms < least)) continue;
