@@ -29,7 +29,7 @@ struct Method {
 // own pretest), "cgal": those that are here.
 std::vector<Method> fit_methods();
 
-// CGAL's efficient RANSAC, the shape with the most points: where CGAL is.
+// CGAL's efficient RANSAC, the shape with the maximum number of points, where CGAL is installed.
 MethodResult fit_by_cgal(const FitScene& scene, const ShapeFitOptions& options);
 
 }  // namespace pcm::bench

@@ -210,11 +210,11 @@ try {
     CLI::App app("Radii on the processor and by compute shaders");
     app.add_option("tree", arguments.tree)->required();
     app.add_option("-k,--neighbours", arguments.neighbours)->capture_default_str();
-    app.add_option("--rounds", arguments.rounds, "Of both, taking turns; the medians are printed")
+    app.add_option("--rounds", arguments.rounds, "Rounds of both, taking turns; the medians are printed")
         ->capture_default_str();
     app.add_option("--l1", arguments.l1_mb, "Video memory, MB")->capture_default_str();
     app.add_option("--l2", arguments.l2_mb, "Cache, MB")->capture_default_str();
-    app.add_option("-t,--threads", arguments.threads, "Of the processor (default: one each)");
+    app.add_option("-t,--threads", arguments.threads, "Threads of the processor (default: one each)");
     app.add_flag("--normals", arguments.normals, "Measure across the points' normals");
     app.add_flag("--no-cpu", arguments.no_cpu, "Only by compute shaders");
     CLI11_PARSE(app, argc, argv);

@@ -31,7 +31,7 @@ bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const Workin
 
 // What the points within the threshold show of chance and influence.
 struct BandFacts {
-    double chance = 0;     // share that is there by chance, estimated from twice to four times the threshold
+    double chance = 0;     // share near by chance, estimated from twice to four times the threshold
     double influence = 0;  // influence on the result of the most influential point, in units of the mean
 };
 // `inverse`: full inverse of the products, row by row.

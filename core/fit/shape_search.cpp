@@ -53,7 +53,7 @@ public:
     {
         double enough = options_.fit.iterations;  // samples
         for (; static_cast<double>(result_.samples) < enough; ++result_.samples) {
-            // More samples may be needed than a better one lets expect: what was shown stays.
+            // The number of samples needed may rise: the share shown never falls.
             done_ = std::max(done_, static_cast<double>(result_.samples) / enough);
             if (result_.samples % 16 == 0 && !options_.on(done_)) break;
             SampledPoint sample[most_sampled];
