@@ -295,8 +295,8 @@ PLAIN_WORDS = {
     r"\blets? expect\b": "explains, predicts",
 }
 PLAIN_FOLDERS = tuple(f"core/{room}/" for room in (
-    "align bpc build cache cad cloud convert filter fit generate gl io knn lists measure offscreen pick query select system threads "
-    "tree update view").split()) + (
+    "align bpc build cache cad cloud convert decoders examples filter fit generate gl io knn lists measure offscreen pick query "
+    "select system threads tree update view").split()) + (
     "core/make_cloud", "core/point_cloud", "core/README.md", "core/ADDING.md", "bench/", "shaders/", "packaging/", "README.md")
 COMMENTED = (".h", ".cpp", ".vert", ".frag", ".comp")
 
