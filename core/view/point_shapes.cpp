@@ -17,7 +17,7 @@ constexpr double flat_part = 1.0 / 16, flat_group = 1.0 / 9, line = 1.0 / 64, ro
 constexpr double along_line = 0.9;  // cosine of 25 degrees
 constexpr double crease = 0.4;      // as much of a volume
 constexpr double among_volumes = 0.8;
-constexpr std::size_t groups_beside = 2;
+constexpr std::size_t groups_around = 2;
 constexpr std::size_t parts_of_group = shape_group / shape_part;
 
 struct Moments {
@@ -132,13 +132,13 @@ Judged judge(std::size_t points, const Place& place)
 template <class Is>
 bool is_between(const std::vector<Judged>& groups, std::size_t g, const Is& is)
 {
-    std::size_t such = 0, others = 0;
-    for (std::size_t i = g - std::min(g, groups_beside); i <= g + groups_beside && i < groups.size(); ++i) {
+    std::size_t matching = 0, others = 0;
+    for (std::size_t i = g - std::min(g, groups_around); i <= g + groups_around && i < groups.size(); ++i) {
         if (i == g) continue;
         ++others;
-        such += is(groups[i]);
+        matching += is(groups[i]);
     }
-    return others > 0 && 4 * such >= 3 * others;
+    return others > 0 && 4 * matching >= 3 * others;
 }
 
 // Finds the shapes of the points of a segment.
