@@ -29,7 +29,7 @@ struct CameraFrame {
     std::string name;                    // name of a bookmark; may be empty
 };
 
-// Throws Error(invalid_argument)for: numbers that are not coordinates (cloud/coordinates.h), an
+// Throws Error(invalid_argument) for numbers that are not coordinates (cloud/coordinates.h), an
 // angle that is not between 0 and 180 degrees, a height that is not above 0, an eye equal to the target, an `up`
 // parallel to the direction of view.
 void check(const CameraFrame& frame);

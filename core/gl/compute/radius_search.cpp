@@ -28,7 +28,7 @@ std::vector<std::string> defines_of(const RadiusSearch::Options& options, bool f
 }
 
 // Mesa's gallivm, of llvmpipe and softpipe, counts the iterations of all loops of an invocation together, with those
-// that run next to it, and ends the loops after LP_MAX_TGSI_LOOP_ITERATIONS, 65535. Each point may take an iteration of
+// that run with it, and ends the loops after LP_MAX_TGSI_LOOP_ITERATIONS, 65535. Each point may take an iteration of
 // search() and as many of take() as the heap has levels; half is left for the boxes and for loops that are not
 // unrolled.
 std::uint32_t piece_points(std::size_t neighbours)

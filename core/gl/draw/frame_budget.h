@@ -42,7 +42,7 @@ public:
     std::uint64_t points(std::uint64_t floor, std::uint64_t ceiling);
     // The expected drawing time that fits into the budget, milliseconds; infinite while nothing has been measured.
     double available(double budget_ms) const;
-    // Milliseconds for uploading and drawing what a frame adds to a resting view: all that the budget leaves next to
+    // Milliseconds for uploading and drawing what a frame adds to a resting view: all that the budget leaves after
     // the overhead, as no frame is too late; but at least as much as the overhead (up to most_at_rest), or a small rest
     // would take minutes to draw.
     double at_rest(double budget_ms) const
