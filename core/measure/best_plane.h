@@ -16,7 +16,7 @@ struct BestPlane {
     std::array<double, 3> extent{};  // root of the sum of the squares of (p - centre) . axes[k]; descending
 };
 
-// By Hestenes' one-sided Jacobi rotations of the points themselves, so that small extents keep their digits if others are
+// By Hestenes' one-sided Jacobi rotations of the points themselves: small extents keep their digits if others are
 // large. Three or more points, finite.
 BestPlane best_plane(const std::vector<Vec3d>& points);
 
