@@ -1,6 +1,6 @@
-// What a point costs on its way: read from LAS, built into a tree, decoded from it, found in the cache; beside memcpy,
-// which is what the machine can do. Run with --benchmark_repetitions=5 --benchmark_enable_random_interleaving=true and
-// compare medians.
+// What a point costs on its way: read from LAS, built into a tree, decoded from it, found in the cache; compared with
+// memcpy, which is what the machine can do. Run with --benchmark_repetitions=5
+// --benchmark_enable_random_interleaving=true and compare medians.
 
 #include "pcm/bpc/column_codec.h"
 #include "pcm/build/builder.h"

@@ -18,7 +18,7 @@ std::shared_ptr<PointCloud> create_cloud(const std::filesystem::path& path, Poin
                                          Access access = Access::write);
 
 // The cloud moved, turned or scaled, as a new tree, opened for reading; changes to the cloud are flushed first. Where
-// the map only stretches and shifts along the axes, positions stay what they are on a grid that is mapped; else they
+// the map only stretches and shifts along the axes, positions keep their integers on a mapped grid; else they
 // are rounded by less than their own last bit. io/pipe/transformed_reader.h says what happens to attributes. Errors:
 // those of build_tree() and PointCloud::flush(), and Error(invalid_argument) for a map that flattens space.
 std::shared_ptr<PointCloud> transform_cloud(PointCloud& cloud, const Affine& map, const std::filesystem::path& path,

@@ -49,8 +49,8 @@ struct PointCloud::State : QuerySource {
         changes.reset();
     }
 
-    std::shared_ptr<TreeChanges> changes;  // the store, of a cloud that is open for writing
-    std::mutex mutex;                      // of adding attributes and closing
+    std::shared_ptr<TreeChanges> changes;  // the store of a cloud that is open for writing
+    std::mutex mutex;                      // held while attributes are added and the cloud is closed
 };
 
 PointCloud::PointCloud(std::shared_ptr<State> state) : state_(std::move(state)) {}

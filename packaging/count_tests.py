@@ -4,11 +4,11 @@
 Before it stand the failed tests, each with the end of what it printed. The exit code is 0 only if none failed and one
 passed. A test whose program is missing is a failure, though CTest's report calls it skipped.
 
-A report REPORT-again.xml is of tests of REPORT.xml that failed and ran once more: what it says holds. Those that passed
+A report REPORT-again.xml is of tests of REPORT.xml that failed and ran once more: its results count. Those that passed
 then are listed as unsteady, with what they printed when they failed.
 
 A test of a report that stands for all tests of an executable (tests/run_room.py) has a report of its own, rooms/NAME.xml
-beside it: those tests are counted instead.
+next to it: those tests are counted instead.
 
 With --few-failed nothing is printed: the exit code is 0 if one to three tests of the report failed, 1 otherwise.
 """

@@ -1,5 +1,5 @@
 # What `cmake --install` puts where for programs that build on the library: the libraries, their public headers, and the
-# package that find_package(pcm) reads. The command and the plugins are installed from beside their targets.
+# package that find_package(pcm) reads. The command and the plugins are installed from the folders of their targets.
 #
 # Components of the install: library (this file), command, meshlab.
 include(CMakePackageConfigHelpers)

@@ -6,10 +6,10 @@
 // With several samples, the colours of the covered ones are averaged, their fraction becomes the alpha, and the nearest depth is written.
 //
 // Eye-dome lighting (after Boucheny 2009): the farther a pixel lies behind its neighbours, the darker it is, so that edges and relief show
-// without normals. In perspective, relief is a ratio of distances, so that it does not depend on the unit of length. Two things are no
-// relief, and leave a pixel as it is:
+// without normals. In perspective, relief is a ratio of distances, so that it does not depend on the unit of length. Two things are not
+// relief, and do not change a pixel:
 //   the slope of a surface: a pixel is compared with the middle between opposite neighbours. In perspective 1 / distance is linear on the
-//     screen along a plane, so h / a + h / b - 2 is 0 for all planes, seen face-on or at any grazing angle, and (h - b) / b of a step beside
+//     screen along a plane, so h / a + h / b - 2 is 0 for all planes, seen face-on or at any grazing angle, and (h - b) / b for a step next to
 //     a surface at distance h = a;
 //   the shape of splats: steps below the splats' own radii are of how the surface was sampled (splat.frag marks each pixel with its splat's
 //     width), and so are those that a splat's width makes of a slope.
@@ -21,8 +21,8 @@ uniform sampler2DMS depths;
 uniform sampler2D colours;
 uniform sampler2D depths;
 #endif
-uniform ivec2 corner;      // of the viewport, in the target's pixels
-uniform vec2 depth_range;  // of the target
+uniform ivec2 corner;      // corner of the viewport, in the target's pixels
+uniform vec2 depth_range;  // depth range of the target
 
 layout(location = 0) out vec4 fragment;
 
@@ -42,7 +42,7 @@ float side_of(float alpha) { return exp2(0.5 * (15.0 - mark_of(alpha))); }
 #if defined(EYE_DOME) || defined(CLOSE_GAPS)
 uniform vec4 distance_of_depth;     // distance = (x + y * d) / (z + w * d), where d is 1 at the near plane
 uniform float relief_of_distance;   // orthographic: 1 / visible height; 0: perspective
-uniform float relief_of_pixel;      // of a step as deep as a pixel is wide
+uniform float relief_of_pixel;      // relief of a step as deep as a pixel is wide
 uniform ivec2 size;
 
 float eye_distance(float depth)
@@ -78,7 +78,7 @@ int end_of(ivec2 at, ivec2 step, out vec4 colour, out float depth)
 bool is_in_surface(ivec2 at, out vec4 colour, out float depth)
 {
     const ivec2 steps[4] = ivec2[4](ivec2(1, 0), ivec2(0, 1), ivec2(1, 1), ivec2(1, -1));
-    // Most empty pixels are of the background, far from everything.
+    // Most empty pixels belong to the background, far from everything.
     ivec2 last = size - 1;
     if (texelFetch(depths, min(at + ivec2(widest_gap, 0), last), 0).r == farthest && texelFetch(depths, max(at - ivec2(widest_gap, 0), ivec2(0)), 0).r == farthest &&
         texelFetch(depths, min(at + ivec2(0, widest_gap), last), 0).r == farthest && texelFetch(depths, max(at - ivec2(0, widest_gap), ivec2(0)), 0).r == farthest)
@@ -107,7 +107,7 @@ bool is_in_surface(ivec2 at, out vec4 colour, out float depth)
         sum += colour_a.rgb * weight.x + colour_b.rgb * weight.y;
         weights += weight.x + weight.y;
         depth += passed;
-        alpha = min(alpha, min(colour_a.a, colour_b.a));  // of the widest splat
+        alpha = min(alpha, min(colour_a.a, colour_b.a));  // the widest splat's
     }
     if (lines < 3.0) return false;
     colour = vec4(sum / weights, alpha);
@@ -148,7 +148,7 @@ float shade(ivec2 at, float depth, float side)
     float here = eye_distance(depth);
     float wide = max(6.0, side);  // radius of the second ring; in pixels, so that tiles of a picture show what it would
     vec2 edges[4], bends[4];
-    vec2 slope = vec2(0.0);  // of the surface, on each ring
+    vec2 slope = vec2(0.0);  // slope of the surface, on each ring
     float pairs = 0.0;
     for (int i = 0; i < 4; i += EYE_DOME) {
         if (compare(at, half_ring[i], here, edges[i])) pairs += 0.25 * float(EYE_DOME);
@@ -166,7 +166,7 @@ float shade(ivec2 at, float depth, float side)
         float bend = max(0.0, max(bends[i].x, -0.3 * bends[i].x) - own.y) / (wide * relief_of_pixel);
         bent += bend / (1.0 + bend * bend / 9.0);
     }
-    // Edges of large splats are seen anyway. Points that stand alone are no surface: between them relief is noise.
+    // Edges of large splats are seen anyway. Points that stand alone are not a surface: between them relief is noise.
     float dark = 12.5 * log2(min(ratios, 1e30)) * min(1.0, 12.0 / side) + 0.09 * bent;
     return exp(-float(EYE_DOME) * strength * dark * smoothstep(0.2, 0.6, pairs));
 }

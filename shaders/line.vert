@@ -7,14 +7,14 @@ layout(location = 3) in float hidden;  // factor on the opacity of hidden parts
 
 uniform bool is_hidden;
 
-out vec2 beside;
+out vec2 from_start;
 flat out vec2 length_and_half;
 flat out vec4 line_colour;
 
 void main()
 {
     gl_Position = vec4(place, 1.0);
-    beside = segment.xy;
+    from_start = segment.xy;
     length_and_half = segment.zw;
     line_colour = vec4(colour.rgb, colour.a * (is_hidden ? hidden : 1.0));
 }

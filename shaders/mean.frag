@@ -11,11 +11,11 @@ uniform sampler2DMS depths;
 #else
 uniform sampler2D depths;
 #endif
-uniform sampler2D sums;    // of colours times coverage, and of coverage
+uniform sampler2D sums;    // sums of colours times coverage, and of coverage
 uniform float frames;
 uniform ivec2 size;
-uniform ivec2 corner;      // of the viewport, in the target's pixels
-uniform vec2 depth_range;  // of the target
+uniform ivec2 corner;      // corner of the viewport, in the target's pixels
+uniform vec2 depth_range;  // depth range of the target
 
 layout(location = 0) out vec4 fragment;
 

@@ -61,7 +61,7 @@ struct Box {
 layout(std430, binding = 0) readonly buffer Queries { STEPS queries[]; };
 layout(std430, binding = 4) readonly buffer Positions { STEPS positions[]; };
 layout(std430, binding = 5) readonly buffer Boxes { Box boxes[]; };
-// Of each block: its first point, its number of points, the box to begin with, and the number of its first point in this piece: beyond its
+// Each block has its first point, its number of points, the box to begin with, and the number of its first point in this piece: beyond its
 // points when they are not in this chunk; negative, modulo 2^32, when the block begins in the piece before.
 layout(std430, binding = 6) readonly buffer Blocks { uvec4 blocks[]; };
 uniform uint first_block, groups, group_size;
@@ -107,7 +107,7 @@ double exact_steps(STEPS a, STEPS b) { return double(int(a - b)); }
 #endif
 #endif
 
-// Of this invocation's point.
+// The index of this invocation's point.
 uint query;
 uint self;  // its number in the piece
 STEPS at[3];

@@ -8,7 +8,7 @@ flat in vec3 splat_colour;
 layout(location = 0) out vec4 fragment;
 
 // Alpha of a covered sample: 15 sixteenths, and how wide its splat is on the screen, in half octaves from 1 to 181 pixels: the low four bits,
-// 15 for the smallest. composite.frag needs to know: what is less than a splat's own size is no relief of the surface.
+// 15 for the smallest. composite.frag needs to know: depths below a splat's own size are not relief of the surface.
 float mark_of(float side) { return (255.0 - clamp(floor(2.0 * log2(max(side, 1.0)) + 0.5), 0.0, 15.0)) / 255.0; }
 
 #if defined(AFFINE) || defined(DISC)

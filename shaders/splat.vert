@@ -64,7 +64,7 @@ vec3 colour_of_point() { return value < -1e25 ? vec3(0.4) : ramp_colour(value); 
 #elif defined(SHADED_HEIGHT_COLOUR)
 layout(location = 1) in float value;
 uniform float value_exponent;
-// Dark enough to be seen beside bright ones, and bright enough for their hue.
+// Dark enough to be seen next to bright ones, and bright enough for their hue.
 vec3 colour_of_point() { return ramp_colour(position.z) * mix(0.5, 1.0, pow(clamp(value, 0.0, 1.0), value_exponent)); }
 #else
 vec3 colour_of_point() { return ramp_colour(position.z); }
@@ -83,8 +83,8 @@ vec3 shown_colour() { return colour_of_point(); }
 #endif
 
 #if defined(CLIPS)
-uniform vec4 clip_planes[24];  // of all clips, relative to the reference; what is on or before all planes of a clip is in it
-uniform int clip_ends[4];      // of each clip's planes
+uniform vec4 clip_planes[24];  // planes of all clips, relative to the reference; what is on or before all planes of a clip is in it
+uniform int clip_ends[4];      // end of each clip's planes
 uniform int clip_count;
 uniform int clip_outside;      // a bit for each clip that hides what is in it, in place of what is not
 
@@ -205,7 +205,7 @@ void main()
 #elif defined(FITTED)
 
 // The ellipse is the point's disc as the projection's derivative at its centre shows it, a little wider: its covariance in pixels has 0.5 added
-// on the diagonal, so that it covers the centre of a pixel at least, and is no narrower where it is seen edge-on. (The idea of a filter in
+// on the diagonal, so that it covers the centre of a pixel at least, and is not narrower where it is seen edge-on. (The idea of a filter in
 // pixels is that of Zwicker et al. 2001.) With p the fragment's pixel relative to the centre,
 //   q = dot(conic, (p.x * p.x, p.x * p.y, p.y * p.y)),   inside where q <= 1
 //   depth = depth_line.x + dot(p, depth_line.yz), no farther from the first than depth_most, + depth_line.w * q
@@ -213,17 +213,17 @@ flat out vec3 conic;
 flat out vec2 centre;  // pixels
 flat out vec4 depth_line;
 flat out float depth_most;
-flat out float splat_side;  // pixels, of a square for the radius that the point would have on a surface: what is between points of a volume
-                            // is no relief either
+flat out float splat_side;  // pixels, of a square for the radius that the point would have on a surface: depths between points of a
+                            // volume are not relief either
 uniform vec2 focal;         // pixels: window = principal + focal * eye.xy / depth; orthographic: without the division
 uniform vec2 principal;
 uniform vec2 depth_of;      // window depth is x + y / depth; orthographic: x + y * depth
 uniform vec2 guard;
 
-const float volume_pixels = 10.0;  // among leaves a splat is no wider, at a crease up to twice as wide
+const float volume_pixels = 10.0;  // among leaves a splat is not wider, at a crease up to twice as wide
 const float volume_factor = 0.15;  // least_volume_factor of view/point_shapes.h
-const float volume_growth = 0.6;   // and where finer points are missing it grows so far
-const float line_width = 0.25;     // of a line's length
+const float volume_growth = 0.6;   // and where finer points are missing it grows this much
+const float line_width = 0.25;     // share of a line's length
 // How far behind its plane an ellipse's rim lies, in radii: where splats overlap, the one whose centre is nearest is seen.
 const float rim_depth = 1.0;
 
@@ -238,7 +238,7 @@ vec3 direction_of(uint code)
 
 // Near by, where discs are wide, their colours would be a mosaic. In frames of a mean each disc is moved along the view at random, by up to
 // half of `blend` times its rim's depth, which moves its borders with its neighbours: in the mean their colours pass into one another.
-uniform uint frame;               // of a mean; 0: the picture itself
+uniform uint frame;               // frame of a mean; 0: the picture itself
 const vec2 wide_disc = vec2(4.0, 8.0);  // pixels across, from which and where wholly
 const float blend = 0.6;
 
@@ -286,7 +286,7 @@ void main()
     float least_r = min(least_radius, 0.5 * least_pixels * pixel);
     splat_side = mix(3.2, 12.0, volume) * max(r / mix(1.0, volume_factor, volume), least_r) / pixel;
     r = max(r, mix(1.0, volume_growth, volume) * least_r);
-    // Rounder surroundings are more surely a volume.
+    // Rounder surroundings are more likely a volume.
     if (volume > 0.0) r = min(r, 0.5 * volume_pixels * (2.0 - volume) * pixel);
     bool lies = kind == 1u;
 #if !defined(ORTHOGRAPHIC)
@@ -325,7 +325,7 @@ void main()
     float towards = dot(n, ray);
     float least = 0.02 * length(n) * length(ray);
     towards = towards < 0.0 ? min(towards, -least) : max(towards, least);
-    vec2 tilt = lies && least > 0.0 ? n.xy / (focal * towards) : vec2(0.0);  // of depth (orthographic) or of 1 / depth, a pixel
+    vec2 tilt = lies && least > 0.0 ? n.xy / (focal * towards) : vec2(0.0);  // slope of depth (orthographic) or of 1 / depth, per pixel
 #if defined(ORTHOGRAPHIC)
     depth_line = vec4(depth_of.x + depth_of.y * depth, depth_of.y * tilt, depth_of.y * rim_depth * reach * unit);
     depth_most = abs(depth_of.y) * reach * unit;
@@ -495,7 +495,7 @@ void draw_disc(vec4 centre, vec4 u, vec4 v)
 // pixel keeps it exact:
 //   far away (beyond four radii) the base is the projected centre. There the numerator is 0, so that everything is relative to the
 //     centre, and no two large numbers are subtracted;
-//   nearer, where v is not large compared with the radius and the centre may lie beside or behind the eye, the base is the pixel
+//   nearer, where v is not large compared with the radius and the centre may lie next to or behind the eye, the base is the pixel
 //     nearest to the plane's horizon, where D.n is smallest.
 void main()
 {

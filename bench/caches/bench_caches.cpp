@@ -62,17 +62,16 @@ void add_replay(CLI::App& app, Arguments& a)
     app.add_option("--passes", s.passes = 2, "Number of passes along the path")
         ->capture_default_str()
         ->check(CLI::Range(1, 100));
-    app.add_option("--size", a.size, "Of the picture, pixels")->capture_default_str();
+    app.add_option("--size", a.size, "Size of the picture, pixels")->capture_default_str();
     app.add_option("--pace-ms", s.pace_ms = 33, "A frame takes at least this long")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
     app.add_option("--rest-s", s.longest_rest_s = 30, "Longest wait for a complete picture")
         ->capture_default_str()
         ->check(CLI::PositiveNumber);
-    app.add_option("--point-budget", s.point_budget = 2'000'000, "Most points of a frame")->capture_default_str();
-    app.add_option("--target-px", s.target_px = 1.4, "Refine until points are no farther apart on screen")
-        ->capture_default_str();
-    app.add_option("--upload-ms", s.upload_ms = 3, "Of a frame, for uploads")->capture_default_str();
+    app.add_option("--point-budget", s.point_budget = 2'000'000, "Maximum points of a frame")->capture_default_str();
+    app.add_option("--target-px", s.target_px = 1.4, "Maximum distance of points on screen")->capture_default_str();
+    app.add_option("--upload-ms", s.upload_ms = 3, "Time of a frame for uploads")->capture_default_str();
     app.add_option("--l1-mb", a.l1_mb, "Capacity of L1, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));
     app.add_option("--block-mb", a.block_mb, "Size of a VBO, MiB, 1 to 4")->capture_default_str();
     app.add_option("--policy", s.policy = "lru", "What L1 drops")
@@ -124,7 +123,7 @@ void add_modes(CLI::App& app, Arguments& arguments, Chosen& chosen)
     neighbours->add_option("--points", s.queries, "That a radius is estimated of")
         ->capture_default_str()
         ->check(CLI::Range(1.0, 1e9));
-    neighbours->add_option("--neighbours", s.neighbours = 8, "Of a point")
+    neighbours->add_option("--neighbours", s.neighbours = 8, "Neighbours of a point")
         ->capture_default_str()
         ->check(CLI::Range(1, 1000));
     neighbours->add_option("--threads", s.threads, "That search")->capture_default_str()->check(CLI::Range(1, 64));

@@ -14,15 +14,15 @@ struct Settings {
     std::filesystem::path tree;
     bool cold = false;  // the system's cache of the tree's files is dropped before, else they are read before
     std::uint64_t l2_bytes = 0;
-    unsigned l2_threads = 1;             // that load for the cache
+    unsigned l2_threads = 1;             // threads that load for the cache
     unsigned reads = 8;                  // chunks that a scan reads at once
-    unsigned threads = 1;                // that ask: of neighbours
-    std::uint64_t queries = 20'000;      // of neighbours
+    unsigned threads = 1;                // threads that ask for neighbours
+    std::uint64_t queries = 20'000;      // number of neighbour queries
     std::uint64_t timed_hits = 200'000;  // one by one
-    unsigned neighbours = 0;             // of a query
-    double seconds = 0;                  // that a throughput is measured for
+    unsigned neighbours = 0;             // neighbours of a query
+    double seconds = 0;                  // time for measuring a throughput
 
-    std::filesystem::path path;  // of the camera
+    std::filesystem::path path;  // file of the camera path
     unsigned passes = 1;         // passes along the path
     int width = 0, height = 0;
     double pace_ms = 0;         // a frame takes at least this long, as on a display

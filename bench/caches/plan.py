@@ -11,7 +11,7 @@ AS_BUILT = "as built"  # chunk_points of a tree that is measured as it is
 class Size:
     """How much is measured."""
     clouds: list        # points of the generated ones
-    grid_clouds: int    # so many of all clouds, the first ones, get the studies of policies, sizes, threads and paths
+    grid_clouds: int    # this number of clouds, the first ones, get the studies of policies, sizes, threads and paths
     chunks: list        # points a chunk
     blocks: list        # MB
     l1: list            # MB

@@ -30,7 +30,7 @@ def line(axes, table, x, figure, scale, label, number, divide_x=1, **where):
 
 
 def panels(clouds, draw, title, xlabel, ylabel, file, log_x=True, from_zero=True):
-    """One beside the other for each cloud. `draw(axes, cloud)` says whether there was anything."""
+    """A row with a panel for each cloud. `draw(axes, cloud)` returns whether there was anything."""
     figure, all_axes = plt.subplots(1, len(clouds), figsize=(4.6 * len(clouds) + 0.6, 3.6), squeeze=False)
     drawn = False
     for axes, cloud in zip(all_axes[0], clouds):

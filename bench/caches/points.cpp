@@ -142,7 +142,7 @@ struct Hits {
         }
         return times;
     }
-    // Millions of hits a second, by several threads for so many seconds.
+    // Millions of hits a second, by several threads for `duration` seconds.
     double throughput(unsigned threads, double duration) const
     {
         std::atomic<bool> go{false}, stop{false};

@@ -5,9 +5,9 @@ import sys
 
 from table import median, quartiles, spread
 
-TOLERANCE = 0.05  # what is no farther from the best is as good
+TOLERANCE = 0.05  # maximum distance from the best that counts as good
 
-# What a choice costs: study, mode, figure, and the conditions beside. A ratio to the best counts each alike.
+# What a choice costs: study, mode, figure, and the other conditions. Each counts equally, as a ratio to the best.
 COSTS = {
     "chunk_points": ("points a chunk", [
         ("chunks and blocks", "frame_ms_p99", {}, "99 % of frames"),

@@ -1,4 +1,4 @@
-// One row of figures, printed as a line of JSON; and what is said of many times.
+// One row of figures, printed as a line of JSON; and the statistics of many times.
 #pragma once
 
 #include "pcm/cache/load_times.h"

@@ -7,7 +7,7 @@
 
 FOLDER gets results.csv (a row for each run), sys_info.txt, plots, and report.md with the defaults that it recommends. Clouds are
 generated and built into WORK (by default FOLDER/work; they stay for the next time). A --cloud is a file that `pcmlab build` reads, built with each chunk size, or a
-tree, measured as it is. A --path is a camera path as bench/README.md describes it, beside the generated ones.
+tree, measured as it is. A --path is a camera path as bench/README.md describes it, in addition to the generated ones.
 
 An interrupted run resumes: rows of results.csv are not measured again. Repetitions take turns in random
 order, so that all configurations meet the same machine; medians count, and quartiles show the spread.

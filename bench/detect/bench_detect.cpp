@@ -49,7 +49,7 @@ int main(int argc, char** argv)
     DetectOptions options;
     bool list = false;
     app.add_option("tree", tree_path, "Tree of a generated site")->required();
-    app.add_option("--truth", truth_path, "Its .truth.json (default: beside the tree)");
+    app.add_option("--truth", truth_path, "Its .truth.json (default: next to the tree)");
     app.add_option("--threshold", options.threshold);
     app.add_option("--min-points", options.least_points);
     app.add_option("--seed", options.seed);

@@ -49,7 +49,7 @@ struct Found {
     std::vector<int> points;
 };
 
-// The shape with the most of the points that are left.
+// The shape with most of the points that are left.
 Found largest(const pcl::PointCloud<pcl::PointXYZ>::Ptr& cloud, const pcl::PointCloud<pcl::Normal>::Ptr& normals,
               const pcl::IndicesPtr& left, double threshold, int iterations)
 {

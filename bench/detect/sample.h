@@ -14,7 +14,7 @@ namespace pcm::bench {
 
 struct PeerSample {
     FitPoints points;                // with normals of 16 neighbours
-    std::vector<std::uint32_t> ids;  // of the true primitives
+    std::vector<std::uint32_t> ids;  // numbers of the true primitives
     double normals = 0;              // seconds that the normals took
 };
 

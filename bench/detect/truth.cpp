@@ -63,7 +63,7 @@ std::pair<std::uint32_t, std::uint64_t> largest_of(const Pairs& pairs, std::uint
 
 using Long = unsigned long long;
 
-// Adds a found primitive to the score; returns the true one that it is, 0 if it is none.
+// Adds a found primitive to the score; returns the true one that it is, 0 if it is not one.
 std::uint32_t judge(const Primitive& p, const std::vector<True>& truth, const Pairs& pairs, bool list, Score& score)
 {
     const auto [best, most] = largest_of(pairs, p.label);

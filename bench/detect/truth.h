@@ -27,10 +27,10 @@ struct Score {
     std::map<ShapeKind, int> wanted, recalled, found, wrong;
     int clutter = 0, good_clutter = 0, split = 0;
     int good = 0, within = 0;
-    bool has_sigmas = true;  // of the found ones; a peer gives none
+    bool has_sigmas = true;  // the found ones have standard deviations; a peer gives none
     std::uint64_t clutter_points = 0;
     std::vector<double> positions;  // errors of the found ones, source units
-    std::vector<double> worst;      // of each found one, the largest of its errors in standard deviations
+    std::vector<double> worst;      // largest error of each found one, in standard deviations
 };
 
 // `list` prints each primitive.

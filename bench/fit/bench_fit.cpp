@@ -25,7 +25,7 @@ double cpu_seconds()
     return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-// Of this process, in MB: "VmRSS:" now, "VmHWM:" the most since forget_peak().
+// Memory of this process, in MB: "VmRSS:" now, "VmHWM:" the maximum since forget_peak().
 double memory_mb(const std::string& name)
 {
     std::ifstream status("/proc/self/status");
@@ -92,12 +92,11 @@ void add_options(CLI::App& app, Arguments& a)
     app.add_option("--threshold", a.fit.threshold, "m; 0: our automatic one");
     app.add_option("--probability", a.fit.probability, "that a sample without outliers was drawn");
     app.add_option("--seconds", a.fit.seconds, "time budget; 0: none");
-    app.add_option("--iterations", a.iterations, "the most samples; several: each in turn");
+    app.add_option("--iterations", a.iterations, "maximum number of samples; several: each in turn");
     app.add_option("--seeds", a.seeds, "scenes");
     app.add_option("--first-seed", a.first_seed, "of the scenes");
     app.add_option("--methods", a.methods, "names, all of them by default; 'list' prints them");
-    app.add_flag("--memory", a.memory,
-                 "instead of an oracle's: the last line is the most memory that the fits took, in MB");
+    app.add_flag("--memory", a.memory, "instead of an oracle's: the last line is the peak memory of the fits, in MB");
 }
 
 void run(Arguments& a)

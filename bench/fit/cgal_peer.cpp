@@ -42,7 +42,7 @@ MethodResult fit_by_cgal(const FitScene& scene, const ShapeFitOptions& options)
             search.add_shape_factory<ConeShape>();
     }
     Search::Parameters parameters;
-    parameters.probability = 1 - options.probability;  // of missing the largest shape
+    parameters.probability = 1 - options.probability;  // probability of missing the largest shape
     parameters.min_points = std::max<std::size_t>(10, points.size() / 20);
     parameters.epsilon = options.threshold;
     parameters.cluster_epsilon = 1e3 * (1 + scene.options.size + scene.options.radius);  // one cluster

@@ -38,7 +38,7 @@ Place place_on(const FitSceneOptions& o, const Shape& truth, const std::array<Ve
     if (o.kind == ShapeKind::sphere) {
         // Even on the sphere: the height along the axis is even.
         const double least = o.patch > 0 ? std::cos(std::asin(std::min(1.0, 0.5 * o.patch / o.radius))) : -1;
-        // 1 - z keeps its digits where the part is small beside the sphere.
+        // 1 - z keeps its digits where the part is small relative to the sphere.
         const double down = uniform(random) * (o.patch > 0 ? 1 - least : 2), z = 1 - down;
         const double r = std::sqrt(std::max(0.0, down * (2 - down))), a = between(random, 0, 2 * pi);
         const Vec3d n = local(r * std::cos(a), r * std::sin(a), z);

@@ -13,11 +13,11 @@ namespace pcm::bench {
 
 struct MethodResult {
     std::optional<Shape> shape;
-    std::string verdict, issue;  // of ours
-    double radius_sigma = 0;     // that it claims; of ours
+    std::string verdict, issue;  // ours only
+    double radius_sigma = 0;     // claimed standard deviation of the radius; ours only
     std::uint64_t samples = 0;
     double threshold = 0;       // m; of ours
-    std::uint64_t inliers = 0;  // of ours
+    std::uint64_t inliers = 0;  // ours only
 };
 
 struct Method {
@@ -29,7 +29,7 @@ struct Method {
 // own pretest), "cgal": those that are here.
 std::vector<Method> fit_methods();
 
-// CGAL's efficient RANSAC, the shape with the most points: where CGAL is.
+// CGAL's efficient RANSAC, the shape with the maximum number of points, where CGAL is installed.
 MethodResult fit_by_cgal(const FitScene& scene, const ShapeFitOptions& options);
 
 }  // namespace pcm::bench

@@ -29,7 +29,7 @@ public:
         if (kind_ == ShapeKind::sphere) out_ = from.norm() > 0.1L * t.radius ? V3(from.normalized()) : V3::Zero();
         if (kind_ == ShapeKind::cylinder) {
             const V3 across = from - from.dot(axis_) * axis_;
-            centre_ = centre_ + from.dot(axis_) * axis_;  // of the axis, the place nearest to the middle
+            centre_ = centre_ + from.dot(axis_) * axis_;  // the place of the axis that is nearest to the middle
             out_ = across.norm() > 0.1L * t.radius ? V3(across.normalized()) : V3::Zero();
         }
         radius_ = t.radius;

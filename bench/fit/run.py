@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Error against run time of fitting one shape: ours beside PCL's sample consensus and CGAL's efficient RANSAC.
+"""Error against run time of fitting one shape: ours compared with PCL's sample consensus and CGAL's efficient RANSAC.
 
     python3 bench/fit/run.py --bin build/release/bin --out /tmp/fits [--seeds 100] [--again GROUP] [--report]
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""How fast clouds are read: our readers beside the machine's limits (memcpy, disk) and beside other programs, which take turns
+"""How fast clouds are read: our readers compared with the machine's limits (memcpy, disk) and with other programs, which take turns
 in one run so that all meet the same machine; the median counts.
 
     run.py --bin BUILD/bin [--work FOLDER] [--repeat N] [--python PYTHON] [--json FILE] CLOUD...
     run.py --bin BUILD/bin --smoke     tiny clouds, once: that it works
 
 A CLOUD is a file, or FORMAT=FILE to name its row. Peers run where they are: BUILD/bin/bench_io_pcl and bench_io_meshlab (built
-with PCM_BENCH_PEERS=ON), and laspy, Open3D and plyfile in PYTHON. Beside the speed stands what a reader kept: how many
+with PCM_BENCH_PEERS=ON), and laspy, Open3D and plyfile in PYTHON. In addition to the speed it shows what a reader kept: how many
 values a point, and the largest error of its positions against the file's (as our reader gives them, which
 tests/independent compares with others bit for bit).
 """

@@ -17,10 +17,10 @@ namespace pcm::bench {
 
 struct Answer {
     double seconds = 0;
-    double cpu_seconds = 0;  // of all threads
+    double cpu_seconds = 0;  // CPU time of all threads
     std::uint64_t points = 0;
     std::uint64_t values = 0;  // scalars kept of a point, coordinates included
-    double error = 0;          // of a comparison: the largest distance on an axis
+    double error = 0;          // largest distance on an axis, of a comparison
 };
 
 // Calls `work` with the fields of each line (separated by tabs), and prints what it answers as a line of JSON.

@@ -1,6 +1,6 @@
-// The k nearest neighbours of all points in memory: our search at each level of instructions beside FLANN, nanoflann
-// and PCL, on one thread. All take turns in one run; CPU seconds of the thread, index and queries; and the error of the
-// distance to the k-th neighbour against all pairs in double.
+// The k nearest neighbours of all points in memory: our search at each level of instructions compared with FLANN,
+// nanoflann and PCL, on one thread. All take turns in one run; CPU seconds of the thread, index and queries; and the
+// error of the distance to the k-th neighbour against all pairs in double.
 #include "bench/neighbours/peers.h"
 #include "pcm/cloud/morton.h"
 #include "pcm/io/reader.h"
@@ -213,7 +213,7 @@ void measure(const Options& options)
 
 int main(int argc, char** argv)
 {
-    CLI::App app("Neighbours of all points in memory, beside other libraries");
+    CLI::App app("Neighbours of all points in memory compared with other libraries");
     Options options;
     app.add_option("scene", options.scene, "A file of points on a grid (LAS), or random:N")->required();
     app.add_option("-k", options.k, "Neighbours")->capture_default_str();

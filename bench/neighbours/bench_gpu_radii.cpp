@@ -19,9 +19,9 @@
 namespace {
 
 using Clock = std::chrono::steady_clock;
-using Radii = std::vector<std::vector<float>>;  // of each node's points
+using Radii = std::vector<std::vector<float>>;  // one for each node's points
 
-// Of all threads.
+// CPU seconds of all threads.
 double processor_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
 double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
@@ -210,11 +210,11 @@ try {
     CLI::App app("Radii on the processor and by compute shaders");
     app.add_option("tree", arguments.tree)->required();
     app.add_option("-k,--neighbours", arguments.neighbours)->capture_default_str();
-    app.add_option("--rounds", arguments.rounds, "Of both, taking turns; the medians are printed")
+    app.add_option("--rounds", arguments.rounds, "Rounds of both, taking turns; the medians are printed")
         ->capture_default_str();
     app.add_option("--l1", arguments.l1_mb, "Video memory, MB")->capture_default_str();
     app.add_option("--l2", arguments.l2_mb, "Cache, MB")->capture_default_str();
-    app.add_option("-t,--threads", arguments.threads, "Of the processor (default: one each)");
+    app.add_option("-t,--threads", arguments.threads, "Threads of the processor (default: one each)");
     app.add_flag("--normals", arguments.normals, "Measure across the points' normals");
     app.add_flag("--no-cpu", arguments.no_cpu, "Only by compute shaders");
     CLI11_PARSE(app, argc, argv);

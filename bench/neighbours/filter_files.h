@@ -1,4 +1,4 @@
-// What the programs beside ours share in bench/neighbours/run.py. Each is started as
+// What the other programs share in bench/neighbours/run.py. Each is started as
 //
 //     PROGRAM normals|outliers NEIGHBOURS THREADS SIGMAS SHARE POSITIONS RESULT
 //
@@ -22,7 +22,7 @@ namespace pcm::bench {
 struct FilterRequest {
     std::string filter;
     int neighbours = 16, threads = 1;
-    double sigmas = 2;  // outliers: a mean distance so many standard deviations above the mean of all
+    double sigmas = 2;  // outliers: a mean distance this many standard deviations above the mean of all
     double share = 0;   // outliers: or such a share of the points
 };
 

@@ -11,13 +11,13 @@ namespace pcm::bench {
 
 struct PeerRun {
     double build = 0, query = 0;  // CPU seconds of the thread
-    double sum = 0;               // of the squared distances to the k-th neighbours
+    double sum = 0;               // sum of the squared distances to the k-th neighbours
     std::vector<double> sampled;  // distances to the k-th neighbours of the sampled points
 };
 
 struct Peer {
     std::string name;
-    // `xyz`: three coordinates per point. Of the points sampled[0], sampled[1], ... the result has the distances.
+    // `xyz`: three coordinates per point. The result has the distances of the points sampled[0], sampled[1], ...
     std::function<PeerRun(const std::vector<float>& xyz, std::size_t k, const std::vector<std::uint32_t>& sampled)> run;
 };
 

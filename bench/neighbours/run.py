@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Error against run time of radii, normals and outliers: ours at each level and exact, beside PCL, CGAL, Open3D and MeshLab,
+"""Error against run time of radii, normals and outliers: ours at each level and exact, compared with PCL, CGAL, Open3D and MeshLab,
 all in one run in which they take turns.
 
     run.py --bin BUILD/bin --out FOLDER [--points 1e6] [--cloud NAME=FILE.las ...] [--python PYTHON] [--meshlab PREFIX]

@@ -1,5 +1,5 @@
-// Picks along random rays, from a cold cache, beside a look at every point: the same point, and how long it took.
-// Prints a table; see README.md.
+// Picks along random rays, from a cold cache, compared with a look at every point: the same point, and how long it
+// took. Prints a table; see README.md.
 #include "pcm/pick/point_picker.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
@@ -212,7 +212,7 @@ int main(int argc, char** argv)
     std::uint64_t seed = 1;
     app.add_option("tree", path, "Tree folder")->required();
     app.add_option("--rays", rays, "Number of rays (default 10000)");
-    app.add_option("--seed", seed, "Of the rays (default 1)");
+    app.add_option("--seed", seed, "Seed of the rays (default 1)");
     app.add_option("--checked", checked, "How many of them are compared with a look at every point (default 10000)");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -246,19 +246,19 @@ void add_options(CLI::App& app, Arguments& a)
     app.add_option("tree", a.tree, "Tree folder")->required()->check(CLI::ExistingDirectory);
     app.add_option("--path", a.path, "Camera path, JSON")->required()->check(CLI::ExistingFile);
     app.add_option("--out", a.out, "Folder for the pictures")->required();
-    app.add_option("--every", a.every, "Of so many frames one is kept as a picture, the last")
+    app.add_option("--every", a.every, "The last of every N frames is kept as a picture")
         ->capture_default_str()
         ->check(CLI::Range(1, 1000000));
-    app.add_option("--size", a.size, "Of the pictures, pixels")->capture_default_str();
+    app.add_option("--size", a.size, "Size of the pictures, pixels")->capture_default_str();
     app.add_option("--splats", a.style.splats, "What points are drawn as")->transform(CLI::CheckedTransformer(modes()));
     app.add_option("--radius-scale", a.style.radius_scale, "Factor on the radii of splats")->capture_default_str();
-    app.add_option("--point-size", a.style.point_size_px, "Of constant splats, pixels")->capture_default_str();
+    app.add_option("--point-size", a.style.point_size_px, "Size of constant splats, pixels")->capture_default_str();
     app.add_option("--eye-dome", a.options.eye_dome, "Strength of eye-dome lighting; 0: none")->capture_default_str();
     app.add_option("--samples", a.options.samples, "A pixel")->capture_default_str()->check(CLI::Range(1, 8));
-    app.add_option("--converge", a.options.smooth_frames, "A complete picture is the mean of so many frames")
+    app.add_option("--converge", a.options.smooth_frames, "A complete picture is the mean of this number of frames")
         ->capture_default_str()
         ->check(CLI::Range(1, 256));
-    app.add_option("--target-px", a.options.target_spacing_px, "Refine until points are no farther apart on screen")
+    app.add_option("--target-px", a.options.target_spacing_px, "Maximum distance of points on screen")
         ->capture_default_str();
     app.add_option("--l1-mb", a.l1_mb, "Capacity of L1, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));
     app.add_option("--l2-mb", a.l2_mb, "Capacity of L2, MiB")->capture_default_str()->check(CLI::Range(1.0, 1e6));
@@ -294,7 +294,7 @@ int main(int argc, char** argv)
     views->add_option("--frame-budget-ms", a.frame_budget_ms, "0: the library's default")
         ->capture_default_str()
         ->check(CLI::NonNegativeNumber);
-    replay->add_option("--upload-ms", a.options.upload_budget_ms, "Of a frame, for uploads")->capture_default_str();
+    replay->add_option("--upload-ms", a.options.upload_budget_ms, "Time of a frame for uploads")->capture_default_str();
     replay->add_option("--prefetch-frames", a.options.prefetch_frames, "That a moving camera is loaded ahead for")
         ->capture_default_str();
     replay->add_option("--pace-ms", a.pace_ms, "A frame takes at least this long")

@@ -20,12 +20,12 @@ def on_black(picture):
 
 
 def flip(reference, picture):
-    """Mean FLIP error (Andersson et al. 2020) at 67 pixels a degree: 0 alike, 1 as unlike as can be."""
+    """Mean FLIP error (Andersson et al. 2020) at 67 pixels a degree: 0: identical, 1: maximum difference."""
     return float(flip_evaluator.evaluate(on_black(reference), on_black(picture), "LDR", applyMagma=False)[1])
 
 
 def ssim(reference, picture):
-    """Structural similarity (Wang et al. 2004), Gaussian window: 1 alike."""
+    """Structural similarity (Wang et al. 2004), Gaussian window: 1: identical."""
     return float(structural_similarity(on_black(reference), on_black(picture), channel_axis=2, data_range=1.0, gaussian_weights=True, sigma=1.5,
                                        use_sample_covariance=False))
 
@@ -72,7 +72,7 @@ def likeness(truth, picture, asked):
 
 
 def outlines(labels):
-    """Pixels beside which another thing, or nothing, is seen."""
+    """Pixels next to another thing or to nothing."""
     edge = np.zeros(labels.shape[:2], bool)
     for axis in (0, 1):
         differs = (np.diff(labels.astype(int), axis=axis) != 0).any(axis=2)

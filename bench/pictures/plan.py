@@ -14,7 +14,7 @@ class Size:
     points: int           # of the generated cloud
     paths: list
     frames: int           # of a path
-    every: int            # of so many frames one is compared
+    every: int            # one of this number of frames is compared
     milliseconds: list    # frame budgets
     budgets: list         # points
     repeat: int

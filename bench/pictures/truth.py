@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Pictures against truth: scenes whose true pictures are known, in several views, beside what other viewers make of the same points.
+"""Pictures against truth: scenes whose true pictures are known, in several views, compared with what other viewers make of the same points.
 
     truth.py --bin BUILD/bin --out FOLDER [--work FOLDER] [--quick] [--view NAME]... [--points N] [--before FIGURES] [--cloud FILE]... [--only-clouds] [--converge N] [--python FILE]
     truth.py --out FOLDER --report [--before FIGURES]     the report of what FOLDER/figures.json has, nothing is measured
@@ -155,7 +155,7 @@ class Comparison:
             self.write()
 
     def write(self):
-        """What was measured, beside what earlier runs have of other views."""
+        """What was measured, and what earlier runs have of other views."""
         what = {"points": self.size.points, "moving_points": self.size.moving_points, "size": self.picture_size}
         old = json.loads(self.file.read_text()) if self.file.exists() else {}
         if any(old.get(name) != value for name, value in what.items()):

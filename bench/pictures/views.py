@@ -12,7 +12,7 @@ TURN_PX = 0.4
 CONSTANT_SIZES = (1, 2, 3, 5)  # pixels: what a user of constant points chooses from
 STATES = ("moving", "rest")
 
-# Ours: the cloud's tree (with normals and radii or without) and what bench_pictures is told.
+# Ours: the cloud's tree (with normals and radii or without) and the options of bench_pictures.
 OURS = {"default": (False, []), "discs": (True, ["--splats", "perspective"])}
 POTREE, CONSTANT = "Potree's rule, re-made", "CloudCompare-like"
 
@@ -125,7 +125,7 @@ class Truth:
 
 
 def oblique(info):
-    """A view of a real cloud: from a corner of its box, down at 30 degrees, near enough for its points to be told apart."""
+    """A view of a real cloud: from a corner of its box, down at 30 degrees, near enough for its points to be distinguished."""
     low, high = np.array(info["bounds"]["min"]), np.array(info["bounds"]["max"])
     middle, reach = (low + high) / 2, 0.35 * np.linalg.norm((high - low)[:2])
     return {"eye": list(middle + reach * np.array((-0.61, -0.61, 0.5))), "target": list(middle), "angle": 45}

@@ -69,7 +69,7 @@ PATHS = {"fly-over": fly_over, "walk-through": walk_through, "orbit": orbit, "pl
 
 
 def write(folder, frames):
-    """Name: file of each path, with so many frames."""
+    """Name: file of each path, with this number of frames."""
     folder.mkdir(parents=True, exist_ok=True)
     files = {}
     for name, make in PATHS.items():

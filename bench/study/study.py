@@ -15,7 +15,7 @@ HERE = pathlib.Path(__file__).resolve().parent
 
 
 def call(command):
-    """What it prints; RuntimeError with what it says when it fails."""
+    """What it prints; RuntimeError with its error message when it fails."""
     result = subprocess.run([str(part) for part in command], capture_output=True, text=True, check=False)
     if result.returncode:
         raise RuntimeError(f"{pathlib.Path(str(command[0])).name} {' '.join(map(str, command[1:3]))}: "

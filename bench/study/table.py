@@ -18,7 +18,7 @@ def rounded(value):
 
 
 class Table:
-    """`keys_of_a_run`: the columns that, beside the repetition, distinguish one run from the others."""
+    """`keys_of_a_run`: the columns that, in addition to the repetition, distinguish one run from the others."""
 
     def __init__(self, file, keys_of_a_run):
         self.file = file

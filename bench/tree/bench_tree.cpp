@@ -86,7 +86,7 @@ int box(char** argument)
     if (!(side > 0) || count < 1) throw std::runtime_error("no such boxes");
     std::mt19937_64 random(7);
     std::vector<double> opened, times, again, numbers;
-    double sum = 0;  // of coordinates, so that they are looked at
+    double sum = 0;  // sum of coordinates, so that they are looked at
     for (int k = 0; k < count; ++k) {
         if (cold) drop_from_cache(argument[0]);
         const Clock::time_point start = Clock::now();

@@ -1,4 +1,4 @@
-// Nearest neighbours at each level of a tree: the error against the exact answer beside the time it takes.
+// Nearest neighbours at each level of a tree: the error against the exact answer against the time it takes.
 //   bench_knn TREE QUERIES K THREADS
 #include "pcm/point_cloud.h"
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a tree costs: building it, at growing sizes and beside another program, and getting at its points again.
+"""What a tree costs: building it, at growing sizes and compared with another program, and getting at its points again.
 
     run.py --bin BUILD/bin [--points 5e6,20e6] [--peer "NAME=COMMAND"] [--repeat N] [--memory 512M] [--json FILE] [--keep]
     run.py --bin BUILD/bin --smoke     a tiny scene, once: that it works

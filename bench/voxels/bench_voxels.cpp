@@ -1,5 +1,5 @@
-// Our voxel grid for bench/voxels/run.py: see voxel_files.h. Of a tree, out of core, all attributes included; of a file
-// of positions, the kernel in memory.
+// Our voxel grid for bench/voxels/run.py: see voxel_files.h. For a tree, out of core, all attributes included; for a
+// file of positions, the kernel in memory.
 #include "bench/voxels/voxel_files.h"
 
 #include "pcm/filter/voxel_grid.h"

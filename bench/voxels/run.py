@@ -1,4 +1,4 @@
-"""Voxel grids: ours in memory and of a tree, beside PCL's and Open3D's, in turns. Time, memory, the number of voxels,
+"""Voxel grids: ours in memory and of a tree, compared with PCL's and Open3D's, in turns. Time, memory, the number of voxels,
 and the errors of the centroids, of clouds at the origin and at map coordinates.
 
     python3 bench/voxels/run.py --bin build/release/bin --work /tmp/voxels [--points 2000000] [--rounds 5] [--python PYTHON]

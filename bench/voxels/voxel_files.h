@@ -38,7 +38,7 @@ class Stopwatch {
 public:
     void print() const
     {
-        // Of this program alone: getrusage() counts the one that started it too.
+        // Peak of this program alone: getrusage() counts the one that started it too.
         double peak = 0;
         std::ifstream status("/proc/self/status");
         for (std::string word; status >> word;)

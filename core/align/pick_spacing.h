@@ -9,8 +9,8 @@
 namespace pcm {
 
 struct PickSpacing {
-    double distance = 0;  // of the place from the nearest point, source units
-    double spacing = 0;   // from that point to the nearest one at another place; 0: there is none
+    double distance = 0;  // distance from the place to the nearest point, source units
+    double spacing = 0;   // distance from that point to the nearest one at another place; 0: there is none
 };
 
 // Throws what PointCloud::nearest() throws.

@@ -15,7 +15,7 @@ namespace {
 
 using Matrix3 = std::array<Vec3d, 3>;
 
-constexpr double thinnest = 1e-6;  // of the spread along a line
+constexpr double thinnest = 1e-6;  // minimum spread across a line, relative to the spread along it
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 [[noreturn]] void refuse(const std::string& what, const std::string& hint)
@@ -115,7 +115,7 @@ void check_spread(const Side& side, const Problem& problem, const FitOptions& op
     if (!(across > std::max(nearest, thinnest * along)))
         refuse("the " + cloud + " lie on one line: they spread by " + brief(across) + " across it and " + brief(along) +
                    " along it, so that the rotation about it is not determined",
-               "pick another pair beside the line");
+               "pick another pair off the line");
 }
 
 struct Quaternion {
@@ -258,7 +258,7 @@ void put_uncertainty(RigidFit& fit, const Problem& problem, const FitOptions& op
     const double from_residuals = fit.rms * std::sqrt(problem.sum / freedom);
     fit.coordinate_error = std::max(from_residuals, std::sqrt(2.0) * options.pick_error);
     const Eigensystem<3> system = inertia(problem, rotation);
-    const double arm = fit.scale * problem.moving.size;  // of a turned point, in the fixed cloud's units
+    const double arm = fit.scale * problem.moving.size;  // lever arm of a turned point, in the fixed cloud's units
     fit.variance_of_shift = 1 / problem.sum;
     for (std::size_t a = 0; a < 3; ++a)
         for (std::size_t r = 0; r < 3; ++r)

@@ -20,25 +20,25 @@ namespace pcm {
 
 struct PointPair {
     Vec3d moving{}, fixed{};  // source coordinates of the two clouds
-    double weight = 1;        // relative; 0: takes no part, but has a residual
+    double weight = 1;        // relative; 0: ignored by the fit, but has a residual
 };
 
 struct FitOptions {
     bool scale = false;  // fits a scale too
     // Standard deviation of a picked point from the place that was meant, source units: a quarter of the clouds'
-    // spacing, say. Pairs that are no farther apart than a few times that are refused. 0: not known.
+    // spacing, for instance. Pairs that are no farther apart than a few times that are refused. 0: not known.
     double pick_error = 0;
 };
 
 struct RigidFit {
     Affine motion;           // moving -> fixed; its pivot is the moving pairs' centroid, its target the fixed ones'
-    double scale = 1;        // of the motion; 1 unless asked for
-    double pairs_scale = 1;  // the scale that the pairs suggest, applied or not: 0.3048 says that units differ
-    Vec3d axis{0, 0, 1};     // of the rotation, length 1
-    double radians = 0;      // of the rotation, from 0 to pi, counter-clockwise as seen from the tip of the axis
-    Vec3d shift{};           // of the centroid: target - pivot
+    double scale = 1;        // scale of the motion; 1 unless asked for
+    double pairs_scale = 1;  // the scale that the pairs suggest, applied or not: 0.3048 shows that units differ
+    Vec3d axis{0, 0, 1};     // rotation axis, length 1
+    double radians = 0;      // rotation angle, from 0 to pi, counter-clockwise as seen from the tip of the axis
+    Vec3d shift{};           // shift of the centroid: target - pivot
 
-    std::vector<Vec3d> offsets;     // of each pair: the fixed point minus the moved one, source units
+    std::vector<Vec3d> offsets;     // fixed point minus moved point of each pair, source units
     std::vector<double> residuals;  // their lengths
     double rms = 0;                 // root of the weighted mean of their squares
 
@@ -46,7 +46,7 @@ struct RigidFit {
     // leaves, or, if that is larger, the pick error of both points.
     double coordinate_error = 0;
     double angle_error = 0;  // standard deviation of the rotation about its least certain axis, radians
-    Vec3d weakest_axis{};    // that axis
+    Vec3d weakest_axis{};    // least certain rotation axis
 
     // Standard deviation of the place where the motion puts a point, in the direction where it is largest; source
     // units. To first order in the errors of the pairs, which are taken to be independent.
@@ -54,12 +54,12 @@ struct RigidFit {
     // The largest such value in a box of the moving cloud: at one of its corners.
     double largest_error(const Box3d& box) const;
 
-    // Of error_at(): the covariance of translation at the centroid and of rotation, divided by coordinate_error^2.
+    // Terms of error_at(): the covariance of translation at the centroid and of rotation, over coordinate_error^2.
     double variance_of_shift = 0;
     std::array<Vec3d, 3> covariance_of_rotation{};
 };
 
-// Throws Error(invalid_argument), saying which pairs and what to do: fewer than three pairs (of a weight above 0);
+// Throws Error(invalid_argument), which names the pairs and what to do: fewer than three pairs (of a weight above 0);
 // numbers that are not finite, negative weights; points of one cloud that coincide, lie nearer together than they can
 // be picked, or lie on one line (their spread across it is below three times the pick error, or a millionth of that
 // along it): the rotation about that line is free; pairs that a mirror image fits and a motion does not; pairs that

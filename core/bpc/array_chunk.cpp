@@ -85,8 +85,8 @@ Columns load_columns(const ChunkSource& source, const std::vector<Attribute>& sh
     return columns;
 }
 
-ScratchFile::ScratchFile(const std::filesystem::path& beside, const std::filesystem::path& folder)
-    : beside_(beside), folder_(folder)
+ScratchFile::ScratchFile(const std::filesystem::path& cloud, const std::filesystem::path& folder)
+    : cloud_(cloud), folder_(folder)
 {
 }
 
@@ -94,8 +94,8 @@ Spilled ScratchFile::slot(const std::vector<Attribute>& shape, std::size_t capac
 {
     if (!file_.is_open()) {
         static std::atomic<unsigned> count{0};
-        std::filesystem::path path = beside_;
-        if (!folder_.empty()) path = folder_ / beside_.filename();
+        std::filesystem::path path = cloud_;
+        if (!folder_.empty()) path = folder_ / cloud_.filename();
         path += ".scratch-" + std::to_string(::getpid()) + "-" + std::to_string(count++);
         file_ = File(path, File::Mode::create_new);
         // The open file stays usable; without a name nothing stays on disk when the process ends.

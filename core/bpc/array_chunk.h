@@ -18,7 +18,7 @@ namespace pcm::array {
 std::vector<Attribute> columns_of(const BpcCloud& cloud);
 
 using Columns = std::vector<std::shared_ptr<Column>>;  // null: not loaded
-using ColumnFlags = std::vector<std::uint8_t>;         // by column
+using ColumnFlags = std::vector<std::uint8_t>;         // one flag per column
 
 // The place of a chunk in the scratch file: room for all columns of `capacity` points, one after the other, raw. Only
 // changed columns are filled in.
@@ -45,9 +45,9 @@ Columns load_columns(const ChunkSource& source, const std::vector<Attribute>& sh
 // Raw columns on disk, in a file without a name. Its space is freed only when the file is closed.
 class ScratchFile {
 public:
-    // `beside` is the cloud's file; the scratch file is made beside it, or in `folder` if that is not empty, at the
+    // `cloud` is the cloud's file; the scratch file is made next to it, or in `folder` if that is not empty, at the
     // first use.
-    ScratchFile(const std::filesystem::path& beside, const std::filesystem::path& folder);
+    ScratchFile(const std::filesystem::path& cloud, const std::filesystem::path& folder);
     void write(Spilled& slot, const std::vector<Attribute>& shape, std::size_t capacity, std::size_t column,
                const Column& values, std::size_t points);
     // A new place for a chunk.
@@ -56,7 +56,7 @@ public:
     void clear();
 
 private:
-    std::filesystem::path beside_, folder_;
+    std::filesystem::path cloud_, folder_;
     File file_;
     std::uint64_t end_ = 0;
 };

@@ -23,9 +23,9 @@ struct BpcArray::Resident {
     std::uint64_t chunk = 0;
     std::size_t capacity = 0;  // points that its columns have room for
     array::Columns columns;
-    std::vector<std::byte*> data;  // of the columns that were used
+    std::vector<std::byte*> data;  // values of the columns that were used
     array::ColumnFlags changed;
-    std::size_t bytes = 0;  // of all loaded columns
+    std::size_t bytes = 0;  // size of all loaded columns
     bool grows = false;     // all columns are loaded, used and changed
 };
 
@@ -49,9 +49,9 @@ struct BpcArray::State {
     std::size_t largest_chunk = 0;  // points
     std::unique_ptr<BpcFile> base;
     std::vector<std::uint64_t> first{0};
-    double chunks_a_point = 0;      // of the first chunk
+    double chunks_a_point = 0;      // 1 / number of points of the first chunk
     std::list<Resident> residents;  // most recently used first
-    std::vector<Place> where;       // by chunk; residents.end() if not resident
+    std::vector<Place> where;       // place of each chunk; residents.end() if not resident
     std::size_t resident_bytes = 0;
     std::unordered_map<std::uint64_t, array::Spilled> spilled;
     array::ScratchFile scratch;

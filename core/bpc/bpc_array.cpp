@@ -168,7 +168,7 @@ std::size_t BpcArray::grow(std::size_t points)
     if (s.chunks() == 0 || s.count(s.chunks() - 1) >= s.capacity(s.chunks() - 1)) {
         if (s.chunks() == ChunkIndex::most_places)
             throw Error(ErrorCode::unsupported, s.path, "an array can have " + std::to_string(s.chunks()) + " chunks");
-        // Whatever can fail comes first. Beside the first resident, which stays, there is always room for a second.
+        // Whatever can fail comes first. Next to the first resident, which stays, there is always room for a second.
         s.make_room(s.chunk_points * s.row_bytes, statistics_);
         s.first.push_back(size_);
         s.where.push_back(s.residents.end());

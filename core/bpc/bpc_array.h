@@ -34,7 +34,7 @@ struct BpcArrayOptions {
     std::size_t memory_bytes = std::size_t{256} << 20;
     // Size of the chunks that push_back() begins; 0: default_cloud_chunk_points().
     std::size_t chunk_points = 0;
-    // Where changed points are kept; empty: beside the file. The scratch file has no name while it is used, so nothing
+    // Where changed points are kept; empty: next to the file. The scratch file has no name while it is used, so nothing
     // of it stays on disk when the process ends, also after a crash.
     std::filesystem::path scratch_folder;
     bool read_ahead = true;  // on another thread, where the memory allows it
@@ -118,7 +118,7 @@ public:
     // Appends all points of a batch. Throws Error(invalid_argument) for a batch of another shape.
     void append(const PointBatch& batch);
 
-    // Replaces the file atomically by the array's points: a new file is written beside it, synced and renamed, so that
+    // Replaces the file atomically by the array's points: a new file is written next to it, synced and renamed, so that
     // also after a crash the name refers to the old cloud or to the new one. Chunks without changes are copied as they
     // are. After an error the array and the old file are unchanged, unless it is_done(): then the new file is in place,
     // but may not survive a loss of power.
@@ -128,10 +128,10 @@ public:
 
     struct Statistics {
         std::uint64_t chunks_decoded = 0;     // on any thread
-        std::uint64_t chunks_read_ahead = 0;  // of these, read ahead and then used
+        std::uint64_t chunks_read_ahead = 0;  // chunks read ahead and then used
         std::uint64_t chunks_evicted = 0;
         std::uint64_t columns_spilled = 0;
-        std::size_t most_resident_bytes = 0;  // of decoded columns
+        std::size_t most_resident_bytes = 0;  // peak size of decoded columns
     };
     const Statistics& statistics() const { return statistics_; }
 

@@ -17,7 +17,7 @@ public:
     RunningChecksum(const RunningChecksum&) = delete;
     RunningChecksum& operator=(const RunningChecksum&) = delete;
     void add(const void* data, std::size_t bytes);
-    std::uint64_t value() const;  // of all bytes so far
+    std::uint64_t value() const;  // checksum of all bytes so far
 
 private:
     struct State;

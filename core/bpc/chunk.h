@@ -39,13 +39,13 @@ struct ChunkPositions {
 struct Chunk {
     std::uint32_t points = 0;
     std::shared_ptr<const ChunkPositions> positions;
-    // Of each point the code of its size, u8 (tree/point_size.h). No attribute: made by the builder of a tree, for
+    // Size code of each point, u8 (tree/point_size.h). Not an attribute: made by the builder of a tree, for
     // drawing.
     std::shared_ptr<const Column> sizes;
     std::vector<std::shared_ptr<const Column>> attributes;  // one slot per attribute of the schema
 
-    std::size_t bytes() const;  // of the columns present
-    ColumnSet columns() const;  // which are present
+    std::size_t bytes() const;  // memory of the columns present
+    ColumnSet columns() const;  // the columns present
 };
 
 // What the sizes' column looks like.

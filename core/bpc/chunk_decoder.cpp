@@ -43,7 +43,7 @@ public:
     static constexpr int of_positions = -1, of_sizes = -2;
     struct Wanted {
         const BpcPiece* piece;
-        int attribute;  // of the schema, or one of the above
+        int attribute;  // index in the schema, or one of the above
         std::size_t kept;
     };
     const std::vector<Wanted>& wanted() const { return wanted_; }

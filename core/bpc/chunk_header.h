@@ -53,7 +53,7 @@ struct BpcHeader {
     Schema schema;
     BpcColumn positions;
     std::vector<BpcColumn> attributes;
-    std::optional<BpcColumn> sizes;  // of the points; version 3
+    std::optional<BpcColumn> sizes;  // point sizes; version 3
 };
 
 // Checks magic, version and checksum, that every piece lies inside `total_bytes`, and that no piece has fewer or more

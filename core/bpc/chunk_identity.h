@@ -27,8 +27,8 @@ struct NodePath {
 struct ChunkIdentity {
     NodePath path;                  // from the root of its part
     std::uint32_t part = 0;         // 0: made by the build; each append adds a part
-    std::uint32_t generation = 1;   // of the tree when the chunk was written: 1 for the build, one more for each update
-    std::uint16_t first_level = 0;  // of its points
+    std::uint32_t generation = 1;   // tree's when the chunk was written: 1 for the build, one more for each update
+    std::uint16_t first_level = 0;  // first level of its points
     std::vector<std::uint32_t> level_points;  // number of points of first_level, of the next, ...
     double spacing = 0;                       // as Node::spacing
 

@@ -10,9 +10,9 @@
 namespace pcm {
 
 struct ChunkPlace {
-    std::uint64_t number = 0;       // of the chunk in the file, from 0
+    std::uint64_t number = 0;       // chunk number in the file, from 0
     std::uint64_t first_point = 0;  // index of its first point in the file
-    std::uint64_t offset = 0;       // of its first byte
+    std::uint64_t offset = 0;       // file offset of its first byte
 };
 
 // Knows every chunk while there are at most `most_places`, then every second, every fourth, and so on.

@@ -19,7 +19,7 @@ namespace pcm {
 struct BpcCloud {
     std::uint64_t points = 0;
     std::uint64_t chunks = 0;
-    ScalarType position_type = ScalarType::f64;  // of the source: i32 on a grid, else f32 or f64
+    ScalarType position_type = ScalarType::f64;  // type in the source: i32 on a grid, else f32 or f64
     std::optional<Grid> grid;                    // when all chunks are on it and their integers fit 32 bits
     std::optional<Box3d> box;                    // none when there are no points or a coordinate is not finite
     Schema schema;
@@ -36,7 +36,7 @@ std::vector<std::byte> encode_cloud_block(const BpcCloud& cloud, std::uint64_t t
 
 struct CloudBlock {
     BpcCloud cloud;
-    std::uint64_t bytes = 0;  // of the block, where the first chunk begins
+    std::uint64_t bytes = 0;  // size of the block; the first chunk begins here
     std::uint64_t table_offset = 0;
 };
 // Whether the file begins with a cloud block.

@@ -28,7 +28,7 @@ Word unzigzag(Word z)
 {
     return static_cast<Word>(z >> 1) ^ static_cast<Word>(Word(0) - (z & 1));
 }
-// Of the process's level: columns are packed in many places.
+// The loops for the processor's SIMD level, chosen once: columns are packed in many places.
 template <class Word>
 const ColumnLoops<Word>& loops()
 {
@@ -139,7 +139,7 @@ void pack_bits(const std::vector<std::uint64_t>& values, int width, std::byte* t
     std::size_t bit = 0;
     for (const std::uint64_t v : values)
         for (int done = 0; done < width;) {
-            const int free = 8 - static_cast<int>(bit & 7);  // of the byte at hand
+            const int free = 8 - static_cast<int>(bit & 7);  // free bits of the current byte
             to[bit >> 3] |= static_cast<std::byte>(v >> done << (bit & 7));
             const int put = std::min(free, width - done);
             done += put;

@@ -1,6 +1,6 @@
 // The folder a tree is built in, and how the tree gets its name when it is complete.
 //
-// NAME.part, beside the tree's own NAME, holds
+// NAME.part, next to the tree's own NAME, holds
 //     building     marks the folder as a build's; locked during the build
 //     tree/        becomes NAME
 //     publishing   once tree/ is complete: the checksum of its index

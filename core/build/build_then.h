@@ -7,7 +7,7 @@
 
 namespace pcm {
 
-// Changes the tree in `folder`, which has no name yet, and leaves nothing of it open. `report`: the build's so far, for
+// Changes the tree in `folder`, which has no name yet, and leaves nothing of it open. `report`: the build's report, for
 // warnings.
 using WorkOnTree = std::function<void(const std::filesystem::path& folder, BuildReport& report)>;
 

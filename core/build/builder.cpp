@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 // What became of the remains of an interrupted build.
 enum class Remains { none, of_another_build, without_checkpoint, damaged, resumed };
 
-// For the report; empty where there is nothing to say.
+// For the report; empty where nothing is to be reported.
 std::string describe(Remains remains, const Resumed& resumed)
 {
     const std::string done = std::to_string(resumed.done), all = std::to_string(resumed.all);

@@ -20,7 +20,7 @@ inline constexpr unsigned most_build_threads = 1024;
 struct BuildOptions {
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole build; at least least_build_memory
     unsigned threads = 0;                                 // 0: one per processor
-    std::uint32_t chunk_points = default_chunk_points;    // most points per chunk
+    std::uint32_t chunk_points = default_chunk_points;    // maximum points per chunk
     Sampling sampling = Sampling::poisson;                // how the points of a level are chosen
     bool overwrite = false;                               // replace an existing tree (only ever a tree)
     bool resume = true;  // resume an interrupted build, and write checkpoints so that this one can be resumed
@@ -33,8 +33,8 @@ struct BuildReport {
     Outcome outcome;                   // error: largest position error, source units
     std::uint64_t points_skipped = 0;  // without a finite position, or beyond ReadOptions::largest_coordinate
     Skipped skipped;                   // bad lines and files
-    std::uint64_t bytes = 0;           // of the tree folder
-    std::uint64_t scratch_bytes = 0;   // the most that the build had on disk in addition
+    std::uint64_t bytes = 0;           // size of the tree folder
+    std::uint64_t scratch_bytes = 0;   // peak size of scratch files on disk
     std::uint64_t nodes = 0;
     std::uint16_t levels = 0;
     std::vector<std::string> notes;  // from the readers, and about merged schemas
@@ -47,7 +47,7 @@ struct BuildReport {
 // `output`.part and appears under its name when it is complete, so an interrupted build is never taken for a tree. A
 // build of the same files (by path, size and modification time) with the same options resumes an interrupted one at its
 // last checkpoint and makes the same tree byte for byte; any other build removes its remains and starts from the
-// beginning. The notes of the report say which. Inputs that take less than checkpoint_seconds to read get no
+// beginning. The report's notes name them. Inputs that take less than checkpoint_seconds to read get no
 // checkpoints. An error or a cancel removes everything that was written; what fails after the tree has its name is a
 // warning of the outcome. A tree that is overwritten stays until the new
 // one replaces it, atomically where the system can do that (build_folder.h describes the state after a crash where it

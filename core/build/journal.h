@@ -33,7 +33,7 @@ private:
     void truncate(std::uint64_t end);
     File file_;
     std::vector<Record> records_;
-    std::vector<std::uint64_t> starts_;  // of the records found
+    std::vector<std::uint64_t> starts_;  // offsets of the records found
     std::uint64_t end_ = 0;
 };
 

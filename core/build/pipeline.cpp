@@ -14,7 +14,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t checkpoint_bytes = std::uint64_t(64) << 20;  // of chunks: that many are worth a checkpoint
+constexpr std::uint64_t checkpoint_bytes = std::uint64_t(64) << 20;  // size of chunks that is worth a checkpoint
 
 template <class Coord>
 class Pipeline {

@@ -35,7 +35,7 @@ struct Part {
     Resumed resumed;
 };
 
-// `work` must outlive the tasks of `checkpoints`. The levels are chosen beside `given` ones where there are any.
+// `work` must outlive the tasks of `checkpoints`. The levels are chosen next to `given` ones where there are any.
 // Reports progress from 0.4 to 0.98 on the calling thread. Throws Error(cancelled), and Error(corrupt | truncated) with
 // a path in work.folder when the checkpoints of an interrupted build do not match the files and cannot be ignored.
 template <class Coord>

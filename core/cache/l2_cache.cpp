@@ -160,7 +160,7 @@ std::optional<std::string> L2Cache::error_of(NodeId node) const
 struct L2Cache::Edit::Inner {
     Handle handle;
     NodeId node = no_node;
-    std::vector<std::shared_ptr<Column>> changed;  // by attribute
+    std::vector<std::shared_ptr<Column>> changed;  // one per attribute
     std::bitset<max_attributes> asked;
     int exceptions = std::uncaught_exceptions();
 

@@ -44,9 +44,9 @@ struct L2Statistics {
     LoadTimes load_times;
     std::uint64_t resident_bytes = 0;
     std::uint64_t resident_chunks = 0;
-    std::uint64_t dirty_bytes = 0;  // of changed columns that were not written yet
+    std::uint64_t dirty_bytes = 0;  // changed columns that were not written yet
     std::uint64_t written_chunks = 0;
-    std::uint64_t written_bytes = 0;  // of the changed columns, decoded
+    std::uint64_t written_bytes = 0;  // size of the changed columns, decoded
     std::uint64_t failed_writes = 0;
     double write_seconds = 0;  // summed over threads
 };

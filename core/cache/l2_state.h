@@ -33,7 +33,7 @@ struct L2Cache::Entry {
     std::size_t pins = 0;
     bool loading = false, writing = false, editing = false, listed = false;
     bool stuck = false;                 // its changes could not be written
-    ColumnSet columns;                  // of `chunk`
+    ColumnSet columns;                  // columns of `chunk`
     std::bitset<max_attributes> dirty;  // columns that differ from the store's
     std::uint64_t version = 0;          // incremented by each change
     ColumnSet once_loaded;              // since the cache was made; distinguishes compulsory from capacity misses
@@ -55,11 +55,11 @@ struct L2Cache::State {
     std::condition_variable_any work;    // for loader threads: the list has a request, or the cache is closing
     std::condition_variable_any loaded;  // a load, a write or an edit has ended
     std::unordered_map<NodeId, Entry> entries;
-    Entry *oldest = nullptr, *newest = nullptr;  // of the order of use
+    Entry *oldest = nullptr, *newest = nullptr;  // ends of the list in order of use
     std::deque<ChunkRequest> wanted;
-    std::deque<ChunkRequest> soon;  // of prefetch(); served before `wanted`
+    std::deque<ChunkRequest> soon;  // requests of prefetch(); served before `wanted`
     std::shared_ptr<const std::function<void(NodeId)>> on_loaded;
-    std::size_t active_loads = 0;  // of loader threads
+    std::size_t active_loads = 0;  // loads that run on loader threads
     std::uint64_t capacity = 0;
     std::uint64_t charged = 0;
     bool closing = false;      // the loader threads are to end

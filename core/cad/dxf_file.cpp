@@ -42,7 +42,7 @@ public:
 
     OutputFile& file() { return file_; }
 
-    std::map<int, double> instead;  // numbers that are written whatever the library says
+    std::map<int, double> instead;  // numbers that are written whatever the library writes
 
 private:
     void put(int code, const std::string& value) const

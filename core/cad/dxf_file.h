@@ -25,12 +25,12 @@ struct DxfLayer {
     std::optional<Rgb> true_colour{};  // for programs that have more than the index
 };
 
-// Of one length, as $INSUNITS has them.
+// Drawing units, with the values of $INSUNITS.
 enum class DxfUnit { none = 0, inches = 1, feet = 2, millimetres = 4, centimetres = 5, metres = 6 };
 
 struct DxfSettings {
     DxfUnit unit = DxfUnit::none;
-    Box3d extent{};  // of all that is drawn: programs open the drawing with a plan of it. Empty: not known
+    Box3d extent{};  // box around everything drawn: programs open the drawing with a plan of it. Empty: not known
 };
 
 // Streaming, in bounded memory; one thread. The file is in place after finish() only, and replaces an existing one:

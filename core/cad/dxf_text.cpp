@@ -6,7 +6,7 @@
 namespace pcm {
 namespace {
 
-// The character at `place`, which moves behind it; '?' for what is no UTF-8.
+// The character at `place`, which moves behind it; '?' for bytes that are not UTF-8.
 std::uint32_t next_character(const std::string& text, std::size_t& place)
 {
     const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };

@@ -6,7 +6,7 @@
 namespace pcm {
 
 // Characters beyond ASCII become \U+XXXX, which CAD programs show as what they are; control characters become blanks,
-// and what is no UTF-8 "?". "%" and "^", which begin codes, are written so that they are shown as what they are.
+// and malformed UTF-8 "?". "%" and "^", which begin codes, are written so that they are shown as what they are.
 std::string dxf_text(const std::string& utf8);
 
 // None of <>/\":;?*|,=` and control characters. Bytes beyond ASCII may be.

@@ -9,7 +9,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_corners = 20000;  // of an outline that gets faces, which take time by their square
+constexpr std::size_t most_corners = 20000;  // limit for outlines with faces, which take quadratic time
 
 DxfUnit dxf_unit(CadUnit unit)
 {

@@ -128,7 +128,7 @@ const std::vector<Column>& columns()
         {"arc", angle_unit, arc_text},
         {"area", plain, area_text},
         {"sigma_area", plain, area_error_text},
-        {"outline", plain, outline_text},  // whose area it is
+        {"outline", plain, outline_text},  // outline whose area is given
         {"label", plain, [](P p) { return p.label ? std::to_string(p.label) : ""; }},
         {"verdict", plain, [](P p) { return std::string(name_of(p.fit.verdict)); }},
         {"message", plain, [](P p) { return p.fit.message; }},

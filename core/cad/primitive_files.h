@@ -10,14 +10,14 @@
 
 namespace pcm {
 
-enum class CadUnit : std::uint8_t { none, metres, millimetres, centimetres, feet, inches };  // of source units
+enum class CadUnit : std::uint8_t { none, metres, millimetres, centimetres, feet, inches };  // source units
 
 const char* name_of(CadUnit unit);  // "mm"; "" for none
 std::optional<CadUnit> cad_unit(const std::string& name);
 
 struct CadOptions {
     CadUnit unit = CadUnit::none;  // what one source unit is; written where a format has units, never converted
-    double chord = 0;              // largest distance of a mesh from its curved surface, source units; 0: radius / 100
+    double chord = 0;              // maximum distance of a mesh from its curved surface, source units; 0: radius / 100
     bool arcs = false;             // meshes of cylinders and cones: only the arc that points cover, open
     bool overwrite = false;
 };
@@ -34,13 +34,13 @@ struct CadReport {
 //   as polylines in space, for programs that show no faces. Circles across z are circles.
 // - .scr: a script for AutoCAD and what understands its commands, in the world's coordinates: true solids by CYLINDER,
 //   SPHERE, CONE, TORUS and, for a part of a torus, REVOLVE; planes as closed 3DPOLYs. One UNDO takes all of it back;
-//   no setting of the program is changed, and its object snaps do not take part.
+//   no setting of the program is changed, and its object snaps are ignored.
 // - .csv: RFC 4180, a row per primitive: parameters, their standard deviations, what of the shape there is. The header
 //   names units. Angles are in degrees.
 // - .json: all of it; read_primitives() reads it. Angles are in radians.
 //
 // Cylinders and cones are drawn whole (see CadOptions::arcs), a torus as far as its arc goes. Hidden primitives are
-// left out of drawings and tables, and those whose bounds are not known of drawings: the notes say so. Throws
+// left out of drawings and tables, and those without known bounds out of drawings; the notes report it. Throws
 // Error(invalid_argument) for an extension that is none of these, for a list in which nothing is to be written, numbers
 // that are not finite, and a chord that takes more than 1,000,000 faces; Error(exists); Error(unsupported) for DXF
 // where it was not built; what OutputFile throws.

@@ -122,7 +122,7 @@ Shape shape_of(const JsonFields& fields)
 {
     const std::string name = fields.text("kind", true);
     const auto kind = shape_kind(name);
-    if (!kind) fields.refuse("kind", " is '" + name + "', which is no kind of shape");
+    if (!kind) fields.refuse("kind", " is '" + name + "', which is not a kind of shape");
     const ShapeTraits& traits = traits_of(*kind);
     Shape shape;
     shape.kind = *kind;
@@ -233,7 +233,7 @@ std::vector<Primitive> parse_primitives(const std::string& text)
     const Json json = parse_bounded_json(text);
     const JsonFields fields(json, "the file");
     if (!fields.has("format") || fields.text("format", true) != format)
-        throw Error(ErrorCode::bad_format, {}, "this is no list of primitives: 'format' is not \"pcm primitives\"");
+        throw Error(ErrorCode::bad_format, {}, "this is not a list of primitives: 'format' is not \"pcm primitives\"");
     if (fields.number("version", true) != 1) fields.refuse("version", " is not 1, the only version supported");
     std::vector<Primitive> primitives;
     for (const Json& primitive : fields.list("primitives", true))

@@ -1,4 +1,4 @@
-// Attributes of points: what a cloud carries beside its positions.
+// Attributes of points: what a cloud carries in addition to its positions.
 #pragma once
 
 #include <bitset>
@@ -68,8 +68,8 @@ private:
 // Which columns of a chunk are needed; the others are neither read nor decoded.
 struct ColumnSet {
     bool positions = true;
-    bool sizes = false;                      // of points (tree/point_size.h); chunks of trees alone have them
-    std::bitset<max_attributes> attributes;  // by index in the schema
+    bool sizes = false;                      // point sizes (tree/point_size.h); only chunks of trees have them
+    std::bitset<max_attributes> attributes;  // one bit per attribute of the schema
 
     static ColumnSet only_positions() { return {}; }
     // Positions and all attributes.

@@ -6,7 +6,7 @@ namespace pcm {
 namespace {
 
 struct Stated {
-    std::size_t begin = std::string_view::npos;  // of the words; npos: none
+    std::size_t begin = std::string_view::npos;  // where the unit begins; npos: no unit
     int power = 0;
 };
 

@@ -1,8 +1,8 @@
 // Which attributes are lengths, so that scaling a cloud scales them.
 //
-// An attribute's description says so: it ends with the words "source units", for an area "source units^2", for a
+// An attribute's description marks a length: it ends with "source units", for an area "source units^2", for a
 // curvature or a number per length "source units^-1", with any exponent of one digit. Files keep descriptions
-// (bpc/FORMAT.md; extra bytes of LAS; comments of PLY and PCD), programs that do not know the words carry them along.
+// (bpc/FORMAT.md; extra bytes of LAS; comments of PLY and PCD), programs that do not know the unit carry them along.
 // Attributes without them are lengths by their names alone: "radius" and "mean_distance", as older trees and other
 // programs' files have them.
 #pragma once

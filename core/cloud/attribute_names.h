@@ -16,7 +16,7 @@ namespace pcm {
 struct WrittenName {
     std::string name;     // without quotes, and blanks around it
     bool quoted = false;  // the whole name
-    std::size_t end = 0;  // of the name in the text: where what follows begins
+    std::size_t end = 0;  // end of the name in the text: what follows begins here
 };
 
 // In quotes, with an index in brackets behind them if there is one, or up to the first of the characters `ends` or the
@@ -27,7 +27,7 @@ std::optional<WrittenName> written_name(std::string_view text, std::string_view 
 bool is_number(std::string_view text);
 
 // Throws Error(invalid_argument) for a name that a new attribute cannot have. It begins with a letter or _, and has
-// letters, digits, _ - . and blanks between them; letters may be any of UTF-8. It is no coordinate (x, y, z) and no
+// letters, digits, _ - . and blanks between them; letters may be any of UTF-8. It is not a coordinate (x, y, z) or a
 // number.
 void check_new_name(const std::string& name);
 

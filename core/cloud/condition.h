@@ -41,7 +41,7 @@ struct Condition {
     std::string text;           // as written, for messages
 };
 
-// Throws Error(invalid_argument), saying what is wrong with the text and what was expected.
+// Throws Error(invalid_argument) with what is wrong with the text and what was expected.
 Condition parse_condition(const std::string& text);
 
 // A condition prepared for the columns of one attribute. Immutable; any number of threads.

@@ -17,7 +17,7 @@ inline constexpr double largest_coordinate = 0x1p500;  // 3.3e150
 inline bool is_coordinate(double v) { return std::fabs(v) <= largest_coordinate; }
 inline bool is_place(const Vec3d& v) { return is_coordinate(v[0]) && is_coordinate(v[1]) && is_coordinate(v[2]); }
 
-// A message about a number, or a place, that is none: "the height 1e+308 is out of range: ...".
+// Message about a number or a place that is not a coordinate: "the height 1e+308 is out of range: ...".
 inline std::string not_a_coordinate(const std::string& number, bool finite)
 {
     if (!finite) return number + " is not finite";

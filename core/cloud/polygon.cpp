@@ -79,7 +79,7 @@ std::size_t Polygon::band_of(double y) const
     return std::min(bands_ - 1, static_cast<std::size_t>(std::min(band, 1e9)));
 }
 
-// The number of edges in all bands, when there are so many.
+// The number of edges in all bands, when the polygon is divided into this number of bands.
 std::size_t Polygon::choose_bands(std::size_t bands)
 {
     const double height = max_[1] - min_[1], rate = static_cast<double>(bands) / height;

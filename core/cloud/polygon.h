@@ -30,7 +30,7 @@ public:
     bool border_touches(const std::vector<Vec2d>& points, double margin) const;
 
     const std::vector<Vec2d>& corners() const { return corners_; }
-    // The least rectangle around the corners.
+    // The smallest rectangle around the corners.
     const Vec2d& min() const { return min_; }
     const Vec2d& max() const { return max_; }
 

@@ -23,7 +23,7 @@ std::pair<double, double> range(const Vec3d& a, const Box3d& d)
     return {dot(a, low), dot(a, high)};
 }
 
-// Of the numbers from low to high: the nearest to 0, and the distance of the farthest from 0.
+// For the numbers from low to high: the one nearest to 0, and the distance of the farthest from 0.
 double nearest_to_zero(double low, double high) { return low > 0 ? low : high < 0 ? high : 0.0; }
 double farthest_from_zero(double low, double high) { return std::max(std::fabs(low), std::fabs(high)); }
 
@@ -152,7 +152,7 @@ BoxRelation Region::polygon_relation(const Box3d& d) const
     BoxRelation relation = BoxRelation::inside;
     for (const Plane& plane : planes_) relation = both(relation, half_space(plane, d));
     if (relation == BoxRelation::outside) return relation;
-    std::array<double, 3> error{};  // of a value of each row, for all points of the box
+    std::array<double, 3> error{};  // largest rounding error of each row's value, for all points of the box
     for (std::size_t r = 0; r < 3; ++r) {
         const Plane& row = rows_[r];
         for (std::size_t a = 0; a < 3; ++a)

@@ -35,7 +35,7 @@ class Region {
 public:
     enum class Kind : std::uint8_t { box, oriented_box, sphere, convex, ray, cone, polygon };
 
-    // All makers throw Error(invalid_argument), saying what is wrong, for numbers that are not finite or violate a
+    // All makers throw Error(invalid_argument), which names what is wrong, for numbers that are not finite or violate a
     // condition below.
 
     // Faces included; a box with min > max contains nothing. Corners may be infinite, not NaN.
@@ -78,7 +78,7 @@ public:
     static Region prism(const Vec3d& centre, const Vec3d& axis_u, const Vec3d& axis_v,
                         const std::vector<Vec2d>& polygon);
 
-    // Of what a view shows (see frustum(); only its near and its far plane bound it), the points that are mapped into a
+    // The points of a view (see frustum(); only its near and its far plane bound it) that are mapped into a
     // polygon in normalised device coordinates: x / w to the right, y / w upwards, -1 to 1 on the screen. Corners may
     // lie outside of the screen.
     static Region lasso(const std::array<double, 16>& modelview, const std::array<double, 16>& projection,
@@ -94,7 +94,7 @@ public:
 
     // False for a point that is not finite.
     bool contains(const Vec3d& p) const;
-    // `outside` for an empty box; `crosses` for a box that is not finite, unless it is surely outside.
+    // `outside` for an empty box; `crosses` for a box that is not finite, unless it is certainly outside.
     BoxRelation relation(const Box3d& box) const;
 
     // No point outside of this box is contained; ends may be infinite.
@@ -154,7 +154,7 @@ private:
 //     prism CX CY CZ UX UY UZ VX VY VZ X0 Y0 X1 Y1 ...    corners along the axes u and v, relative to the centre
 //     lasso M0 ... M15 P0 ... P15 OX OY OZ X0 Y0 ...      modelview, projection, origin, corners on the screen
 //
-// Throws Error(invalid_argument), saying what was expected.
+// Throws Error(invalid_argument) with what was expected.
 Region parse_region(const std::string& text);
 
 }  // namespace pcm

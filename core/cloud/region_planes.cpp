@@ -12,7 +12,7 @@ namespace {
 
 // A view from its eye: a point p is at rows * (d - rest) in eye space, with d = p - centre.
 struct ViewFrame {
-    std::array<Vec3d, 3> rows;  // of the modelview
+    std::array<Vec3d, 3> rows;  // rows of the modelview
     Vec3d centre, rest;
 };
 
@@ -114,7 +114,7 @@ void Region::add_plane(const std::string& name, const Plane& plane)
     const int power = -std::clamp(std::ilogb(size), -1000, 1000);
     Plane near_one{plane.normal, std::ldexp(plane.offset, power)};
     for (double& c : near_one.normal) c = std::ldexp(c, power);
-    if (!std::isfinite(near_one.offset)) refuse_region(name, "a plane's offset is too large beside its normal");
+    if (!std::isfinite(near_one.offset)) refuse_region(name, "plane offset out of range for its normal");
     planes_.push_back(near_one);
 }
 
@@ -270,7 +270,7 @@ void Region::bound_prism()
 }
 
 // The largest e . d of an axis direction e over the region. With multipliers m >= 0 and r = e + sum m_i n_i, each d
-// inside has e . d <= sum m_i offset_i + r . d. Three planes and the multipliers that make r vanish give the least
+// inside has e . d <= sum m_i offset_i + r . d. Three planes and the multipliers that make r vanish give the smallest
 // bound; the residual r that rounding leaves is measured and added.
 void Region::bound_by_planes()
 {

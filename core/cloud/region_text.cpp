@@ -42,7 +42,7 @@ std::string forms_for(const std::string& text)
 
 [[noreturn]] void refuse(const std::string& text, const std::string& what)
 {
-    // Of a polygon with very many corners the beginning.
+    // Only the beginning of a polygon with very many corners is shown.
     constexpr std::size_t most_shown = 200;
     const std::string shown = text.size() > most_shown ? text.substr(0, most_shown) + "..." : text;
     throw Error(ErrorCode::invalid_argument, {}, "region '" + shown + "': " + what, forms_for(text));

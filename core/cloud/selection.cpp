@@ -37,7 +37,7 @@ std::pair<std::size_t, std::uint32_t> find_component(const Condition& condition,
         const auto result = std::from_chars(begin, end, component);
         const bool is_index = result.ec == std::errc() && result.ptr == end;
         const auto whole = schema.find(name.substr(0, bracket));
-        // In 'rgb'[0] the quotes say that the index is none of the name.
+        // In 'rgb'[0] the quotes say that the index is not part of the name.
         const bool is_apart =
             is_index && condition.text.find_first_of("'\"") == condition.text.find_first_not_of(" \t");
         if (is_apart) slot.reset();

@@ -13,7 +13,7 @@
 
 namespace pcm {
 
-// Of one component: values raw * scale + offset. Without any finite value least, most and mean are 0.
+// Statistics of one component: values raw * scale + offset. Without any finite value least, most and mean are 0.
 struct ValueStatistics {
     std::uint64_t values = 0;      // finite ones
     std::uint64_t not_finite = 0;  // NaN and infinite ones
@@ -35,7 +35,7 @@ struct CloudStatistics {
     std::uint64_t not_finite = 0;  // points with a NaN or infinite coordinate; they have no part in box and duplicates
     Box3d box;
     std::array<ValueStatistics, 3> position;               // x, y, z
-    std::vector<std::vector<ValueStatistics>> attributes;  // by attribute and component
+    std::vector<std::vector<ValueStatistics>> attributes;  // per attribute and component
     // Number of points by value of "classification", "return_number" and "number_of_returns", where the cloud has them
     // as integers of one component: 256 numbers. `other_*`: values outside 0 to 255.
     std::vector<std::uint64_t> classes, return_numbers, numbers_of_returns;

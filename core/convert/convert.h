@@ -18,15 +18,15 @@
 namespace pcm {
 
 struct CloudOptions {
-    std::optional<std::uint16_t> level;       // of trees: the cloud at this level; the whole cloud when absent
-    std::optional<std::uint64_t> max_points;  // of one tree: its deepest level with at most this many points
+    std::optional<std::uint16_t> level;       // the level to read of trees; the whole cloud when absent
+    std::optional<std::uint64_t> max_points;  // read the deepest level of the one tree with at most this many points
     Selection selection;
     ReadOptions read{0, {}};
 };
 
 // The selected points of files, trees and folders (expand_inputs()), as one cloud. Trees are read only where the box
 // is. A file of a tree (index.pct, chunks-000.bpc) stands for the tree; a tree that is named twice is read once. Throws
-// what readers, Tree::open and Selector throw, and Error(invalid_argument) for a level of an input that is no tree.
+// what readers, Tree::open and Selector throw, and Error(invalid_argument) for a level of an input that is not a tree.
 std::unique_ptr<PointReader> open_cloud(const std::vector<std::filesystem::path>& inputs,
                                         const CloudOptions& options = {});
 
@@ -45,7 +45,7 @@ struct ConvertOptions {
     // Trees.
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;
     std::uint32_t chunk_points = default_chunk_points;
-    unsigned threads = 0;  // of a build; 0: one per processor
+    unsigned threads = 0;  // threads of a build; 0: one per processor
 
     bool overwrite = false;  // replace an existing output; never an input
     ProgressFunction progress;
@@ -56,9 +56,9 @@ struct ConvertReport {
     // Selected, but dropped: the format needs finite positions, or they are beyond ReadOptions::largest_coordinate.
     std::uint64_t points_skipped = 0;
     Skipped skipped;                 // bad lines and files
-    std::uint64_t bytes = 0;         // of the output
+    std::uint64_t bytes = 0;         // size of the output
     std::optional<Grid> grid;        // chosen for a cloud of doubles
-    std::vector<std::string> notes;  // of the readers and the writer
+    std::vector<std::string> notes;  // notes of the readers and the writer
 };
 
 // The output's extension chooses the format: "pct" builds a tree, others are written by create_writer(). When doubles

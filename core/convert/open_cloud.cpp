@@ -42,7 +42,7 @@ std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions&
 CloudSources::CloudSources(const std::vector<fs::path>& inputs, const CloudOptions& options) : options_(options)
 {
     for (const fs::path& input : inputs) {
-        // A folder with the files of a tree but without its index is a damaged tree: opening it says so.
+        // A folder with the files of a tree but without its index is a damaged tree: opening it reports that.
         if (is_tree(input) || is_tree_folder(tree_folder_of(input))) {
             add_tree(input);
             continue;

@@ -64,16 +64,16 @@ typedef struct {
     int has_pose;
     double rotation[4];  // quaternion w x y z, as stored in the file
     double translation[3];
-    int has_box;  // of the cartesian coordinates before the pose
+    int has_box;  // whether there is a box of the cartesian coordinates before the pose
     double box_min[3], box_max[3];
     int has_colour_limit;
-    double colour_limit;  // largest of the maxima of red, green and blue
+    double colour_limit;  // the highest maximum of red, green and blue
 } pcm_e57_scan_info;
 
 typedef struct {
     pcm_e57_text space, name;  // prefix of the extension's namespace, or empty; "cartesianX", "pointSourceId"
     int kind;                  // 0: float, 1: double, 2: integer
-    int64_t min, max;          // of integers: min <= max
+    int64_t min, max;          // range of integers: min <= max
     double scale, offset;      // 1 and 0 except for scaled integers
 } pcm_e57_field_info;
 

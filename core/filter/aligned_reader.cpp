@@ -23,7 +23,7 @@ const FileInfo& AlignedReader::info() const
     return info_;
 }
 
-// Of integers; the result is exact, what changes is the rounding of the coordinate in double.
+// Moves integers; the result is exact, what changes is the rounding of the coordinate in double.
 void AlignedReader::move_to_grid(PointBatch& batch)
 {
     for (std::size_t a = 0; a < 3; ++a) {

@@ -10,9 +10,9 @@
 namespace pcm {
 
 struct Alignment {
-    std::optional<Grid> grid;            // of integers: the common one
+    std::optional<Grid> grid;            // the common grid of integers
     GridMap map;                         // to it
-    Schema schema;                       // of the cloud, with other types
+    Schema schema;                       // schema of the cloud, with other types
     std::optional<Attribute> source_id;  // added at the end, u16 or u32
     std::uint32_t number = 0;            // its value
     std::shared_ptr<double> rounding;    // extended by the largest change of a coordinate
@@ -35,7 +35,7 @@ private:
     const std::unique_ptr<PointReader> cloud_;
     const Alignment to_;
     const FileInfo from_;
-    Schema schema_;  // of the result
+    Schema schema_;  // schema of the result
     mutable FileInfo info_;
     PointBatch batch_;
 };

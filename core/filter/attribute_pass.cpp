@@ -211,11 +211,11 @@ private:
     OrientationPropagation* const propagation_;
     const Schema& schema_;
     const Grid& grid_;
-    std::mutex& mutex_;  // of the report
+    std::mutex& mutex_;  // guards the report
     NeighbourAttributeReport& report_;
     ColumnSet written_;
-    const NeighbourhoodUnit::Part* part_ = nullptr;  // of the last point that was looked at
-    Box3i box_;                                      // of the unit's points
+    const NeighbourhoodUnit::Part* part_ = nullptr;  // part of the last point that was looked at
+    Box3i box_;                                      // box of the unit's points
     // By number in the unit.
     std::vector<float> radius_, curvature_, mean_distance_;
     std::vector<std::array<float, 3>> normal_;

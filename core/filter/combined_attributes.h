@@ -13,14 +13,14 @@ enum class Combination {
     // The mean of the values, in double, or exactly where they are integers; rounded to the attribute's type at the
     // very end (halves up). Values that are NaN or infinite are left out; where all are, the result is NaN.
     mean,
-    // The mean as above, then brought to length 1: of normals. Where the mean vanishes: the first normal that is not 0.
+    // The mean as above, then scaled to length 1: for normals. Where the mean vanishes: the first normal that is not 0.
     direction,
-    // The value of most points; of several such values the smallest. Of integers.
+    // The value of most points; the smallest of several such values. For integers.
     majority,
 };
 
-// Whether an attribute of this name and an integer type names categories, counts or flags, of which a mean says
-// nothing: classification, return numbers, flags, identities and indices, as LAS, E57 and this library name them.
+// Whether an attribute of this name and an integer type names categories, counts or flags, which have no
+// useful mean: classification, return numbers, flags, identities and indices, as LAS, E57 and this library name them.
 bool is_categorical(std::string_view name);
 
 // How each attribute is combined: `by_majority` and `by_mean` name exceptions from the rule above. Throws

@@ -27,7 +27,7 @@ struct GridMap {
 struct CommonGrid {
     Grid grid;
     std::size_t like = 0;       // the cloud whose steps and offset it has; the first of several
-    std::vector<GridMap> maps;  // of each cloud to it
+    std::vector<GridMap> maps;  // map of each cloud to it
 };
 
 // The finest of the grids, if the positions of all others are on it too: their steps are multiples of its steps, their

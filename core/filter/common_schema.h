@@ -10,7 +10,7 @@
 namespace pcm {
 
 struct CommonSchemas {
-    std::vector<Schema> schemas;     // of each cloud, as it is to be read
+    std::vector<Schema> schemas;     // schema of each cloud, as it is to be read
     std::vector<std::string> notes;  // a line for each attribute that is converted
 };
 

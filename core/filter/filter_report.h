@@ -1,4 +1,4 @@
-// What a filter reports beside its result.
+// What a filter reports in addition to its result.
 #pragma once
 
 #include "pcm/system/progress.h"
@@ -20,7 +20,7 @@ struct SampledError {
 
 struct FilterReport {
     Outcome outcome;                      // points in and out, seconds, warnings
-    std::uint64_t peak_memory_bytes = 0;  // of the process so far
+    std::uint64_t peak_memory_bytes = 0;  // peak of the process so far
     // The precision: points of finer levels took the values of their nearest point of this level or a coarser one. All
     // points were computed, so that the result is exact, when absent.
     std::optional<std::uint16_t> level;

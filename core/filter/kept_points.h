@@ -1,4 +1,4 @@
-// Points that are no nearer to each other than a spacing, and whether another one is near to them.
+// Points that are at least a spacing apart, and whether another one is near to them.
 #pragma once
 
 #include "pcm/cloud/geometry.h"

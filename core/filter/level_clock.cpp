@@ -16,7 +16,7 @@ std::size_t LevelClock::next(double passed, double share, std::size_t units)
     const double all = static_cast<double>(units), done = share * all, given = static_cast<double>(given_);
     std::size_t level = passed < seconds_ ? first_ : 0;
     if (done > 0 && given > 0) {
-        // Of the units that are under way half is done, on average.
+        // On average half of each unit that is under way is done.
         const double cost_done = begun_ / given * (done + (given - done) / 2);
         const double seconds_per_cost = passed / cost_done;
         const double left = seconds_ - passed - seconds_per_cost * begun_ / given * (given - done) / 2;

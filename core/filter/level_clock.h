@@ -12,13 +12,13 @@ namespace pcm {
 // Any number of threads.
 class LevelClock {
 public:
-    // costs[l]: of a unit computed at level l, in any unit, positive, not decreasing; the last is that of all points.
-    // `level`: the one to begin with, below costs.size(). `seconds`: for the pass.
+    // costs[l]: cost of a unit computed at level l, in any unit, positive, not decreasing; the last is that of all
+    // points. `level`: the one to begin with, below costs.size(). `seconds`: time limit of the pass.
     LevelClock(std::vector<double> costs, std::size_t level, double seconds);
 
-    // The level of the next unit, when so many seconds have passed since the pass began, and a share (0 to 1) of the
+    // The level of the next unit, when `passed` seconds have passed since the pass began, and a share (0 to 1) of the
     // units is done: the finest one, not finer than the first, at which the rest is done in time at the speed so far;
-    // 0 where none is. `units`: of the pass.
+    // 0 where none is. `units`: number of units of the pass.
     std::size_t next(double passed, double share, std::size_t units);
 
     // The units that were given a level: how many, how many another one than the first, and the coarsest level.

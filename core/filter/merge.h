@@ -23,7 +23,7 @@ struct MergeInput {
 struct MergeOptions {
     bool ignore_crs = false;  // coordinate systems and GPS times that differ: note them, do not refuse
     bool source_id = false;   // add an attribute `source_id`: the number of the tree a point is from, from 1
-    unsigned threads = 0;     // that read ahead; 0: one per processor
+    unsigned threads = 0;     // threads that read ahead; 0: one per processor
 };
 
 inline constexpr const char* source_id_name = "source_id";
@@ -41,23 +41,23 @@ inline constexpr const char* source_id_name = "source_id";
 // of different coordinate systems, units or GPS times are refused (io/pipe/system_check.h), unless the difference is to
 // be ignored.
 //
-// All of this is said: by the notes of the reader's info(), and by the members here.
+// All of this is reported by the notes of the reader's info() and by the members here.
 struct MergedTrees {
     std::unique_ptr<PointReader> points;  // one thread
-    std::vector<std::string> names;       // of the trees: of `source_id` 1, 2, ...
-    std::optional<Grid> grid;             // of integers
-    // The largest change of a coordinate so far, source units: by another grid.
+    std::vector<std::string> names;       // names of the trees: of `source_id` 1, 2, ...
+    std::optional<Grid> grid;             // common grid of integers
+    // Maximum change of a coordinate so far by another grid, source units.
     std::shared_ptr<const double> rounding;
 };
 
 // Throws Error(invalid_argument) without inputs, and for systems that differ, naming both trees; what Tree::open and
-// TransformedReader throw. A tree that is named twice at the same place is read once; a note says so.
+// TransformedReader throw. A tree that is named twice at the same place is read once; a note reports that.
 MergedTrees open_merged(const std::vector<MergeInput>& inputs, const MergeOptions& options = {});
 
 struct MergeReport {
     BuildReport build;
-    std::optional<Grid> grid;  // of integers; doubles when absent
-    double rounding = 0;  // largest change of a coordinate, source units: by another grid, or of doubles by the tree's
+    std::optional<Grid> grid;  // grid of integers; doubles when absent
+    double rounding = 0;  // maximum change of a coordinate by another grid, or of doubles by the tree's; source units
     std::vector<std::string> trees;
     std::string system;  // the coordinate system of the result; empty: none is stated
 };

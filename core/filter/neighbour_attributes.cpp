@@ -19,7 +19,7 @@
 namespace pcm {
 namespace {
 
-// Of the progress: the pass ends (before normals are made consistent), the result is checked, the index is written.
+// Shares of the progress: the pass ends (before normals are made consistent), the result is checked, the index written.
 constexpr double end_of_joining_pass = 0.8, end_of_pass = 0.93, end_of_check = 0.95;
 
 void check(const NeighbourAttributeOptions& options, const std::filesystem::path& path)

@@ -27,7 +27,7 @@
 
 namespace pcm {
 
-// What radii of discs are computed with unless the user says otherwise: WantedValues::radius_neighbours, and
+// What radii of discs are computed with by default: WantedValues::radius_neighbours, and
 // NeighbourAttributeOptions::radius_limit.
 inline constexpr std::uint32_t usual_radius_neighbours = 6;
 inline constexpr double usual_radius_limit = 2.5;
@@ -37,17 +37,17 @@ struct NeighbourAttributeOptions {
     // components, radii are measured across those.
     WantedValues wanted;
     std::size_t neighbours = 16;                                    // k, 1 to most_neighbours
-    double max_distance = std::numeric_limits<double>::infinity();  // of a neighbour, source units; positive
-    // A radius is at most so many times the size that its chunk has for the point (tree/point_size.h), which hardly
+    double max_distance = std::numeric_limits<double>::infinity();  // distance of a neighbour, source units; positive
+    // A radius is at most this many times the size that its chunk has for the point (tree/point_size.h), which hardly
     // grows where a point stands alone; 0, and for points without a size: no limit.
     double radius_limit = 0;
-    NormalOrientation orientation;  // of the normals that are computed
+    NormalOrientation orientation;  // for the normals that are computed
     // The precision (see NeighbourhoodOptions::level), or one or both of the next two, which choose it: the time that
     // the filter may take, and the largest error that 95 % of the points may have: of the value for radii, curvature
     // and mean distances; for normals 1 % is an angle of 0.01. Without any of them all points are computed.
     std::optional<std::uint16_t> level;
     std::optional<double> time_limit;            // seconds
-    std::optional<double> error_target_percent;  // at least 0
+    std::optional<double> error_target_percent;  // 0 or more
     // Values of attributes named curvature, mean_distance and normal_confidence that this filter did not make may be
     // lost (filter/result_attributes.h). Normals and radii of any origin are replaced.
     bool overwrite = false;

@@ -14,7 +14,7 @@ struct NormalOrientation {
         viewpoint,   // towards a point, where the scanner stood
     };
     Rule rule = Rule::consistent;
-    Vec3d vector{0, 0, 1};  // of a direction: not 0; of a viewpoint: source coordinates
+    Vec3d vector{0, 0, 1};  // a direction, not 0; or a viewpoint, source coordinates
 };
 
 // Whether the normal of the point `p` has to be turned around, by a direction or a viewpoint. Normals at a right angle

@@ -10,7 +10,7 @@
 
 namespace pcm {
 
-// What subsample.h says of an exact number. One thread.
+// The exact number of subsample.h. One thread.
 class NumberedPoints final : public PointReader {
 public:
     NumberedPoints(std::shared_ptr<const Tree> tree, std::uint64_t points, unsigned chunks_ahead);
@@ -32,7 +32,7 @@ private:
     std::vector<Run> runs_;
     std::size_t run_ = 0;
     std::uint32_t in_run_ = 0;
-    std::uint64_t wanted_ = 0, all_ = 1;  // of the level that is taken in part
+    std::uint64_t wanted_ = 0, all_ = 1;  // counts of the level that is taken in part
     std::uint64_t due_ = 0;               // in all_ parts of a point
     std::vector<std::uint32_t> kept_;
 };

@@ -10,7 +10,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t joined_neighbours = 6;
-// Classes of |ni . nj|, those of the most parallel normals first.
+// Classes of |ni . nj|, descending from parallel normals.
 constexpr std::array<float, 8> least_parallel{0.999F, 0.99F, 0.97F, 0.9F, 0.8F, 0.6F, 0.3F, 0.0F};
 constexpr std::uint8_t no_class = 255;
 
@@ -44,7 +44,7 @@ std::vector<std::uint8_t> smoothed(const std::vector<std::uint32_t>& neighbours,
     return result;
 }
 
-// Of each neighbour of each point.
+// The class of each neighbour of each point.
 std::vector<std::uint8_t> classes_of(const SearchPositions& positions, const std::vector<std::uint32_t>& neighbours,
                                      const std::vector<std::array<float, 3>>& normals,
                                      const std::vector<std::uint8_t>& two_surfaces)
@@ -167,7 +167,7 @@ UnitPieces join_pieces(const SearchPositions& positions, const Vec3d& origin,
     }
     UnitPieces pieces;
     pieces.piece.assign(points, no_piece);
-    std::vector<std::uint32_t> number(points, no_piece);  // of the piece of a set
+    std::vector<std::uint32_t> number(points, no_piece);  // number of a set's piece
     for (std::uint32_t i = 0; i < points; ++i) {
         if (!is_defined(i)) continue;
         const SidedSets::Found found = sets.find(i);

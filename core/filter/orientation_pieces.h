@@ -18,11 +18,11 @@ public:
     explicit SidedSets(std::size_t count);
     struct Found {
         std::uint32_t set;  // one of its numbers
-        int side;           // of the number, relative to that one
+        int side;           // side of the number, relative to that one
     };
     Found find(std::uint32_t number);
     // Joins the sets of two numbers, so that `side` is that of one number relative to the other. Returns whether they
-    // were in different sets; what is joined stays as it is.
+    // were in different sets; joined numbers are not changed.
     bool join(std::uint32_t a, std::uint32_t b, int side);
 
 private:
@@ -36,27 +36,27 @@ struct PieceSums {
     Vec3d positions{}, normals{};
     void add(const Vec3d& p, const Vec3d& n);
     void join(const PieceSums& other, int side);
-    // Positive where the normals point outward or up, negative where they point inward or down: the clearer one of the
-    // mean height of the normals and the mean of n . (p - centre) over the distance from the centre. Where neither says
-    // anything, the sign of the first coordinate of the sum of normals that is not 0.
+    // Positive where the normals point outward or up, negative where they point inward or down: the more distinct of
+    // the mean height of the normals and the mean of n . (p - centre) over the distance from the centre. Where neither
+    // says anything, the sign of the first coordinate of the sum of normals that is not 0.
     double outward_or_up() const;
 };
 
 inline constexpr std::uint32_t no_piece = 0xffffffffu;
 
 struct UnitPieces {
-    std::vector<std::uint32_t> piece;  // of each point; no_piece where its normal is 0
-    std::vector<PieceSums> sums;       // of each piece
+    std::vector<std::uint32_t> piece;  // piece of each point; no_piece where its normal is 0
+    std::vector<PieceSums> sums;       // sums of each piece
 };
 
-// Joins the points of a unit with their nearest neighbours in the unit, those with the most parallel normals first (a
+// Joins the points of a unit with their nearest neighbours in the unit, pairs with nearly parallel normals first (a
 // spanning tree of 1 - |ni . nj|, Hoppe et al. 1992, by classes of that weight), and turns normals around so that each
-// piece is consistent, and points outward or up by itself. `origin`: of the sums, in source units relative to that of
+// piece is consistent, and points outward or up by itself. `origin` of the sums: in source units relative to that of
 // `positions`.
 //
-// `two_surfaces` (of each point, 0 or 1) says whose neighbours lie on two surfaces (two_surfaces.h). It is made smooth:
-// each point takes what most of its nearest neighbours and itself have. From such a point to one across the gap, which
-// has almost the same normal but may be on the other side of a plate, nothing is joined.
+// `two_surfaces` (for each point, 0 or 1): whether its neighbours lie on two surfaces (two_surfaces.h). It is made
+// smooth: each point takes what most of its nearest neighbours and itself have. From such a point to one across the
+// gap, which has almost the same normal but may be on the other side of a plate, nothing is joined.
 UnitPieces join_pieces(const SearchPositions& positions, const Vec3d& origin,
                        std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces);
 

@@ -15,7 +15,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t voting_neighbours = 8;
-constexpr std::size_t most_border_points = 8000;  // of a unit
+constexpr std::size_t most_border_points = 8000;  // maximum border points of a unit
 constexpr std::size_t points_of_a_run = 512;      // border points that one thread takes at a time
 // In case that a unit meets others inside of its box, some points of its inside look around, too.
 constexpr std::uint32_t inside_step = 4096;

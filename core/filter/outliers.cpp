@@ -23,8 +23,8 @@
 namespace pcm {
 namespace {
 
-constexpr double end_of_search = 0.85, end_of_statistics = 0.9;  // of the progress
-constexpr double mad_to_deviation = 1.4826;                      // of normally distributed numbers
+constexpr double end_of_search = 0.85, end_of_statistics = 0.9;  // shares of the progress
+constexpr double mad_to_deviation = 1.4826;                      // for normally distributed numbers
 
 void check(const OutlierOptions& options, const std::filesystem::path& path)
 {
@@ -164,7 +164,7 @@ void remove(const std::filesystem::path& path, const OutlierOptions& options, Ou
     report.coverage_kept = erased.coverage_kept;
 }
 
-// Sets the label of one node's points; chunks that stay as they are are not written.
+// Sets the label of one node's points; chunks without changes are not written.
 void label_node(L2Cache& cache, NodeId node, std::size_t place, const std::vector<std::uint32_t>& outliers)
 {
     ColumnSet columns;

@@ -11,12 +11,12 @@
 namespace pcm {
 
 enum class OutlierMethod : std::uint8_t {
-    // Of each point the mean distance D to its k nearest neighbours; outliers have D > mean + factor * deviation of all
+    // D: mean distance of a point to its k nearest neighbours; outliers have D > mean + factor * deviation of all
     // points (deviation: sqrt(sum((D - mean)^2) / n)).
     statistical,
     // The same with the median of D, and 1.4826 times the median of |D - median| (MAD) as the deviation: for clouds
     // whose
-    // outliers are so far away, or so many, that mean and deviation say little. Where more than half of all D are
+    // outliers are too far away or too many for mean and deviation. Where more than half of all D are
     // equal,
     // so that the MAD is 0, a tenth of the median takes the place of the deviation. No point is an outlier where more
     // than half of the points lie at one place with all k neighbours.
@@ -27,11 +27,11 @@ enum class OutlierMethod : std::uint8_t {
 struct OutlierOptions {
     OutlierMethod method = OutlierMethod::statistical;
     std::size_t neighbours = 16;  // 1 to most_neighbours
-    double factor = 3;            // finite, positive; of the statistical and the robust method
-    double radius = 0;            // source units, inclusive, positive; of the method `radius`
+    double factor = 3;            // finite, positive; for the statistical and the robust method
+    double radius = 0;            // source units, inclusive, positive; for the method `radius`
     bool label = false;       // removes nothing: writes the attribute "outlier" (u8), 1 for outliers and 0 for others
     bool overwrite = false;   // label: an attribute "outlier" that this filter did not make may be lost
-    bool count_only = false;  // changes nothing; the report says what would be removed
+    bool count_only = false;  // changes nothing; the report shows what would be removed
     std::uint64_t memory_bytes = std::uint64_t(512) << 20;
     unsigned threads = 0;  // 0: one per processor
     NeighbourBackend backend = NeighbourBackend::own;
@@ -40,8 +40,8 @@ struct OutlierOptions {
 
 struct OutlierReport : FilterReport {
     std::uint64_t outliers = 0;
-    // Of the mean distances of all points: mean or median, deviation, and the distance above which a point is an
-    // outlier; source units. 0 for the method `radius`.
+    // Statistics of the mean distances of all points: mean or median, deviation, and the distance above which a point
+    // is an outlier; source units. 0 for the method `radius`.
     double centre = 0, deviation = 0, threshold = 0;
     bool coverage_kept = true;  // as EraseReport
 };

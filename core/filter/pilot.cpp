@@ -79,7 +79,7 @@ private:
     double prepare_ = 0, compute_ = 0, prepared_ = 0, computed_ = 0, sum_ = 0;
 };
 
-// Of reading all columns of the largest chunk and encoding it, per point.
+// Seconds per point of reading all columns of the largest chunk and encoding it.
 double seconds_to_write(L2Cache& cache)
 {
     const Tree& tree = cache.tree();

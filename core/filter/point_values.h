@@ -1,4 +1,4 @@
-// What a point's neighbours say about it: radius, normal, curvature, mean distance.
+// Values of a point from its neighbours: radius, normal, curvature, mean distance.
 #pragma once
 
 #include "pcm/cloud/vector.h"
@@ -40,7 +40,7 @@ struct PointValues {
     Vec3d normal{};        // unit, of either sign; (0, 0, 0) where it is undefined
     double curvature = 0;  // l0 / (l0 + l1 + l2), 0 for a plane to 1/3; 0 where the normal is undefined
     NormalConfidence confidence = NormalConfidence::too_few;
-    double mean_distance = 0;  // of the neighbours, source units; 0 without neighbours
+    double mean_distance = 0;  // mean distance of the neighbours, source units; 0 without neighbours
 };
 
 // One point's neighbours: offsets from the point, nearest first, and squared distances; source units.

@@ -41,7 +41,7 @@ bool is_described_as(const Attribute& present, const std::string& description)
                                     present.description == shortened_description(description, most_las_bytes));
 }
 
-// Of LAS, and those that the library reads.
+// Names of LAS, and those that the library reads.
 constexpr std::array<std::string_view, 23> standard_names{"classification",
                                                           "intensity",
                                                           "return_number",

@@ -29,8 +29,8 @@ inline constexpr std::string_view mean_distance = "mean_distance";          // f
 inline constexpr std::string_view outlier = "outlier";                      // u8: 1 for an outlier, else 0
 }  // namespace attribute_name
 
-// What the library makes under a name of the user's choice, with the descriptions by which it is known again. Of at
-// most 32 bytes, which is what LAS has for them.
+// What the library makes under a name of the user's choice, with the descriptions by which it is known again. At
+// most 32 bytes, the length that LAS has for them.
 Attribute selection_attribute(const std::string& name);  // u8: 1 for the points of a saved selection, else 0
 Attribute outlier_attribute();
 Attribute primitive_attribute(const std::string& name);  // u32: the number of the point's primitive, or 0

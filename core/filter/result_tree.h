@@ -21,7 +21,7 @@ struct ResultOptions {
     // `copy` names the new tree, which has its own data files; or a file, by its extension (.laz, .ply, ...).
     TargetChoice target;
     bool overwrite = false;                               // replace `copy` if it is a tree, or a file
-    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // of filter and build; at least least_build_memory
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // memory of filter and build; least_build_memory or more
     unsigned threads = 0;                                 // 0: one per processor
     std::uint32_t chunk_points = default_chunk_points;
     std::optional<Sampling> sampling;  // absent: that of the tree that is read
@@ -34,7 +34,7 @@ struct ResultOptions {
 // Throws what these throw, and Error(exists) for what exists, unless `overwrite`.
 std::filesystem::path result_place(const std::filesystem::path& copy, bool overwrite);
 
-// Makes of a cloud what the name says: build_tree(), or write_cloud() of convert/convert.h, which may call `open`
+// Makes a tree or a file, by the extension: build_tree(), or write_cloud() of convert/convert.h, which may call `open`
 // twice. The report of a file has no nodes and levels. Throws what result_place() and these throw.
 BuildReport build_or_write(const std::function<std::unique_ptr<PointReader>()>& open,
                            const std::vector<std::string>& sources, const std::filesystem::path& output,

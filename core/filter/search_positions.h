@@ -8,7 +8,7 @@
 namespace pcm {
 
 struct UnitPositions {
-    SearchPositions steps;  // by number in the unit, relative to the origin
+    SearchPositions steps;  // positions by number in the unit, relative to the origin
     Vec3i origin{};         // on the grid: the smallest coordinates
 };
 

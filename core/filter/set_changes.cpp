@@ -119,7 +119,7 @@ std::size_t integer_place(TreeChanges& changes, const std::string& name, std::in
         using T = decltype(scalar);
         const auto text = std::string(name_of(attribute.type));
         if constexpr (std::is_floating_point_v<T>)
-            refuse("is of type " + text + ", which is no integer", "choose an attribute of one integer");
+            refuse("is of type " + text + ", which is not an integer", "choose an attribute of one integer");
         else if (value < 0
                      ? !std::is_signed_v<T> || value < static_cast<std::int64_t>(std::numeric_limits<T>::min())
                      : static_cast<std::uint64_t>(value) > static_cast<std::uint64_t>(std::numeric_limits<T>::max()))

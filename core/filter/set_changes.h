@@ -22,7 +22,7 @@ namespace pcm {
 
 struct SetChangeOptions {
     TargetChoice target;
-    std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // of the cache
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // memory of the cache
     unsigned threads = 0;                                   // 0: one per processor
     bool overwrite = false;  // save_as_attribute(): values that it did not make may be lost
     ProgressFunction progress;
@@ -30,7 +30,7 @@ struct SetChangeOptions {
 
 struct SetChangeReport {
     Outcome outcome;             // in: points of the tree; out: points whose value was changed
-    std::filesystem::path tree;  // that was changed or written
+    std::filesystem::path tree;  // the tree that was changed or written
 };
 
 // Writes the attribute `name` (u8): 1 for the points of the set, 0 for all others; made when absent. A condition

@@ -26,9 +26,9 @@ std::unique_ptr<PointReader> open_set(const PointSet& set);
 
 struct ExtractOptions {
     bool overwrite = false;                               // replace an output that exists
-    WriteOptions write = on_all_processors();             // of files
-    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // of a tree's build
-    unsigned threads = 0;                                 // of a tree's build; 0: one per processor
+    WriteOptions write = on_all_processors();             // options of files
+    std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // memory of a tree's build
+    unsigned threads = 0;                                 // threads of a tree's build; 0: one per processor
     ProgressFunction progress;
 };
 

@@ -18,7 +18,7 @@
 namespace pcm {
 namespace {
 
-// Of a point that is kept: its place, the table's, and in the lists of borders.
+// Memory of a kept point: its place, the table's, and in the lists of borders.
 constexpr std::uint64_t bytes_of_kept = 64;
 constexpr double least_unit_points = 4096;
 
@@ -196,14 +196,14 @@ private:
 
     std::size_t unit_ = 0;  // the present one
     std::optional<KeptPoints> kept_;
-    std::size_t from_others_ = 0;  // so many of them are points of other units
+    std::size_t from_others_ = 0;  // number of them that are points of other units
     PointsInBox part_;
     std::vector<Vec3d> positions_;
-    std::vector<std::uint32_t> kept_here_;  // of part_
+    std::vector<std::uint32_t> kept_here_;  // kept points of part_
     std::size_t next_kept_ = 0;
     std::uint64_t points_in_ = 0, points_out_ = 0;
 
-    std::vector<NodeId> nodes_;  // of unit next_unit_ - 1
+    std::vector<NodeId> nodes_;  // nodes of unit next_unit_ - 1
     std::size_t next_node_ = 0, next_unit_ = 0;
     TaskPool pool_;
     std::deque<Job> ahead_;

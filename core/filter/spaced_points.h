@@ -9,7 +9,7 @@
 
 namespace pcm {
 
-// What subsample.h says of an exact spacing. One thread calls; `threads` read ahead.
+// The exact spacing of subsample.h. One thread calls; `threads` read ahead.
 class SpacedPoints final : public PointReader {
 public:
     SpacedPoints(std::shared_ptr<const Tree> tree, double spacing, std::uint64_t memory_bytes, unsigned threads);

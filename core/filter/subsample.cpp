@@ -31,7 +31,7 @@ void check(const SubsampleOptions& options, const TreeInfo& info)
     const double spacing = *options.spacing;
     if (!(spacing > 0) || !std::isfinite(spacing))
         refuse("the spacing is " + exact(spacing) + "; it must be a positive number",
-               "give the least distance between points, in the cloud's unit");
+               "give the minimum distance between points, in the cloud's unit");
     const Box3d box = info.bounds();
     for (std::size_t a = 0; options.exact && a < 3 && !box.empty(); ++a) {
         const double far = std::max(std::fabs(box.min[a]), std::fabs(box.max[a]));

@@ -9,7 +9,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t least_neighbours = 9,
-                      most_surface_points = 65;  // further neighbours say nothing of what touches here
+                      most_surface_points = 65;  // further neighbours do not show what touches here
 constexpr std::size_t least_of_a_sheet = 3;
 // The gap over the root mean square of the distances from the sheets: at first, when both may still be tilted together,
 // and at last. One sheet with heights of a normal distribution has 2.7 when it is cut in two, with uniform ones 3.5.
@@ -17,7 +17,7 @@ constexpr double clear_at_first = 3.6, clear_gap = 6;
 // How much of where the upper points are a function of place explains: more than this is a step or a curved surface.
 constexpr double most_explained = 0.8;
 
-// Least squares of one function by N others.
+// Least-squares fit of one function by N others.
 template <std::size_t N>
 class Regression {
 public:
@@ -99,7 +99,7 @@ Heights heights_of(const OnePointsNeighbours& n, const Vec3d& normal)
     return h;
 }
 
-// Whether the upper and the lower half are far apart compared with what is in them; quickly says no.
+// Whether the upper and the lower half are far apart compared with what is in them; a quick rejection.
 bool may_be_two(const Heights& h)
 {
     if (!h.has_two_sheets()) return false;

@@ -15,7 +15,7 @@
 
 namespace pcm {
 
-// A sum with the rounding errors of its additions added up beside it (Neumaier 1974).
+// A sum with the rounding errors of its additions added up separately (Neumaier 1974).
 class CompensatedSum {
 public:
     void add(double v)
@@ -109,7 +109,7 @@ double value_of_rank(const ForEach& for_each, std::uint64_t rank, const F& f)
     return value;
 }
 
-// The middle one of f(v), or the mean of the two middle ones. `count`: of the numbers, at least 1.
+// The middle one of f(v), or the mean of the two middle ones. `count`: how many numbers, at least 1.
 template <class ForEach, class F>
 double median_of(const ForEach& for_each, std::uint64_t count, const F& f)
 {

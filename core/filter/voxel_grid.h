@@ -24,9 +24,9 @@ struct VoxelGridOptions {
     VoxelLattice voxels;
     VoxelPoint point = VoxelPoint::centroid;
     bool count = false;  // add an attribute `point_count`, u32: the number of points in the voxel
-    // Attributes that are combined otherwise than the names say; of centroids.
+    // Attributes that are combined otherwise than their names imply; for centroids.
     std::vector<std::string> by_majority, by_mean;
-    std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // of the reader
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // memory of the reader
     unsigned threads = 0;                                   // 0: one per processor
 };
 
@@ -53,9 +53,9 @@ public:
     bool read(PointBatch& batch, std::size_t max_points) override;
     double fraction_read() const override;
 
-    std::uint64_t points_in() const;   // of the tree, combined so far
+    std::uint64_t points_in() const;   // points of the tree, combined so far
     std::uint64_t points_out() const;  // voxels so far
-    // How many points the voxel with the most has, so far.
+    // Number of points of the fullest voxel so far.
     std::uint64_t most_in_one() const;
 
 private:
@@ -65,7 +65,7 @@ private:
 
 struct VoxelGridReport {
     BuildReport build;              // points_in: of the source; points_out: voxels
-    std::uint64_t most_in_one = 0;  // points of the voxel with the most
+    std::uint64_t most_in_one = 0;  // number of points of the fullest voxel
 };
 
 // The voxel grid of a tree as a tree. `options.memory_bytes` and `options.threads` have no meaning here. Throws what

@@ -29,7 +29,7 @@ void group_by_voxel(const Positions& points, const VoxelLattice& lattice, VoxelS
 // than rounding could bring it back.
 Positions centroids(const Positions& points, const PointGroups& groups);
 
-// Of each group the point nearest to its centroid, the first of several.
+// For each group the point nearest to its centroid, the first of several.
 std::vector<std::uint32_t> nearest_to(const Positions& centroids, const Positions& points, const PointGroups& groups);
 
 }  // namespace pcm

@@ -20,7 +20,7 @@ struct VoxelPlan {
     const PointsInBoxes& cloud;
     const VoxelGridOptions& options;
     const std::vector<Combination>& combinations;
-    const Schema& schema;         // of the result
+    const Schema& schema;         // schema of the result
     bool gridded = false;         // the result is on the tree's grid
     std::size_t most_points = 0;  // in memory at once
     const std::atomic<bool>& stopped;

@@ -8,7 +8,7 @@
 namespace pcm {
 namespace {
 
-// About so many points are somewhere in these voxels.
+// Voxels with an estimate of the points in them.
 struct Share {
     Box3i voxels;
     double points = 0;

@@ -18,9 +18,9 @@ struct PatchBlock {
 
 // How its points count.
 struct BlockWeights {
-    alignas(64) double within[patch_block];  // 1 for points that take part, else 0
+    alignas(64) double within[patch_block];  // 1 for points that count, else 0
     alignas(64) double weight[patch_block];
-    alignas(64) double slope[patch_block];  // of weight times distance, per distance
+    alignas(64) double slope[patch_block];  // growth of weight times distance, per distance
     alignas(64) double cost[patch_block];
 };
 
@@ -47,7 +47,7 @@ struct PatchNumbers {
     double place[3], a[3], n[3], b[3], curvature;
 };
 
-// Of up to patch_block points; distances of any number.
+// Loops over up to patch_block points; distances of any number.
 struct ShapeLoops {
     void (*distances)(const ShapeNumbers& shape, const double* x, const double* y, const double* z, std::size_t count,
                       double* out);
@@ -63,7 +63,7 @@ struct BlockFacts {
 struct BlockLoops {
     ShapeLoops plane, cylinder, sphere;
 
-    // Of columns of any length: the largest |value - shift|; sums of values times a factor, and of products of two
+    // For columns of any length: the largest |value - shift|; sums of values times a factor, and of products of two
     // columns, each shifted and times the factor. Not finite where a value is not.
     double (*largest)(const double* values, std::size_t count, double shift);
     double (*sum_scaled)(const double* values, std::size_t count, double factor);
@@ -88,11 +88,11 @@ struct BlockLoops {
                       std::int32_t* to);
     // Sets the sums of a block. Its arrays are filled up to a multiple of eight points.
     void (*sum)(PatchBlock& block, BlockWeights& weights, std::size_t count, std::size_t parameters, BlockSums& sums);
-    // Of the distances of those that take part.
+    // Sum of squares of the distances of those that count.
     double (*squares)(const PatchBlock& block, const BlockWeights& weights, std::size_t count);
     // The cost alone.
     double (*cost)(const BlockWeights& weights, std::size_t count);
-    // Adds to the facts. `inverse`: of the products, row by row.
+    // Adds to the facts. `inverse`: inverse of the products, row by row.
     void (*facts)(const PatchBlock& block, std::size_t count, std::size_t parameters, const double* inverse,
                   double threshold, BlockFacts& facts);
 };

@@ -372,7 +372,7 @@ void sum(PatchBlock& block, BlockWeights& weights, std::size_t count, std::size_
 void facts(const PatchBlock& block, std::size_t count, std::size_t parameters, const double* inverse, double threshold,
            BlockFacts& to)
 {
-    alignas(64) double influence[patch_block] = {}, near[patch_block], beside[patch_block];
+    alignas(64) double influence[patch_block] = {}, near[patch_block], outside[patch_block];
     for (std::size_t j = 0; j < parameters; ++j)
         for (std::size_t k = j; k < parameters; ++k) {
             const double factor = (k > j ? 2 : 1) * inverse[j * parameters + k];
@@ -381,11 +381,11 @@ void facts(const PatchBlock& block, std::size_t count, std::size_t parameters, c
     for (std::size_t i = 0; i < count; ++i) {
         const double away = fabs(block.distance[i]);
         near[i] = away <= threshold ? 1 : 0;
-        beside[i] = (away > 2 * threshold ? 1.0 : 0.0) * (away <= 4 * threshold ? 1.0 : 0.0);
+        outside[i] = (away > 2 * threshold ? 1.0 : 0.0) * (away <= 4 * threshold ? 1.0 : 0.0);
         influence[i] = away <= threshold ? influence[i] : 0;
     }
     to.within += sum_of(near, count);
-    to.around += sum_of(beside, count);
+    to.around += sum_of(outside, count);
     to.sum += sum_of(influence, count);
     Lanes largest(to.largest);
     // Beyond the last one are zeros.

@@ -11,8 +11,8 @@ namespace {
 constexpr std::size_t places = 1024, least_near = 48;
 // The box of a flat cloud is as thick as this part of its largest side.
 constexpr double least_side = 0.1;
-// Shapes differ where a parameter differs by about the threshold. Fits of points that are anywhere find what so many
-// different shapes let expect to this power; of a wide band at least as many as of a share of a tenth.
+// Number of tests in points that lie anywhere: (1 / share)^(found_of_different * parameters), since shapes differ where
+// a parameter differs by about the threshold; a share above largest_share counts as that.
 constexpr double found_of_different = 0.8, largest_share = 0.1;
 constexpr double threshold_ratio = 1.189207115;  // between thresholds: the fourth root of 2
 constexpr double least_part = 1.0 / 64;
@@ -89,9 +89,9 @@ double ChanceTest::best_threshold(const ShapeModel& model, const Shape& shape, d
     double best = most, least = 0;
     for (double threshold = most; threshold > least_part * most; threshold /= threshold_ratio) {
         const double inliers = static_cast<double>(up_to(near, threshold));
-        const double alarms = log_alarms(model, share_within(box, threshold), inliers);
-        if (!(alarms < least)) continue;
-        least = alarms;
+        const double log_false_alarms = log_alarms(model, share_within(box, threshold), inliers);
+        if (!(log_false_alarms < least)) continue;
+        least = log_false_alarms;
         best = threshold;
     }
     return best;

@@ -10,8 +10,8 @@
 
 namespace pcm {
 
-// A contrario (Desolneux, Moisan, Morel 2000; thresholds: Moisan, Stival 2004): how many shapes with that many points
-// within a threshold as many points anywhere in their box let expect. One thread; working units.
+// A contrario (Desolneux, Moisan, Morel 2000; thresholds: Moisan, Stival 2004): the expected number of shapes with this
+// number of points within a threshold if as many points lay anywhere in their box. One thread; working units.
 class ChanceTest {
 public:
     explicit ChanceTest(const WorkingPoints& points);
@@ -20,7 +20,7 @@ public:
     double share(const ShapeModel& model, const Shape& shape, double threshold) const;
     // Natural logarithm of about the number of such shapes; 0 where it is 1 or more.
     double log_alarms(const ShapeModel& model, double share, double inliers) const;
-    // Of thresholds from `most` down the one with the fewest such shapes.
+    // The threshold with the minimum expected number of such shapes, from `most` down.
     double best_threshold(const ShapeModel& model, const Shape& shape, double most) const;
 
 private:

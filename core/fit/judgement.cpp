@@ -12,12 +12,12 @@ namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_parameters, most_parameters>;
 constexpr double infinite = std::numeric_limits<double>::infinity();
-// Of a curvature in units of its own error.
+// Limits for a curvature in units of its own error.
 constexpr double least_significance = 5, good_significance = 10;
 // How far the points are from a plane, in units of their noise: errors that many points share bend a plane as much.
 constexpr double least_bend = 0.25;
 
-// The numbers that people read, of which the errors are reported: place, axis, radius, second.
+// The numbers that people read, whose errors are reported: place, axis, radius, second.
 struct Numbers {
     Vec3d place{}, axis{};
     double radius = 0, second = 0;
@@ -32,7 +32,7 @@ Numbers numbers_of(const Shape& shape, const Vec3d& middle)
     return numbers;
 }
 
-// Largest standard deviation in any direction.
+// Maximum standard deviation in any direction.
 double largest(const Eigen::Matrix3d& covariance)
 {
     return std::sqrt(std::max(0.0, Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(covariance).eigenvalues()[2]));
@@ -67,12 +67,12 @@ ShapeErrors errors_of(const ShapeModel& model, const SurfacePatch& patch, const 
     return errors;
 }
 
-// Chance alone makes the others differ by so much.
-constexpr double alike = 1.25;
+// Errors may differ by this factor by chance alone.
+constexpr double chance_factor = 1.25;
 
 void grow(double& error, double other)
 {
-    if (other > alike * error) error = other;
+    if (other > chance_factor * error) error = other;
 }
 
 void grow(ShapeErrors& errors, const ShapeErrors& other)
@@ -165,7 +165,7 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
               "the points cover too little of the shape to determine it: take points farther around it");
         return fit;
     }
-    // Of an estimate by weights (Huber 1981): with the equations' own weights, and what the cut at the threshold takes.
+    // Covariance of a weighted estimate (Huber 1981): the equations' own weights, and the loss at the cut.
     const double slope = std::max(sums.slope, 0.05 * sums.used);
     const double square = sums.pull * freedom * sums.used / (slope * slope);
     Matrix covariance = system.eigenvectors() * system.eigenvalues().cwiseInverse().asDiagonal() *
@@ -191,9 +191,9 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
 
 bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums)
 {
-    constexpr double surely_curved = 6;  // by so much of the noise
+    constexpr double min_curvature = 6;  // in units of the noise
     const auto [flat, other] = significance_of(shape, fit.errors);
-    return fit.has_shape() && std::min(flat, other) < surely_curved * std::sqrt(sums.used);
+    return fit.has_shape() && std::min(flat, other) < min_curvature * std::sqrt(sums.used);
 }
 
 void to_source_units(ShapeFit& fit, double unit)

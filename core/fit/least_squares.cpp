@@ -54,7 +54,7 @@ double size_of(const std::array<double, most_parameters>& step)
     return size;
 }
 
-// The mixture is known well enough after so many steps.
+// The mixture is known well enough after this number of steps.
 constexpr unsigned most_learned = 8;
 
 double mean_square(const PatchSums& sums) { return sums.used > 0 ? sums.squares / sums.used : 0; }

@@ -26,12 +26,12 @@ BandFacts band_facts(const ShapeModel& model, const PolishedPatch& polished, con
                      double threshold);
 
 // Gauss-Newton steps, damped where they do not help (Levenberg, Marquardt), until a step lowers the sum of squares by
-// less than `enough` times the mean square: until it is shorter than the root of that in units of the errors. Of the
-// points within the threshold those count most that are likely to belong to the surface; the mixture is learned on the
+// less than `enough` times the mean square: until it is shorter than the root of that in units of the errors. The
+// points within the threshold that are likely to belong to the surface count most; the mixture is learned on the
 // way.
 PolishedPatch polish(const ShapeModel& model, const SurfacePatch& start, const WorkingPoints& points,
                      const PatchBand& band, unsigned most_steps, double enough);
-// By all points within the threshold alike.
+// Improves with equal weights for all points within the threshold.
 SurfacePatch improved(const ShapeModel& model, const SurfacePatch& start, const WorkingPoints& points,
                       const PatchBand& band, unsigned most_steps, double enough);
 
@@ -40,7 +40,7 @@ SurfacePatch improved(const ShapeModel& model, const SurfacePatch& start, const 
 // With `scatter` (see scatter_of()) errors grow to what it shows.
 ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchSums& sums, double noise,
                 const Vec3d& middle, double extent, const double* scatter = nullptr);
-// Whether the points' noise is not small beside what they show of the shape's size.
+// Whether the points' noise is not small relative to what they show of the shape's size.
 bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums);
 // From working to source units.
 void to_source_units(ShapeFit& fit, double unit);

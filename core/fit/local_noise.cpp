@@ -15,7 +15,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t most_places = 200, least_neighbours = 16, most_neighbours = 512, surface_numbers = 6;
-// A neighbourhood shows the noise if it is wide beside it.
+// Maximum ratio of the noise to the width of a neighbourhood that shows it.
 constexpr double widest_noise = 0.12;
 // Residuals farther than this many deviations are of something else; what is left of Gaussian noise then.
 constexpr double cut = 3;
@@ -51,7 +51,7 @@ void set_axes(const std::vector<Eigen::Vector3d>& offsets, Patch& patch)
     }
 }
 
-// Least squares of the used points; returns the deviation of their residuals, below 0 for too few.
+// Least-squares fit to the used points; returns the deviation of their residuals, below 0 for too few.
 double fit_surface(Patch& patch)
 {
     Matrix6 a = 1e-12 * Matrix6::Identity();
@@ -97,7 +97,7 @@ double noise_of(const std::vector<Eigen::Vector3d>& offsets, Patch& patch)
     return noise;
 }
 
-// Of points [0, n) in random order the noise around some of them.
+// The noise around some of the points [0, n) in random order.
 std::vector<double> noises(const FitPoints& points, const std::vector<std::uint32_t>& order, std::size_t n)
 {
     std::vector<double> x, y, z, found;

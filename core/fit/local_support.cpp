@@ -80,7 +80,7 @@ double beyond(SupportCells& cells, const SupportCells::Place& place)
     return cell.support;
 }
 
-// Of the points up to `farthest` from the surface.
+// Counts the points up to `farthest` from the surface.
 SupportCells filled(const WorkingPoints& points, const std::vector<double>& distances, double threshold, double size,
                     double farthest)
 {

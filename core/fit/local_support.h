@@ -8,8 +8,8 @@
 
 namespace pcm {
 
-// Which points within a threshold are more than those around, beyond the threshold, let expect by chance. A few others
-// far away, on the other side of a cylinder say, would weigh more in least squares than all of the surface. One thread.
+// Which points within a threshold exceed chance, as estimated from those around, beyond the threshold. A few others
+// far away, e.g. across a cylinder, would weigh more in least squares than all of the surface. One thread.
 class LocalSupport {
 public:
     LocalSupport(const ShapeModel& model, const WorkingPoints& points) : model_(model), points_(points) {}
@@ -17,9 +17,9 @@ public:
     // `noise` is the standard deviation of the distances. False: these differ from those of the last shape by less than
     // half of it, and nothing changes.
     bool find(const Shape& shape, double threshold, double noise);
-    // 1 or 0 for each point; null: all, or too few points to say.
+    // 1 or 0 for each point; null: all, or too few points to judge.
     const double* of_points() const { return support_.empty() ? nullptr : support_.data(); }
-    double share() const { return share_; }  // of the points with 1 that are not near by chance
+    double share() const { return share_; }  // share of the points with 1 that are not near by chance
 
 private:
     const ShapeModel& model_;

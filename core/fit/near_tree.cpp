@@ -52,7 +52,7 @@ void NearTree::nearest(const Vec3d& place, std::size_t count, std::vector<Near>&
     if (count == 0) return;
     struct Waiting {
         std::uint32_t node;
-        double square;  // at least this far, along one axis
+        double square;  // lower bound of the squared distance, along one axis
     };
     Waiting waiting[64];
     std::size_t many = 0;

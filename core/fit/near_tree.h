@@ -15,7 +15,7 @@ public:
     NearTree(const std::vector<double>& x, const std::vector<double>& y, const std::vector<double>& z);
 
     struct Near {
-        double square = 0;  // of the distance
+        double square = 0;  // squared distance
         std::uint32_t index = 0;
     };
     // The nearest `count` points of a place, nearest first, a point there included; `near` is reused.
@@ -23,7 +23,7 @@ public:
 
 private:
     struct Node {
-        std::uint32_t first = 0, last = 0;  // of items_
+        std::uint32_t first = 0, last = 0;  // range in items_
         std::uint32_t axis = 3;             // 3: a leaf
         double cut = 0;
         std::uint32_t right = 0;  // the left child is the next node

@@ -32,7 +32,7 @@ double reach_of(double square)
     return std::sqrt(low * high);
 }
 
-// About what falling weights amount to, of the threshold.
+// Equivalent sharp cut for weights that fall towards the threshold, relative to it.
 constexpr double tapered_cut = 0.95;
 
 double taper(double part)

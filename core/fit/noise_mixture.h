@@ -16,8 +16,8 @@ struct DistanceBins {
     std::array<double, size> counts{};
 };
 
-// Of the points within `threshold` a `share`, which is known from points beyond it, has Gaussian distances of a
-// standard deviation that is learned, cut at the threshold; the others are uniform. The weight of a point is the
+// A `share` of the points within `threshold`, known from points beyond it, has Gaussian distances of a
+// learned standard deviation, cut at the threshold; the others are uniform. The weight of a point is the
 // probability that it belongs to the first; towards the threshold weights fall to 0, so that no point counts suddenly.
 class NoiseMixture {
 public:
@@ -58,7 +58,7 @@ private:
 
 // Standard deviation of Gaussian distances whose root mean square up to a threshold is that.
 double deviation_of_cut(double rms, double threshold);
-// Gaussian points per distance at a threshold, of so many within it, times the threshold.
+// Gaussian points per distance at a threshold, times the threshold; `points`: number within it.
 double density_at_cut(double deviation, double threshold, double points);
 
 }  // namespace pcm

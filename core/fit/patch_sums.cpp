@@ -7,7 +7,7 @@
 namespace pcm {
 namespace {
 
-// Of points that take part: apart, so that one need not wait for the one before.
+// Distances of points that count, in separate bins, so that one need not wait for the one before.
 class DistanceCounts {
 public:
     void add(const PatchBlock& block, const BlockWeights& weights, std::size_t count, double threshold)
@@ -28,7 +28,7 @@ private:
     std::array<std::array<double, DistanceBins::size + 1>, apart> counts_{};
 };
 
-// Returns how many take part.
+// Returns how many count.
 double weigh(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, const PatchBand& band,
              const NoiseMixture* mixture, std::size_t first, std::size_t count, const PatchBlock& block,
              BlockWeights& weights)

@@ -10,31 +10,31 @@
 
 namespace pcm {
 
-// Which points take part.
+// Which points count.
 struct PatchBand {
     double threshold = std::numeric_limits<double>::infinity();
-    double least_cosine = -1;  // of the angle between normals; below 0: not compared
+    double least_cosine = -1;  // minimum cosine of the angle between normals; below 0: not compared
     std::size_t points = std::numeric_limits<std::size_t>::max();  // the first of them
     const double* support = nullptr;                               // a factor of each point's weight; null: 1
-    double share = 1;      // of the points within the threshold that belong to the surface
-    double deviation = 0;  // of these, if it is about known
+    double share = 1;      // share of the points within the threshold that belong to the surface
+    double deviation = 0;  // standard deviation of these, if it is about known
 };
 
-// Without a mixture all points within the threshold weigh 1; `bins` counts the distances of those that take part.
+// Without a mixture all points within the threshold weigh 1; `bins` counts the distances of those used.
 PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points,
                   const PatchBand& band, const NoiseMixture* mixture, DistanceBins* bins = nullptr);
 
 // Sums of squares and products of what blocks of neighbouring points pull at the parameters, row by row with
-// most_parameters to a row: what errors are where those of neighbours are alike. False: too few blocks to say.
+// most_parameters to a row: the errors where those of neighbours are correlated. False: too few blocks.
 bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, const PatchBand& band,
                 const NoiseMixture& mixture, std::array<double, most_parameters * most_parameters>& scatter);
 
 // What the points within the threshold show of chance and influence.
 struct BandFacts {
-    double chance = 0;     // share of them that points from twice to four times the threshold let expect by chance
-    double influence = 0;  // of the most influential one on the result, in units of the mean
+    double chance = 0;     // share near by chance, estimated from twice to four times the threshold
+    double influence = 0;  // influence on the result of the most influential point, in units of the mean
 };
-// `inverse`: of the products, row by row, all of it.
+// `inverse`: full inverse of the products, row by row.
 BandFacts facts_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points, double threshold,
                    const double* inverse);
 

@@ -11,8 +11,8 @@ namespace pcm {
 struct PclOptions {
     // PCL's least squares of the inliers at the end, as its SACSegmentation does unless asked otherwise.
     bool optimise = true;
-    // Of RRANSAC and RMSAC: the points that must all fit a sample before it is scored. One is best (Matas, Chum 2004);
-    // PCL's own default, 10 % of all points, is passed by no sample where outliers are many.
+    // For RRANSAC and RMSAC: the number of points that must all fit a sample before it is scored. One is best (Matas,
+    // Chum 2004); PCL's own default, 10 % of all points, lets no sample pass where outliers are many.
     std::size_t pretest = 1;
 };
 

@@ -69,7 +69,7 @@ void estimate_normals(FitPoints& points, std::size_t neighbours)
     points.nx.assign(n, 0);
     points.ny.assign(n, 0);
     points.nz.assign(n, 0);
-    // Points that are not finite take no part.
+    // Points that are not finite are ignored.
     std::vector<double> x, y, z;
     std::vector<std::uint32_t> index;
     for (std::size_t i = 0; i < n; ++i)

@@ -11,7 +11,7 @@ namespace pcm {
 
 struct PlaneNear {
     Vec3d normal{};  // 0 0 0 where the points are on one line
-    double rms = 0;  // of their distances from the plane
+    double rms = 0;  // root mean square of their distances from the plane
 };
 // The plane through the nearest points.
 PlaneNear plane_near(const NearTree& tree, const std::vector<double>& x, const std::vector<double>& y,

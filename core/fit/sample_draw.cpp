@@ -21,7 +21,7 @@ SampleDraw::SampleDraw(const WorkingPoints& points, SampleNormals& normals, std:
     // Points are in random order.
     for (std::size_t i = 0; i < known; ++i) quality.emplace_back(normals.unevenness(i), static_cast<std::uint32_t>(i));
     std::sort(quality.begin(), quality.end());
-    for (const auto& one : quality) order_.push_back(one.second);
+    for (const auto& entry : quality) order_.push_back(entry.second);
     part_ = sampled;
     expected_ = even_samples;
     for (std::size_t i = 0; i < sampled; ++i)

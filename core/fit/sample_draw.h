@@ -11,7 +11,7 @@
 
 namespace pcm {
 
-// All points alike, or those of good quality first (PROSAC, Chum and Matas 2005). Quality is how near a point's
+// All points equally, or those of good quality first (PROSAC, Chum and Matas 2005). Quality is how near a point's
 // neighbours are to a plane; it is known of up to 1000 points, which are drawn at random. One thread.
 class SampleDraw {
 public:
@@ -36,14 +36,14 @@ public:
     }
 
 private:
-    static constexpr std::size_t least_part = 50;  // whose share means something
+    static constexpr std::size_t least_part = 50;  // minimum number of points for a meaningful share
     void grow();
 
     const WorkingPoints& points_;
     std::size_t sampled_;
     SampleNumbers random_;
-    std::vector<std::uint32_t> order_;  // points of known quality, best first; empty: all alike
-    std::size_t part_ = 0;              // of which are drawn from
+    std::vector<std::uint32_t> order_;  // points of known quality, best first; empty: all are equal
+    std::size_t part_ = 0;              // number of these that are drawn from
     double drawn_ = 0, until_ = 1, expected_ = 0;
 };
 

@@ -8,7 +8,7 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t block = 512, first_points = 2048;
-// Of the likelihood: distances up to this many standard deviations are distinguished.
+// Distances up to this many standard deviations are distinguished by the likelihood.
 constexpr double most_deviations = 6;
 constexpr std::size_t bins = 240;
 // Scores of the same points differ by chance by less than this many roots of their number.
@@ -50,7 +50,7 @@ std::size_t SampleScore::roughly_near(const Shape& shape, double thresholds)
     return near;
 }
 
-// Of the block from there on; those whose normals do not fit are infinite.
+// Distances of the block from there on; those whose normals do not fit are infinite.
 std::size_t SampleScore::distances(const Shape& shape, std::size_t first)
 {
     const std::size_t count = std::min(block, points_.size() - first);

@@ -27,12 +27,12 @@ public:
     struct Value {
         double score = 0;
         std::size_t inliers = 0;
-        // Of many points the first few, which a worse shape fails by as much as chance does not explain.
+        // Score of the first few of many points, which a worse shape fails by as much as chance does not explain.
         double of_first = 0;
     };
-    // Gives up, with a score of at least best.score, where the shape is surely worse.
+    // Gives up, with a score of at least best.score, where the shape is worse beyond chance.
     Value of(const Shape& shape, const Value& best);
-    // Of the first few points those within so many thresholds.
+    // Number of the first few points that are within this multiple of the threshold.
     std::size_t roughly_near(const Shape& shape, double thresholds);
     bool is_near(const Shape& shape, std::size_t i, double thresholds = 1) const;
 

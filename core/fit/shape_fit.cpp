@@ -16,14 +16,14 @@
 namespace pcm {
 namespace {
 
-constexpr double unknown_noise = 0.01;  // of the extent: the threshold for points that show no noise
+constexpr double unknown_noise = 0.01;  // share of the extent: the threshold for points that show no noise
 constexpr double harmless_chance = 0.06, harmless_influence = 8;
-// Of the points near a shape those that points beside it let expect: 0.5 and more where it is no surface, and 0.3 for a
-// sphere among six times as many outliers.
+// Maximum expected share of chance points near a shape, estimated from the points next to it: 0.5 and more where there
+// is not a surface, and 0.3 for a sphere among six times as many outliers.
 constexpr double most_chance = 0.42;
-// Of a threshold: more shows that it cuts the noise.
+// Maximum noise relative to the threshold, above which the threshold cuts the noise; maximum share of chance points.
 constexpr double most_noise = 0.55, most_flat_chance = 0.15;
-constexpr double exactly = 1e-7;  // steps of a three-thousandth of the errors are the last ones
+constexpr double fine_tolerance = 1e-7;  // steps of a three-thousandth of the errors are the last ones
 
 using Clock = std::chrono::steady_clock;
 
@@ -60,7 +60,7 @@ ShapeFit refused(ShapeKind kind, FitIssue issue)
             fit.message = "all points are at one place";
             break;
         case FitIssue::collinear:
-            fit.message = "all points are on one line: take points beside it";
+            fit.message = "all points are on one line: take points off that line";
             break;
         case FitIssue::coplanar:
             fit.message = "all points are in one plane: fit a plane, or take points farther around the " + name;
@@ -78,17 +78,17 @@ double widened(double threshold, double noise) { return std::clamp(4.5 * noise, 
 struct UsedBand {
     PatchBand band;
     double chance = 0;
-    std::optional<LocalSupport> support;  // that the band points to
+    std::optional<LocalSupport> support;  // support that the band points to
 };
 
 // From a sample's shape: by points within the threshold first, then without those that are near it by chance.
 PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const WorkingPoints& working, UsedBand& used,
                               unsigned most_steps)
 {
-    constexpr double roughly = 0.01;  // steps of a tenth of the errors
+    constexpr double coarse_tolerance = 0.01;  // steps of a tenth of the errors
     PatchBand& band = used.band;
     const double threshold = band.threshold;
-    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, roughly);
+    PolishedPatch polished = polish(model, model.patch_at(start, {}), working, band, 10, coarse_tolerance);
     // Few such points that weigh no more than others do no harm.
     const BandFacts facts = band_facts(model, polished, working, threshold);
     used.chance = facts.chance;
@@ -96,7 +96,7 @@ PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const
         band.threshold = widened(threshold, polished.noise());
         band.share = 1 - facts.chance * band.threshold / threshold;
         band.deviation = polished.noise();
-        return polish(model, polished.patch, working, band, most_steps, exactly);
+        return polish(model, polished.patch, working, band, most_steps, fine_tolerance);
     }
     LocalSupport& support = used.support.emplace(model, working);
     for (int round = 0; round < 2; ++round) {
@@ -106,14 +106,15 @@ PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const
         if (round > 0 && !changed) break;
         band.support = support.of_points();
         band.share = support.share();
-        polished = polish(model, model.patch_at(shape, {}), working, band, round == 0 ? 10 : most_steps, roughly);
+        polished =
+            polish(model, model.patch_at(shape, {}), working, band, round == 0 ? 10 : most_steps, coarse_tolerance);
     }
-    polished = polish(model, polished.patch, working, band, most_steps, exactly);
+    polished = polish(model, polished.patch, working, band, most_steps, fine_tolerance);
     used.chance = band_facts(model, polished, working, threshold).chance;
     return polished;
 }
 
-// Least squares of a cylinder that is almost a plane may end with its axis across: other directions are tried.
+// A least-squares fit of a cylinder that is almost a plane may end with its axis across: other directions are tried.
 void try_other_axes(const ShapeModel& model, const WorkingPoints& working, const PatchBand& band, unsigned most_steps,
                     PolishedPatch& polished)
 {
@@ -122,7 +123,7 @@ void try_other_axes(const ShapeModel& model, const WorkingPoints& working, const
         SurfacePatch start = from;
         models::turn(start, (turn * pi) * from.n);
         start.curvature = 0.01;
-        const PolishedPatch other = polish(model, start, working, band, most_steps, exactly);
+        const PolishedPatch other = polish(model, start, working, band, most_steps, fine_tolerance);
         if (other.sums.cost < polished.sums.cost) polished = other;
     }
 }
@@ -135,7 +136,7 @@ void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
     fit.message = message;
 }
 
-// Errors grow where those of neighbours are alike.
+// Errors grow where those of neighbours are correlated.
 void judge_scatter(const ShapeModel& model, const PolishedPatch& polished, const WorkingPoints& working,
                    const UsedBand& used, ShapeFit& fit)
 {
@@ -177,8 +178,9 @@ ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchB
 {
     const ShapeModel& model = model_of(start.kind);
     UsedBand used{band, 0, {}};
-    PolishedPatch polished = sample ? polished_sample(model, start, working, used, most_steps)
-                                    : polish(model, model.patch_at(start, {}), working, band, most_steps, exactly);
+    PolishedPatch polished = sample
+                                 ? polished_sample(model, start, working, used, most_steps)
+                                 : polish(model, model.patch_at(start, {}), working, band, most_steps, fine_tolerance);
     ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     if (sample && model.kind == ShapeKind::cylinder && fit.issue != FitIssue::none) {
         try_other_axes(model, working, used.band, most_steps, polished);
@@ -189,7 +191,7 @@ ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchB
         doubt(fit, FitIssue::not_converged, "least squares did not converge: the errors may be larger");
     if (used.chance > most_chance)
         doubt(fit, FitIssue::no_consensus,
-              std::string("almost as many points are beside the ") + traits_of(model.kind).name +
+              std::string("almost as many points are next to the ") + traits_of(model.kind).name +
                   " as on it, so it may be there by chance: raise the number of iterations, or the threshold where the "
                   "noise is larger");
     const Shape shape = model.shape_of(polished.patch);
@@ -226,8 +228,8 @@ public:
         return found.found ? refitted(found.shape, threshold) : refused(model_.kind, FitIssue::no_consensus);
     }
 
-    // Points that are few for their outliers show more than their noise, and a wide band finds no surface: of this
-    // threshold, its half and so on the one whose points are least there by chance.
+    // Points that are few for their outliers show more than their noise, and a wide band finds no surface:
+    // searches this threshold, its half and so on for the one whose points are least likely to be there by chance.
     ShapeFit fit_from(double threshold)
     {
         const ChanceTest test(working_);
@@ -236,10 +238,10 @@ public:
             part_ = 0.5 * (1 - done_);
             Found found = settled(test, fit_within(threshold));
             const bool narrow = found.share < narrow_share;
-            const bool better = k == 0 || found.alarms < clearly * best.alarms;
+            const bool better = k == 0 || found.log_false_alarms < min_improvement * best.log_false_alarms;
             if (better) best = std::move(found);
             if (is_sure(best) || narrow || threshold / 2 < smallest_) break;
-            if (!better && best.alarms < many_alarms && best.share < wide_share) break;
+            if (!better && best.log_false_alarms < clear_log_false_alarms && best.share < wide_share) break;
             done_ += part_;
             if (!on_(done_)) break;
         }
@@ -252,16 +254,16 @@ public:
 private:
     struct Found {
         ShapeFit fit;
-        double share = 1, alarms = 0;  // see ChanceTest
+        double share = 1, log_false_alarms = 0;  // see ChanceTest
     };
     static constexpr unsigned most_halved = 6;
     // Narrower bands are of no use. A surface in a wide one shows only a part of itself.
-    static constexpr double narrow_share = 0.04, wide_share = 0.1, surely_wide = 0.25;
-    // A threshold within the noise has a few alarms less than one of three deviations.
-    static constexpr double clearly = 1.25;
-    static constexpr double many_alarms = -10, surely_many = -25;
-    static constexpr double few_by_chance = 0.2;  // of the inliers
-    static constexpr double even_noise = 0.6;     // of the threshold: distances are about even within it
+    static constexpr double narrow_share = 0.04, wide_share = 0.1, max_share = 0.25;
+    // Factor on the logarithm: a threshold within the noise has slightly fewer false alarms than three deviations.
+    static constexpr double min_improvement = 1.25;
+    static constexpr double clear_log_false_alarms = -10, log_false_alarm_limit = -25;
+    static constexpr double few_by_chance = 0.2;  // maximum share of the inliers
+    static constexpr double even_noise = 0.6;     // relative to the threshold: distances are about even within it
 
     ShapeFit refitted(const Shape& start, double threshold)
     {
@@ -277,12 +279,12 @@ private:
         for (int round = 0; found.fit.has_shape(); ++round) {
             const Shape shape = working_.to_working(found.fit.shape);
             const double now = found.fit.threshold / working_.unit;
-            // The band with the fewest alarms is about one and a half deviations wide.
+            // The band with the minimum number of false alarms is about one and a half deviations wide.
             const double dense = 2 * test.best_threshold(model_, shape, now);
             const double better = std::max(std::min(3 * found.fit.noise / working_.unit, dense), smallest_);
             if (round == most_rounds || better > 0.7 * now) {
                 found.share = test.share(model_, shape, now);
-                found.alarms = test.log_alarms(model_, found.share, static_cast<double>(found.fit.inliers));
+                found.log_false_alarms = test.log_alarms(model_, found.share, static_cast<double>(found.fit.inliers));
                 break;
             }
             found.fit = refitted(shape, better);
@@ -296,7 +298,7 @@ private:
     {
         const auto inliers = static_cast<double>(found.fit.inliers);
         const double others = static_cast<double>(working_.size()) - inliers;
-        return found.alarms < 0 && found.share < surely_wide &&
+        return found.log_false_alarms < 0 && found.share < max_share &&
                others * found.share / (1 - found.share) < few_by_chance * inliers;
     }
 
@@ -306,11 +308,12 @@ private:
         const std::string name = traits_of(model_.kind).name;
         const bool even = found.fit.noise > even_noise * found.fit.threshold;
         // Surfaces with a direction may lie across the points: a strip of these is evenly within the band.
-        if (even && (found.share > surely_wide || (traits_of(model_.kind).axis && found.alarms > surely_many)))
+        if (even && (found.share > max_share ||
+                     (traits_of(model_.kind).axis && found.log_false_alarms > log_false_alarm_limit)))
             doubt(found.fit, FitIssue::no_consensus,
                   "the points within the automatic threshold are spread evenly over it, so the " + name +
                       " may lie across them: take more points or fewer outliers, or set the threshold");
-        if (!(found.alarms < 0))
+        if (!(found.log_false_alarms < 0))
             doubt(found.fit, FitIssue::no_consensus,
                   "as many points would be near some " + name +
                       " by chance: take more points or fewer outliers, or set the threshold");

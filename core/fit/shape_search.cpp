@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t improved_points = 512;
 constexpr unsigned flat_samples = 60;
-// A sample leads to the surface if its normals are that near to the surface's, which so many of its points show.
+// A sample leads to the surface if its normals are within this angle of the surface's.
 constexpr double sound_normal = 0.15;  // radians
 constexpr std::size_t most_asked = 100;
 constexpr double rough_normals = 3;  // thresholds
@@ -53,7 +53,7 @@ public:
     {
         double enough = options_.fit.iterations;  // samples
         for (; static_cast<double>(result_.samples) < enough; ++result_.samples) {
-            // More samples may be needed than a better one lets expect: what was shown stays.
+            // The number of samples needed may rise: the share shown never falls.
             done_ = std::max(done_, static_cast<double>(result_.samples) / enough);
             if (result_.samples % 16 == 0 && !options_.on(done_)) break;
             SampledPoint sample[most_sampled];
@@ -68,7 +68,7 @@ public:
             if (!better) continue;
             improve();
             if (model_.needs_normals)
-                roughly_near_ = std::max(roughly_near_, score_.roughly_near(result_.shape, rough_normals));
+                near_loosely_ = std::max(near_loosely_, score_.roughly_near(result_.shape, rough_normals));
             enough = std::min<double>(options_.fit.iterations, samples_needed());
         }
         if (model_.kind == ShapeKind::cylinder || model_.kind == ShapeKind::sphere) try_flat();
@@ -76,7 +76,7 @@ public:
     }
 
 private:
-    // Samples say little of an arc so thin that it is a plane within the threshold: least squares starts from that
+    // Samples do not determine an arc that is a plane within the threshold: least squares starts from that
     // plane then, with the axis in four directions.
     void try_flat()
     {
@@ -148,19 +148,19 @@ private:
         return true;
     }
 
-    // Most of the surface may be near a shape of rough normals and beyond the threshold of it: least squares decides.
+    // Most of the surface may be near a shape of inexact normals and beyond the threshold of it: least squares decides.
     bool consider_roughly(const Shape& shape)
     {
         if (!in_range(shape)) return false;
         const std::size_t near = score_.roughly_near(shape, rough_normals);
-        if (near <= roughly_near_) return false;
-        roughly_near_ = near;
+        if (near <= near_loosely_) return false;
+        near_loosely_ = near;
         const double before = best_.score;
         improve(model_.patch_at(shape, {}), {rough_normals * options_.threshold, least_cosine_, improved_points});
         return best_.score < before;
     }
 
-    // Least squares of the points near the best sample.
+    // A least-squares fit of the points near the best sample.
     void improve()
     {
         improve(model_.patch_at(result_.shape, {}), {2 * options_.threshold, least_cosine_, improved_points});
@@ -218,7 +218,7 @@ private:
     SampleScore score_;
     SampleScore::Value best_;
     double done_ = 0;               // share of the samples, as shown
-    std::size_t roughly_near_ = 0;  // of the sample or best shape with most of the first points
+    std::size_t near_loosely_ = 0;  // number near the sample or best shape with most of the first points
     SearchResult result_;
 };
 

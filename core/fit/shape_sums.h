@@ -19,10 +19,10 @@ public:
     ShapeSums(const Shape& shape, const Vec3d& middle, double extent);
 
     void add(const Vec3d& p);          // source coordinates
-    void add(const ShapeSums& other);  // of the same shape, middle and extent
+    void add(const ShapeSums& other);  // sums of the same shape, middle and extent
 
     std::uint64_t points() const { return sums_.inliers; }
-    double rms() const;  // of the distances, source units
+    double rms() const;  // root mean square of the distances, source units
     // A Gauss-Newton step; nothing where the points determine none, or it leads to no shape. Where `rms` of the points
     // about the result is larger, half of it (and so on) should be tried: `part` of the step.
     std::optional<Shape> step(double part = 1) const;

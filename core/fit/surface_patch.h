@@ -30,10 +30,10 @@ struct PatchSums {
     std::size_t parameters = 0;
     double used = 0;  // sum of weights
     std::uint64_t inliers = 0;
-    double squares = 0;  // of their distances, weighted
-    double pull = 0;     // of squares of weight times distance
-    double slope = 0;    // of what weight times distance grows by with the distance
-    double cost = 0;     // of all points the lesser of square and squared threshold
+    double squares = 0;  // sum of their squared distances, weighted
+    double pull = 0;     // sum of squares of weight times distance
+    double slope = 0;    // sum of the growth of weight times distance with the distance
+    double cost = 0;     // sum over all points of the lesser of square and squared threshold
     std::array<double, most_parameters> gradient{};
     std::array<double, most_parameters * most_parameters> products{};  // the upper half
 };

@@ -30,7 +30,7 @@ PointSpread spread_of(const FitPoints& points)
     spread.extent = std::max({largest_of(points.x, spread.middle[0]), largest_of(points.y, spread.middle[1]),
                               largest_of(points.z, spread.middle[2])});
     if (!(spread.extent > 0)) return spread;
-    // The least numbers have no inverse.
+    // The smallest numbers have no inverse.
     const double factor = std::min(1 / spread.extent, 0x1p1022),
                  rest = factor < 0x1p1022 ? 1 : 1 / (spread.extent * factor);
     Eigen::Matrix3d products;
@@ -97,7 +97,7 @@ WorkingPoints working_points(const FitPoints& points, const PointSpread& spread,
     std::iota(result.index.begin(), result.index.end(), 0u);
     SampleNumbers random(seed ^ 0x5f17);
     for (std::size_t i = n; i > 1; --i) std::swap(result.index[i - 1], result.index[random.below(i)]);
-    // A power of two, whose inverse multiplies as exactly as it divides; the least ones have none.
+    // A power of two, whose inverse multiplies as exactly as it divides; the smallest have none.
     const double unit = result.unit, inverse = 1 / unit;
     const auto coordinates = [&](const std::vector<double>& from, double shift, std::vector<double>& to) {
         to.resize(n);

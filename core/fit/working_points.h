@@ -17,7 +17,7 @@ struct WorkingPoints {
     Vec3d middle{};   // source coordinates
     double unit = 1;  // source units per working unit; a power of two, so that scaling costs no digits
     std::vector<double> x, y, z;
-    std::vector<std::uint32_t> index;  // of the points that were given
+    std::vector<std::uint32_t> index;  // index among the points that were given
     const FitPoints* given = nullptr;
 
     std::size_t size() const { return x.size(); }
@@ -38,7 +38,7 @@ struct PointSpread {
 // Whether points can determine any shape of a kind. none: they may, and `spread` is set.
 FitIssue obvious_issue(const FitPoints& points, ShapeKind kind, std::size_t parameters, PointSpread& spread);
 
-// Of points without an obvious issue, which are kept.
+// From points without an obvious issue, which are kept.
 WorkingPoints working_points(const FitPoints& points, const PointSpread& spread, std::uint64_t seed);
 
 }  // namespace pcm

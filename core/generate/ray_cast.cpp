@@ -133,10 +133,10 @@ struct Bin {
     std::size_t count = 0;
 };
 
-// The first bin of the right side of the cut with the least cost: sum over both sides of area times shapes.
+// The first bin of the right side of the cut with the minimum cost: sum over both sides of area times shapes.
 std::size_t cheapest_cut(const std::array<Bin, bin_count>& bins, std::size_t shapes)
 {
-    std::array<double, bin_count> cost_above{};  // of the bins from here on
+    std::array<double, bin_count> cost_above{};  // cost of the bins from here on
     Box3d box;
     std::size_t count = 0;
     for (std::size_t bin = bin_count - 1; bin > 0; --bin) {

@@ -53,7 +53,7 @@ private:
     RayCaster caster_;
     Grid grid_;
     const SceneOptions& options_;
-    Vec3d corner_;  // of the site, relative to the grid's offset
+    Vec3d corner_;  // corner of the site, relative to the grid's offset
 };
 
 ScannedPoint Scanner::point(std::uint64_t number) const

@@ -17,9 +17,9 @@ struct SceneOptions {
     Vec3d origin{500000.0, 4800000.0, 100.0};  // map coordinates of the scene's south-west corner
     double extent = 0;                         // side length of the scene, metres; 0: grows with the number of points
     double noise = 0.003;                      // standard deviation of the range, metres
-    double scale = 0.001;                      // of the LAS grid, metres
+    double scale = 0.001;                      // step of the LAS grid, metres
     std::uint64_t seed = 1;
-    unsigned threads = 0;    // that cast rays; 0: one per processor
+    unsigned threads = 0;    // threads that cast rays; 0: one per processor
     bool overwrite = false;  // replace existing files
     ProgressFunction progress;
 };
@@ -37,7 +37,7 @@ struct ScenePrimitive {
 struct SceneReport {
     Outcome outcome;
     std::vector<ScenePrimitive> primitives;
-    std::vector<std::string> notes;  // of the writer
+    std::vector<std::string> notes;  // notes of the writer
 };
 
 // Writes the scene to `file` in the format of its extension (for las and laz: LAS 1.2, 1.4 from 4,294,967,296 points

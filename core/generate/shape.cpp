@@ -8,7 +8,7 @@ namespace pcm::scene {
 Box3d Shape::box() const
 {
     Box3d box;
-    // A dome is no wider than its rim where that is above the sphere's middle.
+    // A dome is not wider than its rim where that is above the sphere's middle.
     const double rim = lowest - centre[2];
     const double girth = rim > 0 ? std::sqrt(std::max(0.0, radius * radius - rim * rim)) : radius;
     for (std::size_t a = 0; a < 3; ++a) {

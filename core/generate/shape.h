@@ -19,7 +19,7 @@ struct Shape {
     Kind kind = Kind::rectangle;
     Material material = Material::concrete;
     std::uint8_t classification = 0;
-    std::uint16_t id = 0;  // of its primitive in the ground truth; 0: none
+    std::uint16_t id = 0;  // number of its primitive in the ground truth; 0: none
     Colour colour{};
     Vec3d centre{};
     Vec3d u{1, 0, 0}, v{0, 1, 0}, n{0, 0, 1};  // orthonormal; n: normal of the plane, axis of the cylinder

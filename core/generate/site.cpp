@@ -12,7 +12,7 @@ namespace {
 constexpr double least_block = 30.0;
 constexpr int most_blocks = 48;  // along each side
 constexpr double scanner_height = 1.8;
-constexpr double mast_height = 14.0;  // of the scanner where it sees roofs and tanks from above
+constexpr double mast_height = 14.0;  // scanner height where it sees roofs and tanks from above
 constexpr double half_street = 3.5;
 constexpr double sidewalk = 1.5;
 

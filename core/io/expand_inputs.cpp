@@ -20,7 +20,7 @@ enum Reason { hidden, other_format, no_points, tree, link, unreadable, reasons }
 constexpr std::array<std::array<const char*, 2>, reasons> reason_texts = {{
     {"hidden file or folder", "hidden files and folders"},
     {"file of another format", "files of other formats"},
-    {"text file that is no list of points", "text files that are no lists of points"},
+    {"text file that is not a list of points", "text files that are not lists of points"},
     {"point cloud tree, to be named itself", "point cloud trees, to be named themselves"},
     {"link to a folder", "links to folders"},
     {"folder that cannot be read", "folders that cannot be read"},

@@ -73,7 +73,7 @@ struct ForeignFormat {
     std::string_view extension;
 };
 const ForeignFormat* foreign_format_of_magic(std::string_view first_bytes);    // null when unknown
-const ForeignFormat* foreign_format_of_extension(std::string_view extension);  // of those without magic
+const ForeignFormat* foreign_format_of_extension(std::string_view extension);  // only those without magic
 
 // "readable are .bpc, .las, ...", the hint of messages about files that are not.
 std::string readable_hint();

@@ -24,7 +24,7 @@ struct GpsTime {
 std::string describe(const GpsTime& time);
 
 struct LasSummary {
-    unsigned version_minor = 0;  // of 1.x
+    unsigned version_minor = 0;  // x of version 1.x
     unsigned format = 0;         // point format
     bool compressed = false;     // LAZ
     unsigned file_source_id = 0;
@@ -38,9 +38,9 @@ struct LasSummary {
     std::size_t record_bytes = 0;
     std::uint64_t vlrs = 0, evlrs = 0;
     std::uint64_t points = 0;
-    std::vector<std::uint64_t> points_by_return;   // of return 1, 2, ...: 5 of them before LAS 1.4, then 15
+    std::vector<std::uint64_t> points_by_return;   // points of return 1, 2, ...: 5 of them before LAS 1.4, then 15
     std::optional<GpsTime> gps_time;               // where the point format has times
-    std::optional<std::array<double, 2>> gps_box;  // least and largest time; LAS 1.5, where stated
+    std::optional<std::array<double, 2>> gps_box;  // minimum and maximum time; LAS 1.5, where stated
 };
 
 // Nothing for other blocks and for a header that is cut.
@@ -48,7 +48,7 @@ std::optional<LasSummary> las_summary_of(const Metadata& block);
 std::optional<LasSummary> first_las_summary(const std::vector<Metadata>& metadata);
 std::vector<LasSummary> las_summaries(const std::vector<Metadata>& metadata);
 
-// Of the first LAS header whose points have times.
+// The times of the first LAS header whose points have any.
 std::optional<GpsTime> gps_time_of(const std::vector<Metadata>& metadata);
 
 }  // namespace pcm

@@ -25,8 +25,8 @@ namespace pcm {
 // What was left out because of ReadOptions::skip_bad_lines and skip_bad_files, up to now.
 struct Skipped {
     std::uint64_t lines = 0;
-    std::uint64_t files = 0;             // that could not be opened: none of their points
-    std::uint64_t incomplete_files = 0;  // whose points could be read up to a fault only
+    std::uint64_t files = 0;             // files that could not be opened: none of their points
+    std::uint64_t incomplete_files = 0;  // files read up to a fault only
 };
 
 struct FileInfo {
@@ -36,14 +36,14 @@ struct FileInfo {
     Schema schema;                               // attributes other than the position, in source order and type
     ScalarType position_type = ScalarType::f64;  // i32 for gridded sources, otherwise f32 or f64
     std::optional<Grid> grid;                    // present when positions are integers on a grid
-    std::optional<Grid> near_grid;      // of doubles that were computed from integers: their grid, up to rounding
-    std::optional<Box3d> promised_box;  // from the header, not checked
-    std::uint64_t points_left_out = 0;  // so far: beyond ReadOptions::largest_coordinate
+    std::optional<Grid> near_grid;               // grid of the integers that doubles were computed from, up to rounding
+    std::optional<Box3d> promised_box;           // from the header, not checked
+    std::uint64_t points_left_out = 0;           // number so far beyond ReadOptions::largest_coordinate
     std::vector<Metadata> metadata;
     // What a user should know: "12 faces ignored", "VLR count is wrong". For people: no code depends on the words.
     std::vector<std::string> notes;
     Skipped skipped;
-    // Of a text file of columns: the layout that it is read with, detected or as the user stated it.
+    // The layout that a text file of columns is read with, detected or as the user stated it.
     std::optional<TextLayout> text_layout;
 };
 
@@ -73,14 +73,14 @@ inline constexpr std::size_t default_batch_points = 65536;
 
 struct ReadOptions {
     unsigned threads = 1;  // maximum number of decoding threads, where a format has them (LAZ); 0: one per processor
-    TextLayout text;       // of text files; unset members are detected
-    // Of several files as one cloud: coordinate systems and GPS times that differ are noted instead of refused.
+    TextLayout text;       // layout of text files; unset members are detected
+    // For several files as one cloud: coordinate systems and GPS times that differ are noted instead of refused.
     bool ignore_crs = false;
     // Text, PTS and PTX: lines that are not points are counted and noted, not refused. Values that do not fit the type
     // found for their column are refused all the same.
     bool skip_bad_lines = false;
-    // Of several files (MergedReader): those that cannot be opened are left out, and of one that fails while it is read
-    // the batches before the fault are kept; both are counted and noted. It is an error when no file is left.
+    // For several files (MergedReader): those that cannot be opened are left out, and of one that fails while it is
+    // read the batches before the fault are kept; both are counted and noted. It is an error when no file is left.
     bool skip_bad_files = false;
     // Points with a coordinate above this or below its negative are left out, and counted (pipe/limited_reader.h): for
     // no-data values.
@@ -93,7 +93,7 @@ std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, cons
 // Extensions of the formats that open_reader() knows, lower case, without the dot.
 std::vector<std::string> readable_extensions();
 
-// Files stay as they are. A folder is replaced by the readable files in it, in name order, and then by those of its
+// Files are kept. A folder is replaced by the readable files in it, in name order, and then by those of its
 // sub-folders, in name order too. Left out, and counted with examples in one of `notes` for each folder: hidden files
 // and folders (.NAME), files of other formats, a .txt, .csv or .asc that does not hold points, point cloud trees (they
 // may be of the same points), and links to folders. Throws Error(not_found) for a missing path and for a folder without

@@ -18,22 +18,22 @@ struct FileInfo;
 // What a writer has to know of the values of an attribute.
 enum class Question : std::uint8_t {
     none,
-    range,         // the least and the largest value: answered at the end of the cloud
+    range,         // the minimum and the maximum value: answered at the end of the cloud
     colour_steps,  // whether 8 bits hold them: answered by the first value that they do not hold
     doubles,       // whether doubles hold 64-bit integers: answered by the first that they do not hold
 };
 
 struct SurveyQuestions {
     std::vector<Question> attributes;  // in the order of the schema; may be shorter
-    bool box = false;                  // of the positions
+    bool box = false;                  // asks for the box of the positions
     bool floats = false;               // whether floats hold the positions
 
     bool any() const;
 };
 
-// Of all components of an attribute, raw.
+// Raw values of all components of an attribute.
 struct ValueSurvey {
-    double least = std::numeric_limits<double>::infinity();  // of the finite values; more than `most` without any
+    double least = std::numeric_limits<double>::infinity();  // minimum finite value; more than `most` without any
     double most = -std::numeric_limits<double>::infinity();
     bool whole = true;         // all are finite integers
     unsigned colour_step = 0;  // every value is n * colour_step with n = 0..255: 257, 256 or 1; 0: 8 bits hold them not
@@ -44,8 +44,8 @@ struct ValueSurvey {
 };
 
 struct Survey {
-    std::vector<std::optional<ValueSurvey>> attributes;  // by attribute; unset where nothing was asked
-    Box3d box;                                           // of the finite positions, if asked
+    std::vector<std::optional<ValueSurvey>> attributes;  // one per attribute; unset where nothing was asked
+    Box3d box;                                           // box of the finite positions, if asked
     // Doubles are floats, or a float names the point of the grid (float_names_grid_point), for every coordinate.
     bool floats_hold_positions = false;
 

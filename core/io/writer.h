@@ -28,7 +28,7 @@ struct WriteOptions {
     // LAS and LAZ: the minor version, 0 to 4. When absent, the source's, or the lowest that holds everything.
     std::optional<unsigned> las_version;
     // PLY and PCD: colours of 8 bits, rounded if need be, or as the cloud has them with 16. When absent, 8 bits for
-    // other programs, and beside them the exact ones where 8 bits do not hold them.
+    // other programs, and next to them the exact ones where 8 bits do not hold them.
     std::optional<unsigned> colour_bits;
     // PCD: positions as floats relative to a whole-numbered shift, in VIEWPOINT.
     bool float_positions = false;
@@ -50,7 +50,7 @@ public:
     // file is complete and in place, but may not survive a loss of power.
     virtual void finish() = 0;
 
-    // Largest difference between a written and a source coordinate, in source units; 0 when all digits were kept.
+    // Maximum difference between a written and a source coordinate, in source units; 0 when all digits were kept.
     virtual double position_error() const { return 0; }
     // What a user should know: attributes that the format cannot store, values that did not fit.
     virtual std::vector<std::string> notes() const { return {}; }

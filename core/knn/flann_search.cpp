@@ -114,7 +114,7 @@ private:
 
     SearchPositions positions_;
     std::vector<float> xyz_;            // offsets from the middle, source units
-    std::vector<std::uint32_t> order_;  // of the points, neighbours in space together
+    std::vector<std::uint32_t> order_;  // order of the points, neighbours in space together
     const FlannFunctions* functions_ = nullptr;
     std::unique_ptr<void, void (*)(void*)> index_{nullptr, nullptr};
 };

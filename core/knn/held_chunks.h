@@ -16,7 +16,7 @@ struct HeldChunk {
     NodeId node = no_node;
     L2Cache::Handle handle;
     std::shared_ptr<const PointBlocks> blocks;
-    std::size_t points = 0, end_block = 0;  // of the level asked for
+    std::size_t points = 0, end_block = 0;  // points of the level asked for
     const ChunkPositions& positions() const { return *handle->positions; }
 };
 

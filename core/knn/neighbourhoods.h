@@ -24,7 +24,7 @@
 
 namespace pcm {
 
-// Who searches inside of a unit.
+// The searcher inside a unit.
 enum class NeighbourBackend : std::uint8_t {
     own,    // exact; the fastest that the processor can run
     flann,  // the FLANN library on single-precision offsets from the unit's centre; for comparison
@@ -33,16 +33,16 @@ enum class NeighbourBackend : std::uint8_t {
 inline constexpr std::size_t most_neighbours = 1024;
 
 // Enough that few points of a unit lie near its border, and few enough that a unit fits into a processor's caches and
-// into the least memory that filters take.
+// into the minimum memory of filters.
 inline constexpr std::uint64_t usual_unit_points = 100'000;
 // What a thread takes for a point of its unit: positions twice, the search, the results of visitors.
 inline constexpr std::uint64_t bytes_per_unit_point = 160;
-// The least memory that a process with a filter on neighbourhoods takes: a unit, what it is gathered from, the results,
+// The minimum memory of a process with a filter on neighbourhoods: a unit, what it is gathered from, the results,
 // and the process itself. Measured on 10 M points, where the allocator returns large blocks
 // (system/peak_memory.h): 63 MB for outliers, 91 MB for normals whose sides agree.
 inline constexpr std::uint64_t least_filter_memory = std::uint64_t(64) << 20;
 inline constexpr std::uint64_t least_attribute_memory = std::uint64_t(96) << 20;
-// Of a filter's memory limit: for the cache, and for boxes of blocks in searches for single points (BlockCache).
+// Shares of a filter's memory limit: for the cache, and for boxes of blocks in searches for single points (BlockCache).
 std::uint64_t cache_share(std::uint64_t memory_bytes);
 std::uint64_t block_share(std::uint64_t memory_bytes);
 
@@ -56,16 +56,16 @@ struct NeighbourhoodOptions {
     // Chooses the precision of each unit instead, when it is begun; `done`: the share of the units that are done, of
     // `units`. Called by any thread.
     std::function<std::optional<std::uint16_t>(double done, std::size_t units)> level_of_unit;
-    ColumnSet columns = ColumnSet::only_positions();  // that the units' chunks are to have
-    // For the units of all threads, beside the cache: where it is short, fewer threads run; at least one does.
+    ColumnSet columns = ColumnSet::only_positions();  // columns of the units' chunks
+    // For the units of all threads, in addition to the cache: where it is short, fewer threads run; at least one does.
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     // About as many points have a unit. Not by the memory, so that what depends on units does not depend on it.
     std::uint64_t unit_points = usual_unit_points;
     unsigned threads = 0;  // 0: one per processor
     NeighbourBackend backend = NeighbourBackend::own;
     ProgressFunction progress;
-    std::string stage = "Searching neighbours";  // of the progress
-    double begin = 0, end = 1;                   // of the progress
+    std::string stage = "Searching neighbours";  // stage of the progress
+    double begin = 0, end = 1;                   // range of the progress
 };
 
 // Points of the cloud that are computed together, by one thread.
@@ -74,11 +74,11 @@ struct NeighbourhoodUnit {
     struct Part {
         NodeId node = no_node;
         L2Cache::Handle chunk;               // with the asked columns
-        std::vector<std::uint32_t> indices;  // of the points, in the chunk, ascending
+        std::vector<std::uint32_t> indices;  // indices of the points in the chunk, ascending
         std::uint32_t first = 0;             // number, in the unit, of the first of them; they are consecutive
     };
     std::vector<Part> parts;
-    std::uint32_t points = 0;            // of all parts: the numbers in the unit are 0 .. points - 1
+    std::uint32_t points = 0;            // number of points of all parts: the numbers in the unit are 0 .. points - 1
     std::optional<std::uint16_t> level;  // the precision that the unit is computed with
     // At a level, for each number: the computed point, by number, that it takes its values from; itself where it is
     // computed. Complete when end() is called. Empty without a level.

@@ -23,8 +23,8 @@ struct Neighbour {
     double distance() const;
 };
 
-// Many searches in one tree, by one thread. Memory: beside the cache's, up to 16 chunks. The order of results and ties
-// are those of query/nearest.h.
+// Many searches in one tree, by one thread. Memory: up to 16 chunks in addition to the cache's. The order of results
+// and ties are those of query/nearest.h.
 class PointSearch {
 public:
     // Points of the cloud at `level` (the whole cloud when absent), no farther than `max_distance`, in source units.

@@ -17,7 +17,7 @@ inline constexpr int most_tree_depth = 40;
 template <class C>
 struct LeafTree {
     const C* blocks = nullptr;
-    const std::uint32_t* ids = nullptr;  // of the points, in the order of the leaves
+    const std::uint32_t* ids = nullptr;  // numbers of the points, in the order of the leaves
     const C* boxes = nullptr;            // six per node: lowest x, y, z, highest x, y, z
     std::uint64_t points = 0;            // at least 1
     std::uint32_t leaves = 0;
@@ -31,7 +31,7 @@ struct LeafTree {
 template <class C>
 struct QueryBlock {
     const C* block = nullptr;          // laid out like a leaf
-    std::uint32_t active = 0;          // which of its 32 slots are queries; at least one
+    std::uint32_t active = 0;          // bits of its 32 slots that are queries; one or more
     std::uint32_t own_leaf = no_leaf;  // the leaf of the tree that this is: no point is its own neighbour then
 };
 
@@ -39,7 +39,7 @@ struct QueryBlock {
 struct KernelRequest {
     std::size_t neighbours = 0;  // k, at least 1
     double limit = 0;            // squared distance in source units, inclusive
-    std::size_t stride = 0;      // of ids and squares, at least k
+    std::size_t stride = 0;      // row length of ids and squares, k or more
     std::uint32_t* ids = nullptr;
     double* squares = nullptr;  // exact, ascending
     std::uint32_t* counts = nullptr;

@@ -24,7 +24,7 @@ namespace {
 template <class C, int Eights>
 class BlockSearch {
 public:
-    // Of the queries of the block those in `active`.
+    // Searches for the queries of the block in `active`.
     BlockSearch(const LeafTree<C>& tree, const QueryBlock<C>& queries, const KernelRequest& request,
                 std::uint32_t active)
         : tree_(tree),
@@ -78,7 +78,7 @@ public:
 
 private:
     std::uint64_t* list_of(std::uint32_t q) const { return request_.lists + q * capacity_; }
-    // Of the result.
+    // Row of the query in the result.
     std::size_t row_of(std::uint32_t q) const
     {
         return static_cast<std::size_t>(__builtin_popcount(queries_.active & ((1u << q) - 1)));
@@ -367,13 +367,13 @@ private:
         request_.counts[row] = static_cast<std::uint32_t>(count);
     }
 
-    // As exact_square(), some at a time.
+    // As exact_square(), a batch at a time.
     void exact_squares(std::uint32_t q, const std::uint32_t* indices, std::size_t count, double* squares) const
     {
-        constexpr std::size_t some = 16;
-        alignas(64) C d[3][some] = {};
-        for (std::size_t first = 0; first < count; first += some) {
-            const std::size_t size = count - first < some ? count - first : some;
+        constexpr std::size_t batch = 16;
+        alignas(64) C d[3][batch] = {};
+        for (std::size_t first = 0; first < count; first += batch) {
+            const std::size_t size = count - first < batch ? count - first : batch;
             for (std::size_t i = 0; i < size; ++i) {
                 const std::uint32_t index = indices[first + i];
                 const C* point =
@@ -382,8 +382,8 @@ private:
                 d[1][i] = point[leaf_points] - queries_.block[leaf_points + q];
                 d[2][i] = point[2 * leaf_points] - queries_.block[2 * leaf_points + q];
             }
-            alignas(64) double sums[some];
-            for (std::size_t i = 0; i < some; ++i) {
+            alignas(64) double sums[batch];
+            for (std::size_t i = 0; i < batch; ++i) {
                 const double dx = static_cast<double>(d[0][i]) * tree_.scale[0];
                 const double dy = static_cast<double>(d[1][i]) * tree_.scale[1];
                 const double dz = static_cast<double>(d[2][i]) * tree_.scale[2];
@@ -407,8 +407,8 @@ private:
     const KernelRequest& request_;
     const std::size_t capacity_;
     std::uint32_t active_;
-    C box_[6];     // of the queries
-    C middle_[3];  // of the box: the origin of the offsets
+    C box_[6];     // box of the queries
+    C middle_[3];  // middle of the box: the origin of the offsets
     alignas(64) float x_[leaf_points];
     alignas(64) float y_[leaf_points];
     alignas(64) float z_[leaf_points];

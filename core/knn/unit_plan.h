@@ -10,7 +10,7 @@
 namespace pcm {
 
 // Boxes that share no grid position and hold all points of the tree, each about `points_per_unit` or fewer, as far as
-// the boxes and numbers of points of the nodes say; points at one place stay together. Neighbours in the list lie near
+// the boxes and numbers of points of the nodes show; points at one place stay together. Neighbours in the list lie near
 // each other. No chunk is read.
 std::vector<Box3i> plan_units(const Tree& tree, std::uint64_t points_per_unit);
 

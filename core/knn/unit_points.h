@@ -20,7 +20,7 @@ struct GatheredPoints {
     // loaded. Source units.
     double reach(std::uint32_t number, const Box3i& cloud) const;
     Vec3i grid(std::uint32_t number) const;
-    // Of points as seen from another along one axis, in source units: the differences in steps are exact.
+    // Offsets of points from another along one axis, source units: the differences in steps are exact.
     void put_offsets(std::size_t axis, std::uint32_t from, const std::uint32_t* to, std::size_t count,
                      double* offsets) const;
 };

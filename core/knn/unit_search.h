@@ -29,7 +29,7 @@ struct SearchPositions {
 struct FoundNeighbours {
     const std::uint32_t* points = nullptr;  // [size] whose neighbours they are
     std::size_t size = 0;
-    std::size_t stride = 0;                     // of the next two, from one point to the next
+    std::size_t stride = 0;                     // step of the next two arrays, from one point to the next
     const std::uint32_t* neighbours = nullptr;  // [size * stride] nearest first
     const double* squared = nullptr;            // [size * stride] exact squared distances, ascending, source units
     const std::uint32_t* counts = nullptr;      // [size] of neighbours
@@ -54,8 +54,8 @@ public:
 };
 
 // At most 2^32 - 64 positions, which are needed during the construction only. One thread makes it; then any number of
-// threads may search. Bytes per position beside the given ones: 18, and 34 while it is made; of wide ones 31, and 64.
-// Four more once a search was for some queries only. Throws Error(invalid_argument) for a wrong PCM_SIMD
+// threads may search. Bytes per position in addition to the given ones: 18, and 34 while it is made; of wide ones 31,
+// and 64. Four more once a search was for some queries only. Throws Error(invalid_argument) for a wrong PCM_SIMD
 // (system/cpu.h).
 std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions);
 

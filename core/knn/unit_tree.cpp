@@ -42,7 +42,7 @@ private:
     {
         C low[3], high[3];
         for (int axis = 0; axis < 3; ++axis) low[axis] = high[axis] = begin->at[axis];
-        // Of large sets a part is enough: the axis need not be the very longest.
+        // A sample of a large set is enough: the axis need not be the very longest.
         const std::ptrdiff_t step = std::max<std::ptrdiff_t>(1, (end - begin) / 512);
         for (const Point* p = begin; end - p > 0; p += step)
             for (int axis = 0; axis < 3; ++axis) {

@@ -47,11 +47,11 @@ private:
     const NeighbourhoodOptions& options_;
     const Signal& signal_;
     NeighbourhoodVisitor& visitor_;
-    const double rounding_;  // of source coordinates, source units
+    const double rounding_;  // rounding of source coordinates, source units
     PointSearch search_alone_;
     const Box3i cloud_;
 
-    std::optional<double> margin_;  // of the next unit
+    std::optional<double> margin_;  // margin of the next unit
     GatheredPoints points_;
     NeighbourhoodUnit unit_;
     std::optional<std::vector<std::uint32_t>> chosen_;          // numbers of the points to compute; all when absent

@@ -20,7 +20,7 @@ void check_list_name(const std::string& name, const char* what);
 // What lists of some kind are derived from; a T has a `name` and may be `hidden`. One thread. Every change is one step
 // of undo(); the last 1000 steps are kept, which share what they have in common. Functions with an index throw
 // Error(invalid_argument) for one that the list does not have, those with a thing or a name what check_list_name()
-// throws, and then change nothing. Names are no key: two things may have the same.
+// throws, and then change nothing. Names are not keys: two things may have the same.
 template <class T>
 class UndoList {
 public:

@@ -164,7 +164,7 @@ static std::vector<std::uint8_t> near_known(const Field& field, std::size_t reac
     return marks;
 }
 
-// Cells narrower than the points are apart: gaps of that width are no holes in the cloud. How far a known cell usually
+// Cells narrower than the points are apart: gaps of that width are not holes in the cloud. How far a known cell usually
 // is from the next one, less the one step that neighbours are apart; 0 where cells have about a point each.
 std::size_t usual_reach(const Field& field)
 {
@@ -195,8 +195,8 @@ std::size_t usual_reach(const Field& field)
     return 0;
 }
 
-// Of each gap cell the nearest known cells along its row and its column. Where there are known ones on both sides of
-// one of them the narrower one is the gap's width. Cells within `reach` of known ones count as known.
+// For each gap cell the nearest known cells along its row and its column. Where both sides of one of them have known
+// cells, the narrower one is the gap's width. Cells within `reach` of known ones count as known.
 Gaps look_around(const Field& field, std::size_t reach)
 {
     const std::size_t count = field.height.size(), columns = field.columns;
@@ -243,7 +243,7 @@ Gaps look_around(const Field& field, std::size_t reach)
             if (s.before == 0 || s.after == 0) continue;
             const std::uint32_t width = s.before + s.after - 1;
             between = between == 0 ? width : std::min(between, width);
-            if (reach > 0) continue;  // the heights beside the gap are not known
+            if (reach > 0) continue;  // the heights next to the gap are not known
             const std::size_t step = axis == 0 ? 1 : columns;
             const double jump = field.height[cell + s.after * step] - field.height[cell - s.before * step];
             jump2 += jump * jump;

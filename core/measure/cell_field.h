@@ -46,10 +46,10 @@ struct Gaps {
     std::vector<std::uint8_t> outer;
     std::vector<float> jump2;  // D^2
 };
-// Of each gap cell the nearest known cells along its row and its column. Where there are known ones on both sides of
-// one of them the narrower one is the gap's width. Cells within `reach` of known ones count as known.
+// For each gap cell the nearest known cells along its row and its column. Where both sides of one of them have known
+// cells, the narrower one is the gap's width. Cells within `reach` of known ones count as known.
 Gaps look_around(const Field& field, std::size_t reach);
-// Cells narrower than the points are apart: gaps of that width are no holes in the cloud. How far a known cell usually
+// Cells narrower than the points are apart: gaps of that width are not holes in the cloud. How far a known cell usually
 // is from the next one, less the one step that neighbours are apart; 0 where cells have about a point each.
 std::size_t usual_reach(const Field& field);
 

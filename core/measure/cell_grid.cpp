@@ -76,7 +76,7 @@ std::size_t CellGrid::index_along(double distance, std::size_t count) const
     return index <= 0 ? 0 : std::min(count - 1, static_cast<std::size_t>(index));
 }
 
-// All cells that an edge passes, and those beside it where rounding could decide.
+// All cells that an edge passes, and those next to it where rounding could decide.
 void CellGrid::mark_edges()
 {
     const double margin = 1e-9 * side_;

@@ -10,7 +10,7 @@
 
 namespace pcm {
 
-// Cell (0, 0) begins at the least x and y of the polygon; rows ascend with y. Immutable; any number of threads.
+// Cell (0, 0) begins at the minimum x and y of the polygon; rows ascend with y. Immutable; any number of threads.
 class CellGrid {
 public:
     // `side` > 0; a polygon that does not cross itself. Memory: 9 bytes per cell. Throws Error(invalid_argument) when
@@ -22,7 +22,7 @@ public:
     std::size_t rows() const { return rows_; }
     std::size_t size() const { return columns_ * rows_; }
     double side() const { return side_; }
-    // Of the polygon in each cell; 0: none. They add up to the polygon's area.
+    // Area of the polygon in each cell; 0: none. They add up to the polygon's area.
     double area(std::size_t cell) const { return areas_[cell]; }
     // The cell of a point of the polygon; size() for a point outside of it.
     std::size_t cell_of(double x, double y) const;

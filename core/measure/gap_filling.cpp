@@ -15,7 +15,7 @@ using namespace cells;
 
 // ---- Cross-validation
 
-constexpr std::size_t bins = 24;  // of log2 of the width
+constexpr std::size_t bins = 24;  // bins by log2 of the width
 
 struct Learnt {
     double squares = 0, jumps2 = 0, jumps = 0, blocks = 0;
@@ -56,7 +56,7 @@ double GapErrors::at(bool outer, std::uint32_t width, const std::array<Curve, 2>
     return std::exp(std::log(curve[low]) * (1 - part) + std::log(curve[low + 1]) * part);
 }
 
-// `scale`: of the grid's cells in a row that one of the field's stands for.
+// `scale`: number of the grid's cells in a row that one of the field's stands for.
 void GapErrors::hide(const Field& field, std::size_t w, std::size_t dx, std::size_t dy, std::size_t scale)
 {
     Field hidden = field;
@@ -133,7 +133,7 @@ void GapErrors::complete(Curve& curve, const std::array<double, bins>& blocks, d
             const double part = static_cast<double>(k - known[i]) / static_cast<double>(known[i + 1] - known[i]);
             curve[k] = curve[known[i]] + part * (curve[known[i + 1]] - curve[known[i]]);
         }
-    double power = least_power;  // of E by the width
+    double power = least_power;  // exponent of E as a power of the width
     const std::size_t last = known.back();
     if (known.size() > 1 && curve[known[known.size() - 2]] > 0 && curve[last] > 0)
         power = std::clamp(0.5 * std::log2(curve[last] / curve[known[known.size() - 2]]) /
@@ -166,7 +166,7 @@ GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t wid
     : check_(check), reach_(reach)
 {
     const std::size_t extent = std::max(field.columns, field.rows());
-    // Of large grids wide blocks are hidden in coarser ones, so that all widths together take about as long as the
+    // In large grids wide blocks are hidden in coarser cells, so that all widths together take about as long as the
     // first.
     constexpr std::size_t large = 30000, fine = 4;
     Field seen = field;
@@ -204,7 +204,7 @@ GapErrors::GapErrors(const Field& field, const Field& heights, std::uint32_t wid
         complete(jumps2_[outer], blocks[outer], 0, fallback);
         complete(jumps_[outer], blocks[outer], 0, fallback);
     }
-    // An extrapolation is no better than an interpolation.
+    // An extrapolation is not better than an interpolation.
     Curve rises{};
     std::array<double, bins> pairs{};
     for (std::size_t k = 0; k < bins && std::size_t{1} << k <= extent; ++k) {

@@ -12,7 +12,7 @@
 // known ones on one side only (extrapolation). Beyond the widest blocks that the grid holds, E grows with a power of w.
 // A surface that is extrapolated may turn where the known part ends: half of the mean squared difference of heights w
 // apart is added there.
-// Of a cell in a gap as wide as w
+// A cell in a gap as wide as w has
 //
 //     sigma^2 = E^2(w) (1 + D^2 / <D^2>(w)) / 2
 //
@@ -22,12 +22,12 @@
 //
 //     variance of a sum over cells = sum_i a_i sigma_i  sum_{j within w_i of i} a_j sigma_j
 //
-// Where cells are narrower than the points are apart, gaps of that width are no holes: cells as near to a known one as
+// Where cells are narrower than the points are apart, gaps of that width are not holes: cells as near to a known one as
 // nine of ten known ones are to another count as known when the width of a gap is found.
 //
 // What no cross-validation can see is that gaps are not placed at random: behind objects the surface has a step. If the
 // differences D of the gaps exceed what the hidden blocks have, the step may be on either side of the gap, of all gaps
-// alike: half of the excess, times the area, is a further, common error (`step`).
+// for all gaps: half of the excess, times the area, is a further, common error (`step`).
 #pragma once
 
 #include <cstddef>
@@ -38,16 +38,16 @@
 namespace pcm {
 
 struct FilledCells {
-    std::vector<double> height;        // of cells with an area; the known ones are not changed
-    std::vector<double> sigma;         // of filled cells, see above; 0 for known ones
-    std::vector<std::uint32_t> width;  // of the gap around a filled cell, cells; 0 for known ones
+    std::vector<double> height;        // heights of cells with an area; the known ones are not changed
+    std::vector<double> sigma;         // standard deviation of filled cells, see above; 0 for known ones
+    std::vector<std::uint32_t> width;  // width of the gap around a filled cell, cells; 0 for known ones
     std::vector<std::uint8_t> outer;   // 1: a filled cell that has known ones on one side only
-    std::vector<double> step;          // of filled cells: the common error
+    std::vector<double> step;          // common error of filled cells
     bool filled = false;               // there were gaps
 };
 
 // `areas` and `height` by rows of `columns` cells; a cell without area is outside, a height that is NaN a gap. Without
-// any known cell nothing is filled. `spread`: of heights within a cell, where there are too few cells to say. Time:
+// any known cell nothing is filled. `spread`: fallback for heights within a cell, where cells are too few. Time:
 // some microseconds a cell; memory: about 150 bytes a cell. `check` is called several times a second by this thread,
 // and ends the work by throwing. Any thread.
 FilledCells fill_gaps(const std::vector<double>& height, const std::vector<double>& areas, std::size_t columns,

@@ -11,7 +11,7 @@ namespace pcm {
 // What is known of the points of one cell. Heights are relative to a plane near them, so that few digits cancel.
 struct HeightCell {
     std::uint64_t points = 0;
-    double mean = 0, squares = 0;  // of deviations from the mean (Welford)
+    double mean = 0, squares = 0;  // squares: sum of squared deviations from the mean (Welford)
     double lowest = 0, highest = 0;
 
     void add(double height);

@@ -9,8 +9,8 @@ namespace pcm {
 
 struct LineLength {
     double value = 0;
-    std::vector<Vec3d> gradient;  // of the value, by the coordinates of each point
-    double variance_apart = 0;    // of segments of length 0, which have no gradient
+    std::vector<Vec3d> gradient;  // derivatives of the value by the coordinates of each point
+    double variance_apart = 0;    // variance from segments of length 0, which have no gradient
 };
 
 enum class Seen : std::uint8_t { in_space, in_plan };

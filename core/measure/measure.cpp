@@ -117,7 +117,7 @@ std::string label_of(const Measure& measure, const std::string& unit)
     try {
         const std::vector<MeasureValue> values = values_of(measure);
         std::string label = text_of(values.at(0), unit);
-        // Of a volume that is not all measured.
+        // Adds how much of a volume is measured if it is not all.
         for (const MeasureValue& value : values)
             if (value.name == "area with points" && value.value < 99.95)
                 label += ", " + rounded(value.value, value.value < 1 ? -1 : 0) + " % of the area has points";

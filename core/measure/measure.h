@@ -51,7 +51,7 @@ struct MeasuredPoint {
     double grid_step = 0;  // the largest step of the cloud's grid; 0: positions are exact
     std::string cloud;     // the tree's folder; empty: typed
 
-    // Of each coordinate, squared: what the two above make of it.
+    // Variance of each coordinate: what the two above make of it.
     double variance() const { return grid_step * grid_step / 12 + spacing * spacing / 16; }
 };
 
@@ -68,13 +68,13 @@ struct Measure {
     std::string name;
     std::vector<MeasuredPoint> points;
     bool hidden = false;           // in views
-    double width = 0;              // of a profile
-    std::optional<Shape> surface;  // of a distance to a surface
+    double width = 0;              // width of a profile
+    std::optional<Shape> surface;  // surface of a distance to a surface
     // Numbers that took a pass over clouds (volume, profile); values_of() gives them back, before all others.
     std::vector<MeasureValue> computed;
 };
 
-// The least and the largest number of points that the kind takes.
+// Minimum and maximum number of points that the kind takes.
 struct PointNumbers {
     std::size_t least, most;
 };
@@ -82,13 +82,13 @@ PointNumbers point_numbers(MeasureKind kind);
 const char* name_of(MeasureKind kind);  // as the enumerators are called
 std::optional<MeasureKind> measure_kind(const std::string& name);
 
-// Most important first. Throws Error(invalid_argument), saying why, for a number of points that the kind does not take,
-// coordinates that are not finite, and points that determine no answer: an angle at coincident points, a plane through
-// collinear ones, a polygon without area or one that crosses itself.
+// Most important first. Throws Error(invalid_argument) with the reason for a number of points that the kind does not
+// take, coordinates that are not finite, and points that determine no answer: an angle at coincident points, a plane
+// through collinear ones, a polygon without area or one that crosses itself.
 std::vector<MeasureValue> values_of(const Measure& measure);
 
 // "12.345 ± 0.002 m": rounded to the digits that the uncertainty leaves (two where it begins with 1), and to 10 digits
-// where that is 0. `unit`: of lengths, such as "m"; may be empty.
+// where that is 0. `unit`: unit of lengths, such as "m"; may be empty.
 std::string text_of(const MeasureValue& value, const std::string& unit);
 // For labels: the first value as text, of a volume with the part of the area that has points where that is not all of
 // it; what is wrong where values_of() throws.

@@ -12,7 +12,7 @@ namespace pcm {
 
 struct MeasureFileOptions {
     bool overwrite = false;                  // an existing file; else Error(exists)
-    std::optional<CoordinateSystem> system;  // of the coordinates, as far as known
+    std::optional<CoordinateSystem> system;  // system of the coordinates, as far as known
     double text_height = 0;                  // in drawings, source units; 0: a hundredth of the measures' extent
 };
 
@@ -23,8 +23,8 @@ struct MeasureFileOptions {
 //   z), note. A measure that has no numbers has one row with the reason as its note.
 // - .geojson: a FeatureCollection as of RFC 7946, but for its coordinates: they are source coordinates, not longitude
 //   and latitude, as the RFC allows by agreement. The member "crs" of GeoJSON 2008 names the system where its EPSG code
-//   is known (GDAL and QGIS read it); "coordinate_system" describes it in words where anything of it is known. Each
-//   number is a property, and NAME_uncertainty beside it. Rings turn counter-clockwise in plan.
+//   is known (GDAL and QGIS read it); "coordinate_system" describes it as text where anything of it is known. Each
+//   number is a property, with NAME_uncertainty next to it. Rings turn counter-clockwise in plan.
 // - .dxf: a layer for each kind (pcm_distance, ...), lines and points, and the label as text at the first point. Hidden
 //   measures are left out of drawings alone.
 //

@@ -67,7 +67,7 @@ Measure measure_of(const Json& json, const std::string& where)
     Measure measure;
     const std::string kind = fields.text("kind", true);
     const auto known = measure_kind(kind);
-    if (!known) refuse_list(fields.named("kind") + " is '" + kind + "', which is no kind of measure");
+    if (!known) refuse_list(fields.named("kind") + " is '" + kind + "', which is not a kind of measure");
     measure.kind = *known;
     measure.name = fields.text("name", true);
     measure.hidden = fields.flag("hidden");
@@ -102,7 +102,7 @@ MeasureList MeasureList::parse(const std::string& text)
     const Json json = parse_bounded_json(text);
     const JsonFields fields(json, "the file");
     if (!fields.has("format") || fields.text("format", true) != format)
-        refuse_list("this is no list of measures: 'format' is not \"pcm measures\"");
+        refuse_list("this is not a list of measures: 'format' is not \"pcm measures\"");
     if (fields.number("version", true) != 1) refuse_list("'version' is not 1, the only version supported");
     MeasureList list;
     std::size_t number = 0;

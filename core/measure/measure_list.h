@@ -25,7 +25,7 @@ public:
     std::string text() const;
     // Throws Error(bad_format), naming the measure and the field, for text that is not such a list.
     static MeasureList parse(const std::string& text);
-    // Of a file; at most 64 MB. Throws what parse() throws, with the path, and Error(not_found | permission | io).
+    // Reads a file of at most 64 MB. Throws what parse() throws, with the path, and Error(not_found | permission | io).
     static MeasureList read(const std::filesystem::path& file);
 
 private:

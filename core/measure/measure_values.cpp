@@ -23,7 +23,7 @@ MeasureValue vertical_value(const char* name, const std::vector<MeasuredPoint>& 
     return {name, last.position[2] - first.position[2], std::sqrt(first.variance() + last.variance()), ""};
 }
 
-// Of vertical / horizontal, by a function f(v, h): its derivatives by v and by h.
+// Uncertainty of vertical / horizontal, by a function f(v, h): its derivatives by v and by h.
 double slope_uncertainty(const std::vector<MeasuredPoint>& points, const LineLength& horizontal, double by_v,
                          double by_h)
 {

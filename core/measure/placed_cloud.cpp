@@ -35,7 +35,7 @@ PlacedCloud::PlacedCloud(PointCloud& cloud, const std::optional<Affine>& map) : 
     if (!map_) return;
     const auto& m = map_->linear;
     const double determinant = map_->determinant();
-    double volume = 1;  // of a box with the rows' lengths
+    double volume = 1;  // volume of a box with the rows' lengths
     for (const Vec3d& row : m) volume *= length(row);
     if (!std::isfinite(volume) || !std::isfinite(determinant) || !is_finite(map_->pivot) || !is_finite(map_->target))
         throw Error(ErrorCode::invalid_argument, {},

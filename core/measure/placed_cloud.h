@@ -34,7 +34,7 @@ private:
 
     PointCloud& cloud_;
     std::optional<Affine> map_;
-    std::array<Vec3d, 3> inverse_{};  // of the map's linear part; rows
+    std::array<Vec3d, 3> inverse_{};  // rows of the inverse of the map's linear part
     double most_stretch_ = 1;
 };
 

@@ -11,11 +11,11 @@
 
 namespace pcm {
 
-// Twice the signed area of the triangle: positive where a, b, c turn counter-clockwise, and 0 only where no more can be
-// said. Exact to some units in the last place of the differences b - a and c - a.
+// Twice the signed area of the triangle: positive where a, b, c turn counter-clockwise, and 0 only where rounding
+// hides the sign. Exact to some units in the last place of the differences b - a and c - a.
 double turn(const Vec2d& a, const Vec2d& b, const Vec2d& c);
 
-// Of a closed polygon; the last point is joined with the first. Its vector area is 1/2 sum(p[i] x p[i + 1]), relative
+// The vector area of a closed polygon (the last point is joined with the first) is 1/2 sum(p[i] x p[i + 1]), relative
 // to the first point.
 Vec3d vector_area(const std::vector<Vec3d>& polygon);
 

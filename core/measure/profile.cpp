@@ -26,7 +26,7 @@ void check(const ProfileOptions& options)
         refuse("the lowest height of the profile is above the highest one");
 }
 
-// Of the points along segment `k`, and perhaps of others nearby.
+// The query for the points along segment `k`, and perhaps others nearby.
 Query query_of(const PlacedCloud& cloud, const ProfileOptions& options, const ProfileLine& line, std::size_t k)
 {
     Query query;

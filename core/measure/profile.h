@@ -24,7 +24,7 @@ namespace pcm {
 struct ProfileOptions {
     std::vector<Vec3d> line;                // two or more points
     double width = 1;                       // source units, 0 or more
-    std::optional<double> lowest, highest;  // of the points' z, both included
+    std::optional<double> lowest, highest;  // range of the points' z, both included
     // Where the cloud stands: line, width, heights and the points found are of that place. Absent: at its source
     // coordinates. Clips and conditions are on source coordinates and values always.
     std::optional<Affine> placement;
@@ -41,7 +41,7 @@ struct ProfilePoint {
     std::uint32_t segment = 0;
 };
 
-// A line made ready to say where points lie along it. Immutable; any number of threads.
+// A line prepared for finding where points lie along it. Immutable; any number of threads.
 class ProfileLine {
 public:
     // Throws Error(invalid_argument) for fewer than two points, coordinates that are not finite, and a line without
@@ -85,10 +85,10 @@ ProfileSample sample_profile(PointCloud& cloud, const ProfileOptions& options, s
 struct ProfileFileOptions {
     bool overwrite = false;   // an existing file; else Error(exists)
     bool in_place = false;    // drawings: points at their source coordinates, not at (station, height)
-    double exaggeration = 1;  // of heights in drawings that are not in place, above 0
+    double exaggeration = 1;  // factor on heights in drawings that are not in place, above 0
 };
 
-// Writes the profile as the extension says, in bounded memory:
+// Writes the profile in the format of the extension, in bounded memory:
 //
 // - .csv: station, offset, x, y, z, and the attributes (NAME, or NAME.0, NAME.1, ... of several components), all
 // digits.

@@ -262,7 +262,7 @@ HeightPlane plane_of(const Vec3d& point, const Vec3d& normal)
     require_place("the normal of the plane,", normal);
     if (!(length(normal) > 0)) refuse("the normal of the plane has the length 0", "give a direction such as 0 0 1");
     const Vec3d n = normalised(normal);
-    if (!(std::fabs(n[2]) > 1e-9)) refuse("a vertical plane is no reference for a volume: it has no heights");
+    if (!(std::fabs(n[2]) > 1e-9)) refuse("a vertical plane cannot be the reference of a volume: it has no heights");
     return {point[0], point[1], point[2], -n[0] / n[2], -n[1] / n[2]};
 }
 

@@ -64,13 +64,13 @@ struct VolumeOptions {
     // Where the clouds stand: polygon, reference, side and volumes are of that place. Absent: at their source
     // coordinates. Clips and conditions are on source coordinates and values always.
     std::optional<Affine> placement, placement_before;
-    double side = 0;  // of a cell, source units; 0: so that cells that have points have about 9, rounded to two digits
+    double side = 0;  // cell size, source units; 0: so that cells with points have about 9, rounded to two digits
     CellHeight height = CellHeight::mean;
     EmptyCells empty = EmptyCells::interpolated;
-    std::optional<std::uint16_t> level;               // of both clouds, or their last one; the whole clouds when absent
-    std::vector<Condition> where;                     // on both clouds; all must be met
+    std::optional<std::uint16_t> level;               // for both clouds, or their last; the whole clouds when absent
+    std::vector<Condition> where;                     // conditions on both clouds; all must be met
     std::vector<Clip> clips;                          // all must hold
-    std::optional<Selection> limits_before;           // of the second cloud, whose `where` and `clips` hold instead
+    std::optional<Selection> limits_before;           // second cloud's, whose `where` and `clips` hold instead
     std::uint64_t memory = std::uint64_t{512} << 20;  // for the cells; bytes
     ProgressFunction progress;
 };
@@ -81,22 +81,22 @@ struct VolumeReport {
                                                              // in each cell: s / sqrt(n) of a mean, s of an extreme
     double cut_gaps = 0, fill_gaps = 0, net_gaps = 0;        // one standard deviation of the interpolated cells' part
     double excess = 0;  // about by how much errors of the heights make both cut and fill larger
-    // Of the cells with points alone, and of cells twice as wide over the same area.
+    // Volumes of the cells with points alone, and of cells twice as wide over the same area.
     double cut_measured = 0, fill_measured = 0;
     double cut_coarse = 0, fill_coarse = 0;
     double side = 0;
-    double usual_side = 0;    // that would be taken where none is given
-    double area = 0;          // of the polygon in plan
-    double area_counted = 0;  // of the cells that count, interpolated ones among them
+    double usual_side = 0;    // side that would be taken where none is given
+    double area = 0;          // area of the polygon in plan
+    double area_counted = 0;  // area of the cells that count, interpolated ones among them
     double area_interpolated = 0;
-    double area_extrapolated = 0;  // of the interpolated cells those with points on one side only
-    double area_without_data = 0;  // of the cells without points of a cloud, interpolated or not
+    double area_extrapolated = 0;  // area of the interpolated cells with points on one side only
+    double area_without_data = 0;  // area of the cells without points of a cloud, interpolated or not
     std::uint64_t cells = 0, cells_without_data = 0;
-    std::array<std::uint64_t, 2> points{};  // of each cloud in the polygon
+    std::array<std::uint64_t, 2> points{};  // points of each cloud in the polygon
     Outcome outcome;                        // error: uncertainty of the net volume
 
     double net() const { return cut - fill; }
-    // Of the polygon's area, in cells that have points (of both clouds): 0 to 1.
+    // Share of the polygon's area in cells that have points (of both clouds): 0 to 1.
     double covered() const { return area > 0 ? std::max(0.0, 1 - area_without_data / area) : 0; }
     // "net", "cut", "fill" ("^3"), "area with points" (%), "area without data", "area extrapolated", "cell side".
     std::vector<MeasureValue> values() const;

@@ -131,9 +131,9 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
     add_coarse(report, grid, cells, height);
     std::vector<Surface2d> surfaces;
     double spread = 0;
-    for (const auto& one : cells) {
-        surfaces.push_back(surface_of(one, height));
-        spread = std::max(spread, spread_within(one));
+    for (const auto& cloud_cells : cells) {
+        surfaces.push_back(surface_of(cloud_cells, height));
+        spread = std::max(spread, spread_within(cloud_cells));
     }
     std::vector<double> areas(grid.size());
     for (std::size_t cell = 0; cell < grid.size(); ++cell) areas[cell] = grid.area(cell);
@@ -146,7 +146,7 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
         if (!(area > 0)) continue;
         ++report.cells;
         bool has_data = true;
-        for (const auto& one : cells) has_data = has_data && one[cell].points > 0;
+        for (const auto& cloud_cells : cells) has_data = has_data && cloud_cells[cell].points > 0;
         if (!has_data) {
             ++report.cells_without_data;
             report.area_without_data += area;
@@ -217,8 +217,8 @@ std::vector<std::string> VolumeReport::notes() const
                         " of the polygon's area that have points");
     if (area_extrapolated > much * area)
         notes.push_back(percent(area_extrapolated) +
-                        " of the area lie beside the points, not between them, and are extrapolated; a polygon within "
-                        "the points has a surer volume");
+                        " of the area lie outside the points and are extrapolated; a polygon within "
+                        "the points has a more certain volume");
     return notes;
 }
 

@@ -10,7 +10,7 @@
 
 namespace pcm {
 
-// `cells`: of the cloud, and of the cloud before where there are two; heights relative to the reference. Sets the sums,
+// `cells`: one set for each cloud, the cloud before second; heights relative to the reference. Sets the sums,
 // areas and uncertainties of the report. `check`: see fill_gaps(). Any thread.
 void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<std::vector<HeightCell>>& cells,
                  CellHeight height, EmptyCells empty, const std::function<void()>& check = {});

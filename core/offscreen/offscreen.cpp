@@ -96,7 +96,7 @@ struct Offscreen::Impl {
         }
         for (const EGLDisplay on : displays()) {
             if (make(on)) {
-                best = on;  // of several software displays the last, which needs the least of the machine
+                best = on;  // the last of several software displays: it needs least of the machine
                 if (!gl_is_software()) return;
             }
             destroy();

@@ -39,7 +39,7 @@ public:
     OffscreenScene(const OffscreenScene&) = delete;
     OffscreenScene& operator=(const OffscreenScene&) = delete;
 
-    const Box3d& box() const { return box_; }  // of all clouds
+    const Box3d& box() const { return box_; }  // box around all clouds
     const std::vector<std::shared_ptr<PointCloud>>& clouds() const { return clouds_; }
     Camera view_of(const CameraFrame& frame, int width, int height) const
     {
@@ -68,7 +68,7 @@ private:
     std::vector<Clip> clips_;
     Box3d box_;
     Vec3d origin_{};
-    std::mutex mutex_;  // of arrived_
+    std::mutex mutex_;  // guards arrived_
     std::condition_variable arrival_;
     bool arrived_ = false;
 };

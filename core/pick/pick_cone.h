@@ -27,11 +27,11 @@ public:
         return std::min(std::max(radius, options_.tolerance_px * pixel), options_.largest_px * pixel);
     }
     // A lower bound of the depth of hits in the box by points whose splats have at most this radius; absent when there
-    // can be none. Rounding is allowed for.
+    // cannot be any. Rounding is allowed for.
     std::optional<double> least_depth(const Box3d& box, double radius) const;
 
     struct Place {
-        double t, square;  // of s
+        double t, square;  // position along the ray and square of s
     };
     Place place_of(const Vec3d& p) const
     {
@@ -49,8 +49,8 @@ public:
 private:
     const PickRay& ray_;
     const PickOptions& options_;
-    double size_ = 0;             // the largest number that takes part in the ray
-    std::vector<double> limits_;  // of each level
+    double size_ = 0;             // the largest number in the equations of the ray
+    std::vector<double> limits_;  // largest radius of each level
 };
 
 }  // namespace pcm

@@ -15,10 +15,10 @@ namespace pcm {
 struct PickRay {
     Vec3d centre{};
     Vec3d start{};            // relative to the centre
-    Vec3d direction{};        // of length 1; t is the distance from the start along it
+    Vec3d direction{};        // unit vector; t is the distance from the start along it
     double pixel = 0;         // the size of a pixel at the start,
     double pixel_growth = 0;  // and by how much it grows with t
-    double begin = 0, end = std::numeric_limits<double>::infinity();  // of t: where the picture begins and ends
+    double begin = 0, end = std::numeric_limits<double>::infinity();  // range of t: where the picture begins and ends
     double scale = 1;  // lengths on this ray for one on the ray that it was made from
 
     double pixel_at(double t) const { return pixel + t * pixel_growth; }

@@ -77,7 +77,7 @@ private:
     struct Waiting {
         double depth;  // no point of the subtree is nearer
         NodeId node;
-        double limit;  // of the radii of its points
+        double limit;  // limit of the radii of its points
         bool operator>(const Waiting& o) const { return std::tie(depth, node) > std::tie(o.depth, o.node); }
     };
     struct Job {
@@ -122,7 +122,7 @@ private:
     std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> nodes_;
     std::optional<PickHit> best_;
     std::atomic<double> best_depth_{infinity};
-    // Of the chunk, or part of one, that is looked at; empty until they are needed.
+    // The chunk, or part of one, that is looked at; empty until needed.
     std::vector<float> radii_;
     std::vector<PointShape> shapes_;
     std::vector<std::uint32_t> segments_;  // points of its segments
@@ -277,9 +277,9 @@ void Search::try_point(NodeId id, const Chunk& chunk, std::uint32_t i, std::uint
     }
     const auto size = static_cast<double>(radii_[i]);
     const double radius = std::min(options_.size_scale * size, limit);
-    const double reach = cone_.reach_at(place.t, radius), beside = std::sqrt(place.square);
-    if (beside > reach) return;
-    PickHit hit{id, number, cone_.depth(place, reach), place.t, beside, size, p};
+    const double reach = cone_.reach_at(place.t, radius), off_axis = std::sqrt(place.square);
+    if (off_axis > reach) return;
+    PickHit hit{id, number, cone_.depth(place, reach), place.t, off_axis, size, p};
     if (!may_hold(hit.depth)) return;
     if (best_ && std::tie(hit.depth, hit.node, hit.index) >= std::tie(best_->depth, best_->node, best_->index)) return;
     if (is_shown(chunk, i, p)) take(hit);

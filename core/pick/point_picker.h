@@ -1,13 +1,13 @@
-// The point of a cloud that a user sees at a pixel, exactly: of all points, not of those that a picture had time for.
+// The point of a cloud that a user sees at a pixel, exactly: any point, not just those that a picture had time for.
 //
 // A picture at full resolution shows each point as a splat whose depth grows from its centre on (gl/draw/splat_pass.h),
 // and where several cover a pixel the one that is nearest there. This is the same for one ray, but that splats are
 // spheres to it: on a surface seen at a graze it picks a point up to a radius before the one whose disc is seen. For a
 // point p, with o the ray's start and u its direction,
 //     t = u . (p - o)                                 how far along the ray
-//     s = |(p - o) - t u|                             how far beside it
+//     s = |(p - o) - t u|                             distance from the ray
 //     R = clamp(size_scale r, tolerance_px pixel(t), largest_px pixel(t))
-// the point is hit when s <= R and begin <= t <= end; that hit is picked which has the least depth t + s^2 / (2 R), of
+// the point is hit when s <= R and begin <= t <= end; the hit with the minimum depth t + s^2 / (2 R) is picked, of
 // equal ones the lower node, then the lower index. So where a splat is seen its point is picked, between far points one
 // within the tolerance is, and what lies behind a closed surface is not.
 //
@@ -40,7 +40,7 @@ namespace pcm {
 inline constexpr double picked_size_scale = 1;
 
 struct PickOptions {
-    double tolerance_px = 4;                // how far beside a point one may click
+    double tolerance_px = 4;                // distance from a point at which one may click
     double largest_px = 100;                // larger splats are hit this near to their centre
     double size_scale = picked_size_scale;  // 0: points are drawn as squares of a few pixels
     bool fitted = true;                     // sizes depend on the points' surroundings (SplatMode::fitted)
@@ -65,8 +65,8 @@ struct PickHit {
 struct PickResult {
     std::optional<PickHit> hit;
     Outcome outcome;           // points_in: points looked at
-    std::uint64_t chunks = 0;  // that were looked at
-    std::uint64_t read = 0;    // of these, from disk
+    std::uint64_t chunks = 0;  // number of chunks looked at
+    std::uint64_t read = 0;    // chunks of these read from disk
 };
 
 // For one cloud; any number of threads. The cache outlives the picker. Memory: 4 bytes per node, 64 MB of boxes around

@@ -32,12 +32,12 @@ struct SelectedChunk {
     std::size_t index(std::size_t i) const { return all ? i : selected[i]; }
     std::uint32_t number(std::size_t index) const;  // in the node's whole chunk
 
-    L2Cache::Handle pin;  // of a chunk that came from the cache: keeps it there
+    L2Cache::Handle pin;  // handle of a chunk that came from the cache: keeps it there
 };
 
-// A chunk that the cache holds is used from there. Of the others, a chunk that the selection or the level cuts is read
-// past the cache, and only those of its segments that selected points can be in; a whole chunk goes through the cache.
-// Memory: at most `in_flight` chunks, the one that next() returned among them. The caller's thread reads too, so
+// A chunk that the cache holds is used from there. Among the others, a chunk that the selection or the level cuts is
+// read past the cache, and only those of its segments that selected points can be in; a whole chunk goes through the
+// cache. Memory: at most `in_flight` chunks, the one that next() returned among them. The caller's thread reads too, so
 // in_flight - 1 threads of the pool are asked for. One thread calls; the cache, the pool and the rates outlive the
 // stream. The destructor waits for the reads that run, and drops the others.
 class ChunkStream {
@@ -53,10 +53,10 @@ public:
     const SelectedChunk* next();
 
     const std::vector<SelectedNode>& nodes() const { return nodes_; }
-    const SourceRounding& rounding() const { return rounding_; }  // of the tree's positions
-    double fraction() const;  // of the nodes, those that were returned or passed over
+    const SourceRounding& rounding() const { return rounding_; }  // rounding of the tree's positions
+    double fraction() const;  // share of the nodes that were returned or passed over
 
-    // So far, of chunks that were returned or passed over.
+    // Totals over chunks that were returned or passed over.
     std::uint64_t points_read() const { return points_read_; }  // decoded, selected or not
     std::uint64_t bytes_read() const { return bytes_read_; }    // from disk, past the cache
     std::uint64_t chunks() const { return chunks_; }
@@ -84,7 +84,7 @@ private:
     Box3i box_;  // grid positions; no point outside of it is selected
     std::size_t in_flight_;
     std::vector<SelectedNode> nodes_;
-    std::size_t next_ = 0;                    // of nodes_: the first without a job
+    std::size_t next_ = 0;                    // index in nodes_ of the first without a job
     std::deque<std::unique_ptr<Job>> ahead_;  // submitted, not returned
     std::unique_ptr<Job> current_;
     std::uint64_t chunks_ = 0, points_read_ = 0, bytes_read_ = 0, cached_ = 0;

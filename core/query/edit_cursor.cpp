@@ -20,7 +20,7 @@ bool can_hold(double value)
     if constexpr (std::is_floating_point_v<T>) {
         return !std::isfinite(value) || std::fabs(value) <= static_cast<double>(std::numeric_limits<T>::max());
     } else {
-        // The largest integer of 64 bits is no double; the power of two after it is.
+        // The largest integer of 64 bits is not a double; the power of two after it is.
         const double end = std::ldexp(1.0, std::numeric_limits<T>::digits);
         return value == std::floor(value) && value < end && value >= (std::is_signed_v<T> ? -end : 0.0);
     }

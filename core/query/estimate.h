@@ -23,12 +23,12 @@ struct Estimate {
     // on attributes are not taken into account.
     double points_expected = 0;
     bool conditions = false;          // there are conditions on attributes: points_expected is an upper estimate
-    std::uint64_t chunks = 0;         // that selected points can be in
+    std::uint64_t chunks = 0;         // number of chunks that may have selected points
     std::uint64_t chunks_cached = 0;  // the ones of them that the cache holds
     std::uint64_t points_read = 0;    // to be decoded, at most
     std::uint64_t bytes = 0;          // to be read from disk, at most
     std::optional<double> seconds;    // at the rate of earlier reads of this cloud; absent before the first read
-    double own_seconds = 0;           // that the estimate took
+    double own_seconds = 0;           // time that the estimate took
 };
 
 // `columns` are the ones that the query reads. Throws what reading headers throws.

@@ -125,12 +125,12 @@ NearestBatch find_nearest(L2Cache& cache, BlockCache& blocks, const std::vector<
     }
     NearestBatch batch;
     batch.first.push_back(0);
-    for (auto& one : found) {
-        batch.points.insert(batch.points.end(), one.begin(), one.end());
+    for (auto& neighbours : found) {
+        batch.points.insert(batch.points.end(), neighbours.begin(), neighbours.end());
         batch.first.push_back(batch.points.size());
-        batch.least_distance.push_back(least_distance(one, spacing, options.max_distance));
-        batch.outcome.error = std::max(batch.outcome.error, error_of(one, spacing, options.max_distance));
-        std::vector<Neighbour>().swap(one);
+        batch.least_distance.push_back(least_distance(neighbours, spacing, options.max_distance));
+        batch.outcome.error = std::max(batch.outcome.error, error_of(neighbours, spacing, options.max_distance));
+        std::vector<Neighbour>().swap(neighbours);
     }
     batch.outcome.points_in = compared;
     batch.outcome.points_out = batch.points.size();

@@ -23,8 +23,8 @@ namespace pcm {
 struct NearestOptions {
     std::optional<std::uint16_t> level;  // only points of the cloud at this level; the whole cloud when absent
     double max_distance = std::numeric_limits<double>::infinity();  // source units; compared by squares, inclusive
-    unsigned threads = 0;                                           // of many searches; 0: one per processor
-    ProgressFunction progress;                                      // of many searches
+    unsigned threads = 0;                                           // threads of many searches; 0: one per processor
+    ProgressFunction progress;                                      // progress of many searches
 };
 
 // Every point of the cloud has a point of the level nearer than the level's spacing s. So when the nearest point of the
@@ -38,9 +38,9 @@ struct NearestResult {
 };
 
 struct NearestBatch {
-    std::vector<Neighbour> points;       // of all searches, one search after another
-    std::vector<std::size_t> first;      // of each search in `points`, and the end
-    std::vector<double> least_distance;  // of each search
+    std::vector<Neighbour> points;       // results of all searches, one search after another
+    std::vector<std::size_t> first;      // first result of each search in `points`, and the end
+    std::vector<double> least_distance;  // one for each search
     Outcome outcome;                     // error: the largest of any search
 };
 
@@ -60,7 +60,7 @@ struct HitResult {
 // whole cloud, infinite where nothing is promised (points were deleted since the levels were made).
 double level_spacing(const Tree& tree, std::uint16_t level);
 
-// Memory: beside the cache's, up to 16 chunks held by a search, or by each thread of many searches. Throw
+// Memory: up to 16 chunks, in addition to the cache's, for a search, or for each thread of many searches. Throw
 // Error(invalid_argument) for a point that is not finite, a negative max_distance, or a region that is neither ray nor
 // cone; and what reading throws.
 NearestResult find_nearest(L2Cache& cache, BlockCache& blocks, const Vec3d& point, std::size_t k,

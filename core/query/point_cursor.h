@@ -53,9 +53,9 @@ private:
 // What a cursor did so far.
 struct CursorStatistics {
     std::uint64_t chunks = 0;         // looked at
-    std::uint64_t chunks_cached = 0;  // of them found in the cache
+    std::uint64_t chunks_cached = 0;  // chunks found in the cache
     std::uint64_t points_read = 0;    // decoded or found in the cache, selected or not
-    std::uint64_t bytes_read = 0;     // of chunks that were read in part, past the cache
+    std::uint64_t bytes_read = 0;     // size of chunks that were read in part, past the cache
 };
 
 // The selected points in node order, in bounded memory: Query::reads_in_flight chunks and the one in view. One thread.

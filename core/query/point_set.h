@@ -50,7 +50,7 @@ public:
     // The same for the points of one node.
     void combine(SetOperation operation, NodeId node, const std::vector<std::uint32_t>& points);
 
-    std::size_t bytes() const;  // of memory, shared bits included
+    std::size_t bytes() const;  // memory, shared bits included
     bool operator==(const PointSet& other) const;
 
 private:

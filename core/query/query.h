@@ -15,7 +15,7 @@ struct Query {
     std::optional<Box3d> box;             // source coordinates, both ends included; everything when absent
     std::optional<std::uint16_t> level;   // the cloud at this level; the whole cloud when absent
     std::vector<Condition> where;         // on attributes; all must be met (parse_condition() makes them from text)
-    std::vector<std::string> attributes;  // names to read beside the position; unknown names are an error
+    std::vector<std::string> attributes;  // names to read in addition to the position; unknown names are an error
     std::optional<Region> region;         // in addition to the box: points are inside of both
     std::vector<Clip> clips;              // all must hold, too
     unsigned reads_in_flight = 8;  // chunks that are read at the same time, ahead of the caller: more of them hide a

@@ -16,7 +16,7 @@ public:
     // A caller waited `waited_seconds` for reads that took `read_seconds` in sum.
     void add_wait(double read_seconds, double waited_seconds);
 
-    // The time that a caller will wait for so many reads of so many bytes in sum. Nothing before the first read.
+    // The time that a caller will wait for this number of reads with this sum of bytes. Nothing before the first read.
     std::optional<double> seconds(std::uint64_t reads, double decoded_bytes) const;
 
 private:

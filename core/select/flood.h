@@ -9,7 +9,7 @@
 
 namespace pcm {
 
-// Points are sorted into cubes. Where the distance is long enough beside the box for it, the diagonal of a cube is just
+// Points are sorted into cubes. Where the distance is long enough relative to the box, the diagonal of a cube is just
 // below the distance: then all points of a cube are reached with the first one, and only pairs of cubes are compared.
 // One thread. Memory: about 80 bytes per point, the points included.
 class Flood {
@@ -19,7 +19,7 @@ public:
 
     // Point i is reached.
     void reach(std::size_t i);
-    // A reached point that is none of these, anywhere: those within the distance are reached.
+    // A reached point that is not one of these, anywhere: those within the distance are reached.
     void reach_from(const Vec3d& p);
     // Reaches all that can be reached.
     void run();
@@ -30,14 +30,14 @@ public:
 private:
     struct Cell {
         std::uint64_t key;
-        std::uint32_t begin, end;  // of order_
+        std::uint32_t begin, end;  // range in order_
         std::uint32_t open;        // order_[begin, open): points that are not reached
         Box3d box;                 // tight
     };
     // Cells that differ in x alone: they follow each other.
     struct Row {
         std::uint64_t key;
-        std::uint32_t begin, end;  // of cells_
+        std::uint32_t begin, end;  // range in cells_
     };
     using Index = std::array<std::int64_t, 3>;
     Index index_of(const Vec3d& p) const;
@@ -56,8 +56,8 @@ private:
     double edge_ = 0;
     bool whole_cells_ = false;  // a cell is reached as a whole
     Index most_{};              // the largest index on each axis
-    std::vector<Cell> cells_;   // by key
-    std::vector<Row> rows_;     // by key
+    std::vector<Cell> cells_;   // ascending by key
+    std::vector<Row> rows_;     // ascending by key
     std::vector<std::uint32_t> order_;
     std::vector<std::uint8_t> reached_;
     std::vector<std::uint32_t> next_;  // reached, not spread from: points, or cells that are reached as a whole

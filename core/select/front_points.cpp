@@ -25,8 +25,8 @@ struct Seen {
     double x = 0, y = 0;  // pixels, from the lower left corner of the viewport
     double depth = 0;     // along the view, in units of eye space
     double size = 0;      // in the same units
-    double radius = 0;    // of the size, in pixels
-    double least = 0;     // the least size that counts for the tolerance: as large as 1.5 pixels
+    double radius = 0;    // on-screen radius of the size, pixels
+    double least = 0;     // the smallest size that counts for the tolerance: as large as 1.5 pixels
 };
 
 class Eye {
@@ -72,10 +72,10 @@ private:
     const SourceRounding rounding_;
     const Grid grid_;
     const double least_;
-    double scale_ = 1;  // of the modelview
+    double scale_ = 1;  // scale of the modelview
 };
 
-// The least depth of each pixel of a rectangle. Any number of threads.
+// The minimum depth of each pixel of a rectangle. Any number of threads.
 class DepthBuffer {
 public:
     DepthBuffer(const Camera& camera, const Polygon& polygon)
@@ -180,7 +180,7 @@ PointSet front_points(const std::shared_ptr<const Tree>& tree, const Camera& cam
     const Polygon area(polygon);
     PointSet set(tree);
     for (std::size_t a = 0; a < 2; ++a)
-        if (area.min()[a] > 1 || area.max()[a] < -1) return set;  // beside the screen
+        if (area.min()[a] > 1 || area.max()[a] < -1) return set;  // outside the screen
     const Eye eye(camera, tree->info());
     DepthBuffer buffer(camera, area);
     ScanOptions scan;

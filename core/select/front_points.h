@@ -24,9 +24,9 @@ struct FrontOptions {
 //     (depth of its pixel) + tolerance * (its size)
 //
 // where depths are lengths along the view. A point's size is that of tree/point_size.h, and at least half a pixel at
-// its depth. The depth of a pixel is the least of d + s * (r / R)^2 over the shown points (paraboloids, as at rest on
+// its depth. The depth of a pixel is the minimum of d + s * (r / R)^2 over the shown points (paraboloids, as at rest on
 // the screen, so that surfaces seen at an angle do not hide themselves): d the depth and s the size of a point, R its
-// size on the screen, no larger than 64 pixels, and r <= R the distance of the pixel's centre from it; for the pixel
+// size on the screen, at most 64 pixels, and r <= R the distance of the pixel's centre from it; for the pixel
 // that holds the point itself it is d. So a surface hides what is behind it where its points are dense enough to close
 // it.
 //

@@ -19,7 +19,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t bytes_per_point = 192;  // of a unit
+constexpr std::uint64_t bytes_per_point = 192;  // memory of a unit
 
 Box3d grown(Box3d box, double distance)
 {
@@ -52,7 +52,7 @@ bool on_border(const Box3d& box, const Vec3d& p)
 struct Unit {
     Box3d box, reach;  // reach: grown by the distance
     bool queued = false, visited = false, complete = false;
-    std::vector<std::size_t> neighbours;  // whose `reach` touches the box
+    std::vector<std::size_t> neighbours;  // units whose `reach` touches the box
 };
 
 class Growth {
@@ -176,7 +176,7 @@ private:
         seeds = std::move(passing);
     }
 
-    // Of places in the box.
+    // The judge of places in the box.
     std::unique_ptr<SurroundingsTest::Judge> judge_of(const Box3d& box) const
     {
         auto judge = options_.surroundings->judge();

@@ -16,7 +16,7 @@ struct GrowOptions {
     Selection limit;                                        // only points that it chooses are reached, seeds included
     const PlaceTest* test = nullptr;                        // and for which it holds (point_scan.h); may be null
     const SurroundingsTest* surroundings = nullptr;         // and which pass it (surroundings_test.h); may be null
-    std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // beside the set: the points that are looked at together
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;  // without the set: the points looked at together
     unsigned threads = 0;                                   // 0: one per processor
     ProgressFunction progress;
 };

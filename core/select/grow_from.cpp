@@ -17,7 +17,7 @@
 namespace pcm {
 namespace {
 
-constexpr double nearly_all = 0.95;               // of a cloud
+constexpr double nearly_all = 0.95;               // share of a cloud
 constexpr double most_colour_difference = 441.7;  // beyond sqrt(3) * 255
 
 // The place of an attribute with three components, for a limit that needs it.
@@ -116,7 +116,7 @@ private:
         return columns;
     }
 
-    // 16-bit colours may hold no more than 255: the roots, samples of the whole, say so, or the seed's own chunk.
+    // 16-bit colours may hold no more than 255: the roots, samples of the whole, show it, or the seed's own chunk.
     void take_colour_scale(const Tree& tree, const Chunk& chunk)
     {
         const auto range = [&](const Chunk& sample) {

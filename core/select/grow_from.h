@@ -14,13 +14,13 @@ namespace pcm {
 // Each limit compares a point with the seed, not with the point that the step comes from: a step after step comparison
 // follows noise and soft edges to everywhere. What is absent is not compared.
 struct SeedLimits {
-    // Largest angle between the normals as lines (the sign of a normal has no effect), radians, 0 to pi / 2. Points
+    // Maximum angle between the normals as lines (the sign of a normal has no effect), radians, 0 to pi / 2. Points
     // without a normal (all zero, or not finite) are not reached.
     std::optional<double> normal_angle;
-    // Largest distance between the colours: red, green and blue as 0 to 255 each (view/point_colours.h), so that black
+    // Maximum distance between the colours: red, green and blue as 0 to 255 each (view/point_colours.h), so that black
     // and white are 441.7 apart.
     std::optional<double> colour_difference;
-    // Largest distance from the seed, source units, inclusive as Region::sphere() is.
+    // Maximum distance from the seed, source units, inclusive as Region::sphere() is.
     std::optional<double> within;
 
     bool reads_attributes() const { return normal_angle || colour_difference; }

@@ -16,7 +16,7 @@
 
 namespace pcm {
 
-// What is asked of a point's place beside a selection. Any number of threads.
+// A test of a point's place, in addition to a selection. Any number of threads.
 class PlaceTest {
 public:
     virtual ~PlaceTest() = default;
@@ -24,7 +24,7 @@ public:
     // about: a test that looks at attributes calls no box that.
     virtual BoxRelation relation(const Box3d& box) const = 0;
     virtual bool holds(const Vec3d& p) const = 0;
-    // What narrow() looks at beside positions.
+    // Columns that narrow() looks at in addition to positions.
     virtual ColumnSet columns() const { return {}; }
     // Keeps those of the indices of points in `chunk` that hold; positions[k] are the source coordinates of some[k].
     virtual void narrow(const Chunk& chunk, const std::vector<Vec3d>& positions,
@@ -35,8 +35,8 @@ public:
 struct ScannedPoints {
     NodeId node = no_node;
     ChunkPart part;                      // empty when the node was not read
-    std::vector<std::uint32_t> indices;  // of the chosen points in part.chunk, ascending; empty when it was not read
-    std::vector<std::uint32_t> numbers;  // of the same points in the node's whole chunk, ascending
+    std::vector<std::uint32_t> indices;  // the chosen points in part.chunk, ascending; empty when it was not read
+    std::vector<std::uint32_t> numbers;  // the same points in the node's whole chunk, ascending
 };
 
 // Source coordinates of the chosen points, whose part has positions.
@@ -49,7 +49,7 @@ struct ScanOptions {
     std::optional<ColumnSet> columns;
     SelectOptions select;
     std::string stage = "Selecting points";
-    double begin = 0, end = 1;  // of the progress
+    double begin = 0, end = 1;  // range of the progress
 };
 
 // Calls take() once for each node with chosen points, on any thread, several at the same time. Throws what

@@ -14,7 +14,7 @@
 namespace pcm {
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;  // of one rounding
+constexpr double epsilon = std::numeric_limits<double>::epsilon() / 2;  // error of one rounding
 
 PointSet scan_into_set(const std::shared_ptr<const Tree>& tree, const Selection& selection, const PlaceTest* test,
                        const SelectOptions& select)

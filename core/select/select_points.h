@@ -16,7 +16,7 @@
 namespace pcm {
 
 struct SelectOptions {
-    std::optional<std::uint16_t> level;  // only points of the cloud at this level; of the whole cloud when absent
+    std::optional<std::uint16_t> level;  // only points of the cloud at this level; the whole cloud when absent
     unsigned threads = 0;                // 0: one per processor
     ProgressFunction progress;
 };

@@ -1,4 +1,4 @@
-// What points around a point say about it: a test for growth.
+// A test for growth on the points around a point.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -14,7 +14,7 @@ class SurroundingsTest {
 public:
     virtual ~SurroundingsTest() = default;
 
-    // Gets points around places, then says of these whether they pass. One thread.
+    // Gets points around places, then tests whether the places pass. One thread.
     class Judge {
     public:
         virtual ~Judge() = default;

@@ -30,7 +30,7 @@ const char* name_of(ErrorCode code);  // "not_found"
 
 class Error : public std::runtime_error {
 public:
-    // `path` is empty where no file is concerned; `hint` says what the user can do, or is empty.
+    // `path` is empty where no file is concerned; `hint`: what the user can do, or empty.
     Error(ErrorCode code, const std::filesystem::path& path, const std::string& what, const std::string& hint = {});
 
     // From a value of `errno`, saved before other calls can change it; `action` is a phrase like "writing the index".

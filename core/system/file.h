@@ -12,7 +12,7 @@ namespace pcm {
 
 class File {
 public:
-    // Every mode refuses what is no regular file (a FIFO, a device, a folder) without waiting for it. Only `read`
+    // Every mode refuses anything but a regular file (a FIFO, a device, a folder) without waiting for it. Only `read`
     // follows a symbolic link in the file's place: nothing is written through one.
     enum class Mode {
         read,
@@ -78,7 +78,7 @@ std::filesystem::path folder_holding(const std::filesystem::path& path);
 // nothing is thrown. `action` is a phrase like "giving the tree its name".
 void rename_path(const std::filesystem::path& from, const std::filesystem::path& to, const std::string& action);
 
-// Replaces a file atomically and durably: writes a temporary file beside it, syncs, renames it over `path`, and syncs
+// Replaces a file atomically and durably: writes a temporary file next to it, syncs, renames it over `path`, and syncs
 // the folder. After a failure or a crash `path` is the old file or the new one.
 void replace_file(const std::filesystem::path& path, const void* bytes, std::size_t size);
 

@@ -13,7 +13,7 @@
 namespace pcm {
 
 // One thread. Until finish() the bytes are in a file without a name, so that a process that is killed leaves nothing.
-// Where the file system has no such files, they are in NAME.part-PROCESS-NUMBER beside `path`, which is locked; the
+// Where the file system has no such files, they are in NAME.part-PROCESS-NUMBER next to `path`, which is locked; the
 // destructor removes it, and those of processes that were killed are removed by the next OutputFile of the same path.
 // finish() syncs the file and atomically replaces the file that has the name; where the name is a symbolic link, the
 // file that it leads to. Several files that are put in place together: output_group.h. Throws Error(no_space |

@@ -1,4 +1,4 @@
-// Files and folders beside an output while it is being written: NAME.part-PROCESS-NUMBER.
+// Files and folders next to an output while it is being written: NAME.part-PROCESS-NUMBER.
 #pragma once
 
 #include "pcm/system/file.h"

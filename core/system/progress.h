@@ -11,7 +11,7 @@ namespace pcm {
 
 struct ProgressUpdate {
     std::string_view stage;    // for users: "Reading points", "Building chunks", ...
-    double fraction = 0;       // of the whole operation, 0..1, never decreasing
+    double fraction = 0;       // fraction of the whole operation, 0..1, never decreasing
     double seconds_left = -1;  // estimate; negative while unknown
 };
 
@@ -24,7 +24,7 @@ struct Outcome {
     std::uint64_t points_in = 0;
     std::uint64_t points_out = 0;
     double seconds = 0;
-    double error = 0;           // of the kind and unit that `error_meaning` names; 0 when the result is exact
+    double error = 0;           // error of the kind and unit that `error_meaning` names; 0 when the result is exact
     std::string error_meaning;  // e.g. "largest position error, source units"
     // The result is in place, but a later step failed: it may not survive a loss of power, or remains could not be
     // removed. Repeating the operation would do it twice.

@@ -10,7 +10,7 @@ namespace pcm {
 
 // The text with the path `to` wherever it has the path `from`. Any thread.
 std::string renamed(std::string text, const std::filesystem::path& from, const std::filesystem::path& to);
-// The same for an error's text and path. An error that is_done() is none of the work as a whole: it is no longer.
+// The same for an error's text and path. The result is not is_done() even if the error was.
 Error renamed(const Error& error, const std::filesystem::path& from, const std::filesystem::path& to);
 
 }  // namespace pcm

@@ -10,7 +10,7 @@ namespace pcm {
 namespace {
 
 constexpr int most_places = 18;
-constexpr double most_units = 9e17;  // of 10^-places: sums of two such numbers fit 64 bits
+constexpr double most_units = 9e17;  // maximum number of 10^-places: sums of two such numbers fit 64 bits
 
 // digits * 10^exponent, digits without a zero at the end.
 struct Decimal {

@@ -1,4 +1,4 @@
-// A folder for large temporary files beside an output.
+// A folder for large temporary files next to an output.
 #pragma once
 
 #include "pcm/system/file.h"
@@ -7,7 +7,7 @@
 
 namespace pcm {
 
-// NAME.part-PROCESS-NUMBER beside the output NAME. In it are a marker, locked as long as this object lives, and the
+// NAME.part-PROCESS-NUMBER next to the output NAME. In it are a marker, locked as long as this object lives, and the
 // folder work() for the caller's files, which the destructor removes with it. Folders that killed processes have left
 // are removed by the next ScratchFolder of the same output: those that have the marker and whose lock is free, and of
 // these nothing but marker and work folder. Where the file system has no locks they stay. For one thread.

@@ -7,7 +7,7 @@
 namespace pcm {
 namespace {
 
-// Beside this code, where an install of it has its libraries, and where the system looks.
+// The folder of this code, the one where an install of it has its libraries, and where the system looks.
 std::vector<std::filesystem::path> places(const std::string& name)
 {
     std::vector<std::filesystem::path> all;
@@ -41,7 +41,7 @@ SharedModule load_shared_module(const std::string& file, const char* symbol, std
         if (place.has_parent_path() && !std::filesystem::exists(place, ignored)) continue;
         void* library = dlopen(place.c_str(), RTLD_NOW | RTLD_LOCAL);
         if (!library) {
-            // Why an existing file cannot be loaded says more than that no other place has one.
+            // The reason why an existing file cannot be loaded is more useful than that no other place has one.
             if (result.missing.empty() || place.has_parent_path()) result.missing = dlerror();
             continue;
         }

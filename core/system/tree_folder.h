@@ -25,7 +25,7 @@ inline constexpr char about_magic[8] = {'P', 'C', 'M', 'A', 'B', 'O', 'U', 'T'};
 // "chunks-000.bpc" with any number, or the temporary file of one of them.
 bool is_name_in_tree(const std::string& name);
 
-// Whether `folder` is a tree's: it has the index or the about.pct of a tree, or, beside data files, damaged ones.
+// Whether `folder` is a tree's: it has the index or the about.pct of a tree, or, next to data files, damaged ones.
 bool is_tree_folder(const std::filesystem::path& folder);
 
 // The tree folder that `path` stands for: the folder of a file that belongs to a tree, such as index.pct or

@@ -40,7 +40,7 @@ TreeInfo read_about(const std::filesystem::path& folder);
 // What is wrong with a tree's about.pct.
 struct AboutFault {
     std::string what;
-    // It is one generation ahead: an update was interrupted before it replaced the index. That is no damage.
+    // It is one generation ahead: an update was interrupted before it replaced the index. That is not damage.
     bool left_by_update = false;
 };
 // Compares about.pct with the index; nothing when they agree. Throws Error(permission | io).

@@ -6,7 +6,7 @@
 namespace pcm {
 namespace {
 
-// Of a text that begins with the error's path: the rest, since Error puts the path in front again.
+// The text without the error's path at its beginning, since Error puts the path in front again.
 std::string without_path(const Error& error)
 {
     std::string what = error.what();

@@ -11,7 +11,7 @@ namespace pcm {
 // What a user types to repair the tree in `folder`; a path with characters that a shell takes for its own in quotes.
 std::string repair_command(const std::filesystem::path& folder);
 
-// Whether the error says that bytes of a tree are damaged or missing: not that memory, permission or the system failed.
+// Whether the error is that bytes of a tree are damaged or missing: not that memory, permission or the system failed.
 bool is_damage(const Error& error);
 
 // The error of a damaged tree. what() has the way out as a hint, "..., in a terminal: pcmlab repair TREE".

@@ -26,7 +26,7 @@ Coord to_coordinate(std::int64_t grid)
 
 struct RowLayout {
     std::size_t coordinate_bytes = 4;  // 4 or 8
-    std::vector<std::size_t> offsets;  // of each attribute
+    std::vector<std::size_t> offsets;  // byte offset of each attribute
     std::vector<std::size_t> sizes;
     std::size_t bytes = 0;
 

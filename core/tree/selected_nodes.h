@@ -14,7 +14,7 @@ namespace pcm {
 struct SelectedNode {
     NodeId node = no_node;
     std::uint32_t points = 0;                     // from the first of its chunk: those of the cloud at the given level
-    BoxRelation relation = BoxRelation::crosses;  // of the node's box to box, region and conditions on coordinates
+    BoxRelation relation = BoxRelation::crosses;  // node's box to the query's box, region and conditions
 };
 
 // The box in source coordinates, its corners rounded as positions are.

@@ -1,6 +1,6 @@
 // How a tree of floats or doubles returns the source's own numbers.
 //
-// On a grid of a power of two a coordinate that is small beside the largest one loses its last bits. They come back
+// On a grid of a power of two a coordinate small relative to the largest loses its last bits. They come back
 // where it is known which numbers the source had: floats, or decimals with few digits, as text files hold them. For
 // decimals the tree has a metadata block "pcm.decimals": for each axis the number of digits after the point, or "-".
 #pragma once

@@ -61,12 +61,12 @@ struct Node {
     std::array<NodeId, 2> children{no_node, no_node};
     std::uint16_t depth = 0;        // 0 at the root
     std::uint32_t part = 0;         // no_part for a node that joins parts
-    std::uint16_t first_level = 0;  // of its own points
-    std::uint32_t points = 0;       // of this node's own chunk
+    std::uint16_t first_level = 0;  // first level of its own points
+    std::uint32_t points = 0;       // number of points of this node's own chunk
     // Number of points of first_level, of the next level, ..., in the order of the chunk; empty for a node without
     // points.
     std::vector<std::uint32_t> level_points;
-    std::uint64_t subtree_points = 0;  // of this node and everything below
+    std::uint64_t subtree_points = 0;  // number of points of this node and everything below
     Box3i box;                         // tight around the points of the whole subtree
     double spacing = 0;                // source units: distance between the points of the subtree's box once this node
                                        // and its ancestors are drawn; 0 at a leaf, where no point is missing
@@ -95,21 +95,21 @@ struct TreeInfo {
     std::uint32_t generation = 1;  // 1 from the build, one more with each update
     std::uint64_t points = 0;
     Grid grid;
-    ScalarType position_type = ScalarType::f64;  // of the source: i32 for LAS, f32 or f64
+    ScalarType position_type = ScalarType::f64;  // type in the source: i32 for LAS, f32 or f64
     Schema schema;
     bool wide = false;              // grid positions need more than 32 bits
     Box3i box;                      // tight, all points
     std::array<Vec3i, 6> extremes;  // points of the cloud with the smallest x, largest x, smallest y, ...
-    // Largest change of an input coordinate, source units; 0 for LAS. The sign of zero is not kept.
+    // Maximum change of an input coordinate, source units; 0 for LAS. The sign of zero is not kept.
     double position_error = 0;
     std::uint64_t points_skipped = 0;  // input points left out: without a finite position, or beyond a given limit
-    std::uint64_t content_hash = 0;    // of all points with all attributes, independent of their order (point_hash.h)
+    std::uint64_t content_hash = 0;    // all points with all attributes, independent of their order (point_hash.h)
     Sampling sampling = Sampling::poisson;
     // False after a deletion, until the tree is compacted: a point may have lost its neighbour of a coarser level.
     bool coverage_kept = true;
     std::uint16_t levels = 0;
-    std::vector<double> spacings;  // of each level, descending; source units; 0 for a last level with all other points
-    std::uint64_t bytes = 0;       // of the index and the data files, bytes that updates have left unused included
+    std::vector<double> spacings;  // one per level, descending; source units; 0 for a last level with all other points
+    std::uint64_t bytes = 0;       // size of the index and the data files, bytes that updates have left unused included
     std::vector<Metadata> metadata;
     std::vector<std::string> sources;  // file names the tree was built from
     Box3d bounds() const { return grid.to_source(box); }
@@ -119,7 +119,7 @@ struct TreeInfo {
 struct LevelSummary {
     std::uint64_t nodes = 0;  // with points of this level
     std::uint64_t points = 0;
-    std::uint64_t points_to_here = 0;  // of the cloud at this level: this level and all coarser ones
+    std::uint64_t points_to_here = 0;  // points of the cloud at this level: this level and all coarser ones
     double spacing = 0;                // 0: no point is missing
 };
 
@@ -129,8 +129,8 @@ inline constexpr const char* tree_extension = "pct";
 // it can be read alone. `chunk` holds the points of the kept segments, one segment after another.
 struct ChunkPart {
     Chunk chunk;
-    std::vector<std::uint32_t> first;  // of each kept segment: the number of its first point in the whole chunk
-    std::vector<std::uint32_t> count;  // of each kept segment: its number of points
+    std::vector<std::uint32_t> first;  // number, in the whole chunk, of the first point of each kept segment
+    std::vector<std::uint32_t> count;  // number of points of each kept segment
     std::uint64_t bytes_read = 0;
 };
 

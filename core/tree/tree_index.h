@@ -28,8 +28,8 @@ std::vector<std::byte> encode_index(const TreeIndex& index);
 // part or to two.
 void find_parts(TreeIndex& index, const std::filesystem::path& path);
 
-// The bytes of an index file. Throws Error(not_a_tree | unsupported | corrupt) for a file that is no index or is longer
-// than its own counts allow, before memory is taken for it, and Error(io).
+// The bytes of an index file. Throws Error(not_a_tree | unsupported | corrupt) for a file that is not an index or is
+// longer than its own counts allow, before memory is taken for it, and Error(io).
 std::vector<std::byte> read_index(const File& file);
 
 // Checks magic, version, checksum and every invariant that tree.h states for nodes. Throws Error(not_a_tree | corrupt |

@@ -13,8 +13,8 @@ namespace pcm {
 class TreeLock {
 public:
     // Locks the tree in `folder`. Throws Error(exists) when another process or thread holds the lock,
-    // Error(unsupported) when the lock is no regular file (a symbolic link is not followed) and where the file system
-    // has no locks, but for a tree in the folder of a build, and Error(permission | no_space | io).
+    // Error(unsupported) when the lock is not a regular file (a symbolic link is not followed) and where the file
+    // system has no locks, but for a tree in the folder of a build, and Error(permission | no_space | io).
     explicit TreeLock(const std::filesystem::path& folder);
 
 private:

@@ -100,7 +100,7 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
     info_.points_known = !selector_.tests_points();
     info_.schema = selector_.kept_schema();
     info_.metadata = tree_info.metadata;
-    set_decimals(info_.metadata, {no_decimals, no_decimals, no_decimals});  // of this tree's grid alone
+    set_decimals(info_.metadata, {no_decimals, no_decimals, no_decimals});  // decimals hold for this tree's grid only
     info_.position_type = tree_info.position_type;
     if (tree_info.position_type == ScalarType::i32) {
         if (fits_32_bits(tree_info.box)) {

@@ -22,7 +22,7 @@ class PointChoice {
 public:
     virtual ~PointChoice() = default;
     virtual std::uint32_t count(NodeId node) const = 0;
-    // The numbers of the node's points that are wanted, ascending: so many as count() says.
+    // The numbers of the node's points that are wanted, ascending: count() of them.
     virtual std::vector<std::uint32_t> points(NodeId node) const = 0;
 };
 
@@ -71,7 +71,7 @@ private:
     Chunk chunk_;
     bool all_ = true;  // all points of the chunk are selected
     std::vector<std::uint32_t> selected_;
-    std::size_t next_point_ = 0, chunk_points_ = 0;  // of the selected ones
+    std::size_t next_point_ = 0, chunk_points_ = 0;  // positions in selected_
 };
 
 }  // namespace pcm

@@ -1,4 +1,4 @@
-// The names by which a build that is running or was interrupted is recognised. The folder NAME.part, beside the tree
+// The names by which a build that is running or was interrupted is recognised. The folder NAME.part, next to the tree
 // NAME that it will become, belongs to the build (build/build_folder.h).
 #pragma once
 

@@ -183,7 +183,7 @@ private:
     const Tree& tree_;
     const std::vector<Node>& nodes_;
     VerifyReport& report_;
-    std::vector<Box3i> own_box_;  // of each node's own points
+    std::vector<Box3i> own_box_;  // box of each node's own points
     std::atomic<std::size_t> next_{0};
     std::atomic<std::uint64_t> hash_{0}, points_{0};
     Signal signal_;  // its mutex guards the faults while threads run

@@ -25,7 +25,7 @@ struct Tile {
 // The measurements of tiles of one level. Merging in another order changes nothing but the rounding of the two sums.
 struct Sums {
     double least = infinity, farthest = 0;  // squared
-    double sum = 0, sum_of_squares = 0;     // of (distance / spacing - 1)
+    double sum = 0, sum_of_squares = 0;     // sums of (distance / spacing - 1) and its square
     std::uint64_t points = 0, isolated = 0;
 
     void merge(const Sums& o)
@@ -250,7 +250,7 @@ private:
         const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
         std::nth_element(chosen.begin(), middle, chosen.end(),
                          [&](const Vec3i& p, const Vec3i& q) { return p[axis] < q[axis]; });
-        std::int64_t last = (*middle)[axis];  // of the lower part
+        std::int64_t last = (*middle)[axis];  // last coordinate of the lower part
         if (last == tight.max[axis]) --last;
         if (last < tight.min[axis]) return false;
         Tile low = tile, high = tile;

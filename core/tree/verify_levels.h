@@ -14,9 +14,9 @@ namespace pcm {
 // spacing.
 struct LevelMeasure {
     double spacing = 0;         // source units
-    std::uint64_t points = 0;   // of the cloud at this level
-    double least_distance = 0;  // between any two of these points; infinite for a single point
-    // Largest distance from a point of the whole cloud to the nearest of these points; infinite beyond 2.
+    std::uint64_t points = 0;   // number of points of the cloud at this level
+    double least_distance = 0;  // minimum distance between any two of these points; infinite for a single point
+    // Maximum distance from a point of the whole cloud to the nearest of these points; infinite beyond 2.
     double coverage = 0;
     // Variation of the distances to the nearest neighbour (standard deviation over mean) among the points with a
     // neighbour within twice the spacing, and the number of points without one.

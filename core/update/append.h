@@ -15,7 +15,7 @@ namespace pcm {
 struct AppendOptions {
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // for the whole operation; at least 64 MiB
     unsigned threads = 0;                                 // 0: one per processor
-    std::uint32_t chunk_points = default_chunk_points;    // largest number of points in a chunk, as in a build
+    std::uint32_t chunk_points = default_chunk_points;    // maximum number of points in a chunk, as in a build
     bool ignore_crs = false;  // coordinate systems and GPS times that differ from the tree's: note them, do not refuse
     ProgressFunction progress;
 };
@@ -28,7 +28,7 @@ struct AppendReport {
     Skipped skipped;  // bad lines and files
     std::uint64_t nodes_added = 0;
     std::uint64_t bytes_written = 0;
-    std::uint32_t parts = 0;         // of the tree afterwards
+    std::uint32_t parts = 0;         // parts of the tree afterwards
     std::vector<std::string> notes;  // from the readers, and about attributes that the new points lack
 };
 
@@ -43,7 +43,7 @@ struct AppendReport {
 //
 // Every new point must have a place on the tree's grid (fitted_reader.h) and no attribute that the tree lacks;
 // attributes that it lacks itself become 0. The tree keeps its metadata; a tree that states no coordinate system takes
-// over that of the new points, and notes say so. Throws Error(invalid_argument) when points or attributes do not fit,
+// over that of the new points, as notes report. Throws Error(invalid_argument) when points or attributes do not fit,
 // when coordinate systems, units or GPS times differ (io/pipe/system_check.h), and for options out of range,
 // Error(exists) when another process or thread changes the tree, and what reading and writing throw. After an error or
 // a cancel the written files are removed, and the tree is the old one; what fails after the points have become part of

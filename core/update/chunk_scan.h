@@ -31,7 +31,7 @@ struct FoundFile {
     std::uint64_t other_chunks = 0;      // undamaged, but of another tree or of no tree
 };
 
-// The data files in a tree's folder, by number; what is no regular file is left out.
+// The data files in a tree's folder, by number; anything but a regular file is left out.
 std::vector<FoundFile> list_data_files(const std::filesystem::path& folder);
 
 // What all chunks of a tree have in common.

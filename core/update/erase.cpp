@@ -61,7 +61,7 @@ private:
 struct Examined {
     PartNode node;  // complete but for the extent of its chunk
     std::uint64_t deleted = 0;
-    std::uint64_t hash = 0;      // of the deleted points
+    std::uint64_t hash = 0;      // hash of the deleted points
     bool coverage_lost = false;  // some of them are not of the last level
     Chunk rest;                  // the remaining points, where points were deleted
     std::vector<std::byte> bytes;

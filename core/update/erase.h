@@ -33,7 +33,7 @@ struct EraseOptions {
     unsigned threads = 0;     // 0: one per processor
     bool count_only = false;  // changes nothing; the report describes what would be deleted
     ProgressFunction progress;
-    double begin = 0;  // of the progress
+    double begin = 0;  // start of the range of the progress
 };
 
 struct EraseReport {

@@ -17,7 +17,7 @@
 namespace pcm {
 namespace {
 
-// In words: "u16", "3 x u16", "i32 times 0.01 plus 5".
+// As text: "u16", "3 x u16", "i32 times 0.01 plus 5".
 std::string kind_of(const Attribute& attribute)
 {
     std::string text = attribute.components == 1 ? "" : std::to_string(attribute.components) + " x ";
@@ -27,7 +27,7 @@ std::string kind_of(const Attribute& attribute)
     return text;
 }
 
-bool alike(const Attribute& a, const Attribute& b)
+bool same_encoding(const Attribute& a, const Attribute& b)
 {
     return a.type == b.type && a.components == b.components && a.scale == b.scale && a.offset == b.offset;
 }
@@ -50,7 +50,7 @@ FittedReader::FittedReader(PointReader& cloud, const TreeInfo& tree, const std::
         if (!slot)
             throw Error(ErrorCode::invalid_argument, folder,
                         "the new points have the attribute '" + attribute.name + "', which the tree lacks", hint);
-        if (!alike(attribute, tree.schema[*slot]))
+        if (!same_encoding(attribute, tree.schema[*slot]))
             throw Error(ErrorCode::invalid_argument, folder,
                         "the attribute '" + attribute.name + "' of the new points is " + kind_of(attribute) +
                             ", the tree's is " + kind_of(tree.schema[*slot]),
@@ -99,7 +99,7 @@ void FittedReader::fit_attributes(PointBatch& batch)
     std::vector<Column> columns;
     for (const Attribute& attribute : tree_.schema) columns.emplace_back(attribute);
     for (std::size_t k = 0; k < slots_.size(); ++k) columns[slots_[k]] = std::move(batch.attributes[k]);
-    for (Column& column : columns) column.resize(batch.size);  // of zeros, where the cloud has none
+    for (Column& column : columns) column.resize(batch.size);  // zeros, where the cloud has no such attribute
     batch.attributes = std::move(columns);
 }
 
@@ -154,7 +154,7 @@ std::optional<std::int64_t> FittedReader::place(double value, std::size_t axis)
     }
     const double deviation = std::fabs(tree_.grid.to_source(q, axis) - value);
     const double scale = tree_.grid.scale[axis];
-    // Of both grids the step, the offset, the product and the sum are each rounded by half a unit in the last place at
+    // On both grids the step, the offset, the product and the sum are each rounded by half a unit in the last place at
     // most. A product is no larger than the value and the offset together.
     const double offsets = std::fabs(tree_.grid.offset[axis]) + std::fabs(source_offset_[axis]);
     const double rounding = std::numeric_limits<double>::epsilon() * (3 * std::fabs(value) + 1.5 * offsets);

@@ -34,8 +34,8 @@ public:
     void seek(std::uint64_t index) override { cloud_.seek(index); }
     double fraction_read() const override { return cloud_.fraction_read(); }
 
-    // So far: points without a finite position (left out of integers, still present in doubles), and the largest change
-    // of a coordinate, source units.
+    // Totals so far: points without a finite position (left out of integers, still present in doubles), and the largest
+    // change of a coordinate, source units.
     std::uint64_t points_skipped() const { return skipped_; }
     double position_error() const { return position_error_; }
     // Whether all new coordinates are among the numbers that readers of the tree round to (tree/source_rounding.h). If
@@ -53,9 +53,9 @@ private:
     const TreeInfo& tree_;
     const std::filesystem::path folder_;
     const bool same_grid_;
-    Vec3d source_offset_{};  // of the cloud's own grid
+    Vec3d source_offset_{};  // offset of the cloud's own grid
     FileInfo info_;
-    std::vector<std::size_t> slots_;  // of each attribute of the cloud: its number in the tree
+    std::vector<std::size_t> slots_;  // number in the tree of each attribute of the cloud
     bool same_schema_ = false;
     PointBatch batch_;
     std::uint64_t points_ = 0, skipped_ = 0, misplaced_ = 0;
@@ -63,7 +63,7 @@ private:
     double largest_deviation_ = 0, position_error_ = 0;
     const SourceRounding rounding_;
     bool keeps_decimals_ = true;
-    Box3d box_;  // of the new points
+    Box3d box_;  // box of the new points
 };
 
 }  // namespace pcm

@@ -18,8 +18,8 @@ struct Entry {
     NodePath path;
     std::array<std::size_t, 2> children{none, none};
     double spacing = 0;
-    std::uint64_t points = 0;  // of the subtree
-    Box3i box;                 // of the subtree
+    std::uint64_t points = 0;  // number of points of the subtree
+    Box3i box;                 // box of the subtree
 };
 
 NodePath parent_of(const NodePath& path)
@@ -174,7 +174,7 @@ private:
     const Vec3d scale_;
     const double top_spacing_;
     std::vector<Entry> entries_;
-    std::map<std::uint32_t, std::size_t> roots_;  // of each part
+    std::map<std::uint32_t, std::size_t> roots_;  // root of each part
 };
 
 }  // namespace

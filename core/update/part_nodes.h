@@ -17,7 +17,7 @@ struct PartNode {
     std::uint16_t first_level = 0;
     std::vector<std::uint32_t> level_points;
     double spacing = 0;  // Node::spacing as if the node were not a leaf
-    Box3i box;           // of its own points, or of the subtree's points where nothing below the node changes
+    Box3i box;           // box of its own points, or of the subtree's points where nothing below the node changes
     Extent extent;
 };
 

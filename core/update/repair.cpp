@@ -147,7 +147,7 @@ private:
         const std::vector<fs::path> foreign = foreign_data_files(folder_, info, data_files);
         for (const fs::path& file : foreign)
             report_.outcome.warnings.push_back(file.string() +
-                                               ": it belongs to another tree, and stays as it is; move it out of the "
+                                               ": it belongs to another tree and is kept; move it out of the "
                                                "folder: this tree cannot be changed while it is there");
         for (const fs::path& file : leftovers(folder_, data_files)) {
             if (std::find(foreign.begin(), foreign.end(), file) != foreign.end()) continue;
@@ -409,7 +409,7 @@ private:
             throw Error(ErrorCode::exists, damaged, "a folder has the name that the damaged index is to get",
                         "move it out of the tree's folder");
         fs::remove(damaged);
-        // What is no regular file cannot be copied, and a folder cannot be replaced by a file.
+        // Only a regular file can be copied, and a folder cannot be replaced by a file.
         if (!fs::is_regular_file(fs::symlink_status(path))) return fs::rename(path, damaged);
         std::error_code no_links;
         fs::create_hard_link(path, damaged, no_links);

@@ -64,7 +64,7 @@ private:
 
     std::filesystem::path tree_, path_;
     bool is_copy_ = false;
-    std::unique_ptr<BuildFolder> made_;  // of the copy
+    std::unique_ptr<BuildFolder> made_;  // folder of the copy
 };
 
 }  // namespace pcm

@@ -42,10 +42,10 @@ public:
     std::size_t add_attribute(const Attribute& attribute);
 
 private:
-    struct Place {  // of a chunk that was written since the last commit
+    struct Place {  // place of a chunk that was written since the last commit
         Extent extent;
         std::uint64_t hash = 0;
-        std::size_t attributes = 0;  // of the tree when the chunk was written
+        std::size_t attributes = 0;  // number of the tree's attributes when the chunk was written
         std::shared_ptr<const File> file;
     };
     std::optional<Place> place_of(NodeId node) const;
@@ -59,8 +59,8 @@ private:
     std::optional<TreeUpdate> update_;  // none after end()
     std::shared_ptr<const Tree> tree_;
     std::unordered_map<NodeId, Place> places_;
-    std::vector<std::shared_ptr<const File>> files_;  // by number, from the tree's own number of data files on
-    std::uint64_t hash_ = 0;                          // of all points; not kept up to date after an attribute was added
+    std::vector<std::shared_ptr<const File>> files_;  // files by number, from the tree's own number of data files on
+    std::uint64_t hash_ = 0;                          // content hash; not kept up to date after an attribute was added
     bool longer_schema_ = false;                      // attributes were added since the last commit
 };
 

@@ -17,7 +17,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // a larger one is ended and another begun
 
-// Keeps a lock file from being made in a folder that is no tree: opening it throws.
+// Keeps a lock file from being made in a folder that is not a tree: opening it throws.
 const fs::path& checked(const fs::path& folder)
 {
     if (!is_tree(folder)) Tree::open(folder);

@@ -22,7 +22,7 @@ std::vector<std::filesystem::path> leftovers(const std::filesystem::path& folder
 void warn_of_scratch(const std::filesystem::path& tree, Outcome& outcome);
 
 // Holds the tree's lock. Chunks are written to new data files; commit() makes them part of the tree atomically. Without
-// a commit the tree stays as it was, and the destructor removes the files. For one thread.
+// a commit the tree is unchanged, and the destructor removes the files. For one thread.
 class TreeUpdate {
 public:
     // Opens the tree and removes the leftovers of an interrupted update. Throws what TreeLock and Tree::open throw, and
@@ -34,7 +34,7 @@ public:
 
     const std::shared_ptr<const Tree>& tree() const { return tree_; }
     const std::filesystem::path& folder() const { return tree_->folder(); }
-    std::uint32_t generation() const { return generation_; }  // of the chunks to write
+    std::uint32_t generation() const { return generation_; }  // generation of the chunks to write
     // Makes the folder for scratch files and returns its path.
     std::filesystem::path scratch();
 

@@ -244,7 +244,7 @@ CameraFrame overview_of(const Box3d& box, const std::optional<double>& angle, in
     CameraFrame frame;
     frame.angle = angle;
     frame.target = box.centre();
-    // A single point is looked at from a distance that is a number beside its coordinates.
+    // A single point is looked at from a distance that is not lost in the rounding of its coordinates.
     const double apart = std::max(box.diagonal(), 1e-9 * length(frame.target));
     const double size = apart > 0 ? apart : 1e-9;
     const Vec3d back = normalised({-0.5, -1, 0.8});

@@ -26,10 +26,10 @@ struct CameraFrame {
     std::optional<double> angle;         // vertical angle of view, degrees; absent: orthographic
     double height = 0;                   // orthographic: visible height, source units
     bool rest = false;                   // the camera stays until the picture is complete
-    std::string name;                    // of a bookmark; may be empty
+    std::string name;                    // name of a bookmark; may be empty
 };
 
-// Throws Error(invalid_argument), saying what is wrong: numbers that are not coordinates (cloud/coordinates.h), an
+// Throws Error(invalid_argument) for numbers that are not coordinates (cloud/coordinates.h), an
 // angle that is not between 0 and 180 degrees, a height that is not above 0, an eye equal to the target, an `up`
 // parallel to the direction of view.
 void check(const CameraFrame& frame);
@@ -39,7 +39,7 @@ struct CameraPath {
     bool in_box = false;  // in the coordinates of the cloud's box, see placed()
     std::vector<CameraFrame> frames;
 
-    // Throws Error(not_found | permission | io | bad_format), saying what is wrong and in which frame.
+    // Throws Error(not_found | permission | io | bad_format), which names the fault and the frame.
     static CameraPath read(const std::filesystem::path& file);
     // The same of a file's text; `source` is what it is called in errors.
     static CameraPath of_text(const std::string& text, const std::filesystem::path& source);

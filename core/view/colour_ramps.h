@@ -30,7 +30,7 @@ struct RampTraits {
     // Lightness (CIE L*) rises in even steps, within 6 of 100: equal steps of the value look equally large, and the
     // order is visible without hues.
     bool is_even;
-    RampTable table;  // of `automatic`: that of viridis
+    RampTable table;  // for `automatic`: that of viridis
 };
 
 // In the order of the enumerators.

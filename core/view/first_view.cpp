@@ -137,7 +137,7 @@ void place(EyePose& pose, const std::vector<Vec3d>& points, const PictureShape& 
         distances.push_back(length(offsets.back()));
     }
     const double extent = largest_but_few(distances);
-    // A single point is seen from a distance that is a number beside its coordinates.
+    // A single point is seen from a distance that is not lost in the rounding of its coordinates.
     const double least = extent > 0 ? std::max(0.01 * extent, 1e-9 * largest_magnitude(middle))
                                     : std::max(1e-5 * largest_magnitude(middle), 1e-6);
     const double away = std::max({least_distance(offsets, pose.back, pose.right, filled * half * width / height),
@@ -165,7 +165,7 @@ std::vector<double> numbers_of(const Metadata& block)
 
 bool starts_with(const std::string& text, const char* begin) { return text.rfind(begin, 0) == 0; }
 
-// Of a quaternion w x y z, which is divided by its length; the axes themselves where it has none.
+// Turns by a quaternion w x y z, which is divided by its length; the axes themselves where it has none.
 void turn(ScanPose& pose, double w, double x, double y, double z)
 {
     const double size = std::sqrt(w * w + x * x + y * y + z * z);
@@ -244,7 +244,7 @@ bool is_seen_from(const std::vector<Vec3d>& points, const Vec3d& eye)
         differences.push_back(std::fabs(distances[i] - distances[neighbour]));
     }
     const double spread = std::max(0.05, ranked(distances, 0.9) - ranked(distances, 0.1));
-    // Of a room seen from within, 0.5 %; from beside it, where walls are behind walls, 15 % and more.
+    // 0.5 % for a room seen from within; 15 % and more seen from outside, where walls are behind walls.
     const auto far = std::count_if(differences.begin(), differences.end(), [&](double d) { return d > spread / 4; });
     return 10 * static_cast<std::size_t>(far) < differences.size();
 }

@@ -33,7 +33,7 @@ std::vector<ScanPose> scan_poses(const std::vector<Metadata>& metadata);
 // The view from where the instrument was: of a camera (which looks along z, with y downwards: all points are in front
 // of it) along its axis, of a scanner level, in the direction of most points;
 // nearer where they are but a small part of the picture. Nothing where the points do not look as
-// if they were seen from there: of points in almost the same direction one would hide the other.
+// if they were seen from there: if points lie in almost the same direction, one would hide the other.
 std::optional<EyePose> view_of_scan(const std::vector<Vec3d>& points, const ScanPose& pose,
                                     const PictureShape& picture);
 

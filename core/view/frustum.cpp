@@ -81,7 +81,7 @@ std::optional<Frustum> Frustum::of(const Camera& view)
 }
 
 // Eye space is linear * (p - eye), so a plane of the projection keeps its offset, and its normal is multiplied by the
-// transposed linear part. The translation of the modelview, which is large at map coordinates, takes no part.
+// transposed linear part. The translation of the modelview, which is large at map coordinates, is not used.
 void Frustum::set_planes(const Matrix3d& linear, const Matrix4d& projection)
 {
     const auto to_source = [&](const Vec3d& n) {

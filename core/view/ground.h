@@ -18,10 +18,10 @@ struct GroundLimits {
 
 struct Ground {
     double height = 0;   // along the axis, source units
-    double spacing = 0;  // of the points that it was found from, in plan, source units
+    double spacing = 0;  // spacing of the points that it was found from, in plan, source units
 };
 
-// Of the 24 points in memory that are nearest to the place in plan, at any height, the height of the sixth lowest:
+// Height of the sixth lowest of the 24 points in memory that are nearest to the place in plan, at any height:
 // trees, wires and a few points below the surface have no effect, the lowest of several floors counts. `axis` (0 to 2)
 // is the vertical one. Nothing where fewer points are in memory, and for a place that is not finite or, in plan, not
 // within the bounds of the cloud. Never reads and never waits for a load. Any thread.

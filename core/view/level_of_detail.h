@@ -25,7 +25,7 @@ enum class DetailOrder : std::uint8_t {
 
 struct DetailLimits {
     double target_px = 1.4;                   // nodes with an error at or below this are not wanted
-    std::uint64_t point_budget = 20'000'000;  // of all wanted nodes together
+    std::uint64_t point_budget = 20'000'000;  // maximum points of all wanted nodes together
     // Video memory is allocated to nodes in pages of page_points points; the wanted nodes need at most page_budget.
     std::uint32_t page_points = 4096;
     std::uint64_t page_budget = ~std::uint64_t(0);

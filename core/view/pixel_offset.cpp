@@ -13,7 +13,7 @@ double centred(std::uint32_t fraction)
 
 std::array<double, 2> pixel_offset(std::uint32_t frame)
 {
-    // Columns of the generator matrices: of the identity, and of Pascal's triangle modulo 2.
+    // Columns of the generator matrices: the identity, and Pascal's triangle modulo 2.
     std::uint32_t x = 0, y = 0, reversed = 0x80000000u, pascal = 0x80000000u;
     for (; frame; frame >>= 1) {
         if (frame & 1u) {

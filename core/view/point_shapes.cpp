@@ -17,7 +17,7 @@ constexpr double flat_part = 1.0 / 16, flat_group = 1.0 / 9, line = 1.0 / 64, ro
 constexpr double along_line = 0.9;  // cosine of 25 degrees
 constexpr double crease = 0.4;      // as much of a volume
 constexpr double among_volumes = 0.8;
-constexpr std::size_t groups_beside = 2;
+constexpr std::size_t groups_around = 2;
 constexpr std::size_t parts_of_group = shape_group / shape_part;
 
 struct Moments {
@@ -36,7 +36,7 @@ struct Moments {
     }
 };
 
-// Of `count` points that follow one another from `first` on. `place(i, axis)` is relative to the first, in units in
+// Moments of `count` consecutive points from `first` on. `place(i, axis)` is relative to the first, in units in
 // which squares are numbers.
 template <class Place>
 Moments moments_of(std::size_t first, std::size_t count, const Place& place)
@@ -99,7 +99,7 @@ void judge_parts(const std::vector<Run>& parts, const Run& group, Judged& judged
                                                         : volume_shape(crease);
 }
 
-// `points`: of the group.
+// `points`: number of points of the group.
 template <class Place>
 Judged judge(std::size_t points, const Place& place)
 {
@@ -128,20 +128,20 @@ Judged judge(std::size_t points, const Place& place)
     return judged;
 }
 
-// Of the groups beside it: whether three quarters are such.
+// Whether `is` holds for three quarters of the groups around group `g`.
 template <class Is>
 bool is_between(const std::vector<Judged>& groups, std::size_t g, const Is& is)
 {
-    std::size_t such = 0, others = 0;
-    for (std::size_t i = g - std::min(g, groups_beside); i <= g + groups_beside && i < groups.size(); ++i) {
+    std::size_t matching = 0, others = 0;
+    for (std::size_t i = g - std::min(g, groups_around); i <= g + groups_around && i < groups.size(); ++i) {
         if (i == g) continue;
         ++others;
-        such += is(groups[i]);
+        matching += is(groups[i]);
     }
-    return others > 0 && 4 * such >= 3 * others;
+    return others > 0 && 4 * matching >= 3 * others;
 }
 
-// Of the points of a segment.
+// Finds the shapes of the points of a segment.
 template <class T>
 void find(const std::array<PageVector<T>, 3>& xyz, const Vec3d& scale, std::size_t first, std::size_t end,
           std::vector<PointShape>& shapes)

@@ -4,7 +4,7 @@
 // It is found in the points of a node alone, when they are loaded, so it takes no bytes on disk, and a coarse level's
 // shapes are those of its spacing. The points of a segment follow one another in Morton order. Of 64 that do (a group)
 // and of each 16 of them (a part) the axes of inertia are taken; s0 <= s1 <= s2 are the variances along them.
-//   - A part is flat when s0 < s1 / 16, and s1 > s2 / 64 (else its points are on a line, and say nothing of a surface).
+//   - A part is flat when s0 < s1 / 16, and s1 > s2 / 64 (else its points are on a line, and do not show a surface).
 //   - A group is flat when s0 < s1 / 9: noise of up to three quarters of the spacing does not hide the surface.
 //   - A point of a flat part lies in its plane, if the group is flat or half of its parts are (a single one among
 //     leaves is chance); a point of another part of a flat group in the group's plane. Others of a group of
@@ -27,8 +27,8 @@
 
 namespace pcm {
 
-// In 18 bits: the kind in the upper two; below, of surfaces the normal and of lines the direction (octahedral, a byte
-// each: within a degree; its sign means nothing), of volumes how much of one, from 0 to 65535.
+// In 18 bits: the kind in the upper two; below, the normal of surfaces and the direction of lines (octahedral, a byte
+// each: within a degree; its sign means nothing), or how much of a volume it is, from 0 to 65535.
 using PointShape = std::uint32_t;
 enum class Surroundings : std::uint8_t { unknown = 0, surface = 1, volume = 2, line = 3 };
 inline constexpr unsigned shape_bits = 18;
@@ -36,10 +36,10 @@ inline constexpr std::size_t shape_group = 64, shape_part = 16;
 
 inline Surroundings surroundings_of(PointShape shape) { return static_cast<Surroundings>(shape >> 16 & 3u); }
 PointShape shape_of(Surroundings kind,
-                    const Vec3d& direction);  // of surfaces and lines; the direction is a unit vector
+                    const Vec3d& direction);  // direction of surfaces and lines: a unit vector
 Vec3d direction_of(PointShape shape);         // the same again
 PointShape volume_shape(double share);        // 0 to 1
-double volume_of(PointShape shape);           // of volumes
+double volume_of(PointShape shape);           // share of volumes
 
 // The splat of a point of this shape is this many times as large as its size: a little larger on surfaces, whose discs
 // would leave gaps where the points' density changes; smaller in volumes, whose points are farther apart in the picture
@@ -51,7 +51,7 @@ inline constexpr double surface_factor = 1.15, least_volume_factor = 0.15;
 // (bpc/segments.h); nothing beyond a segment counts, so that a part of a chunk has the shapes of the whole.
 void find_shapes(const ChunkPositions& positions, const Vec3d& scale, const std::vector<std::uint32_t>& segments,
                  std::vector<PointShape>& shapes);
-// Of all segments of a node.
+// The points in each segment of a node.
 std::vector<std::uint32_t> points_of_segments(const Node& node);
 
 // A float with the shape in its lowest bits; the others are those of the radius, from which shaders take it to within

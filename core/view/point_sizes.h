@@ -16,7 +16,7 @@ public:
 
     // The radius of each of the node's points: its own or, where it has none, its size. `chunk` has the sizes and, if
     // the cloud has one, the attribute of radii.
-    // Sizes are multiplied by the factors of `shapes`, which may be null: of each point.
+    // Sizes are multiplied by the factors of `shapes`, one per point; may be null.
     void find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii,
                     const std::vector<PointShape>* shapes = nullptr) const;
     // Replaces each radius of 0 by the size of that point of the node, source units. Points whose size is not known get
@@ -27,8 +27,8 @@ public:
 
 private:
     const Schema schema_;
-    std::array<float, 256> radius_{};  // of each code
-    std::vector<float> unknown_;       // of each node
+    std::array<float, 256> radius_{};  // radius for each code
+    std::vector<float> unknown_;       // radius for each node
 };
 
 }  // namespace pcm

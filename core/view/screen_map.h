@@ -20,7 +20,7 @@ public:
 
     // Eye space of a place in source coordinates.
     Vec3d eye_of(const Vec3d& source) const;
-    // Of a direction, in source units.
+    // Eye space of a direction in source units.
     Vec3d eye_direction(const Vec3d& direction) const
     {
         return {dot(linear_[0], direction), dot(linear_[1], direction), dot(linear_[2], direction)};
@@ -32,7 +32,7 @@ public:
     std::optional<Vec3d> place_of(const Vec3d& source) const;
     // The place in source coordinates whose window_of() this is; for orthographic views, and perspective ones.
     Vec3d source_of(const Vec3d& window) const;
-    // The part of a segment, in eye space, that is beyond the near plane and no more than `margin` pixels beside the
+    // The part of a segment, in eye space, that is beyond the near plane and at most `margin` pixels outside the
     // picture; absent if there is none, or an end is not finite.
     std::optional<std::pair<Vec3d, Vec3d>> clipped(const Vec3d& a, const Vec3d& b, double margin) const;
 

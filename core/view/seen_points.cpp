@@ -6,7 +6,7 @@
 namespace pcm {
 namespace {
 
-constexpr int steps = 4;  // of a box along each axis
+constexpr int steps = 4;  // steps through a box along each axis
 
 double share_in_view(const Frustum& frustum, const std::vector<Clip>* clips, const Box3d& box)
 {

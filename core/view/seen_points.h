@@ -5,9 +5,9 @@
 
 namespace pcm {
 
-// The points of the wanted nodes, each times the share of its node's box that is in the view and that clips leave, as
-// 4 x 4 x 4 places in it say: exact for boxes that are wholly inside or outside. Stops counting at `enough`. Pure: the
-// same arguments give the same result on any thread.
+// The points of the wanted nodes, each times the share of its node's box that is in the view and that clips leave,
+// estimated from 4 x 4 x 4 places in it: exact for boxes that are wholly inside or outside. Stops counting at `enough`.
+// Pure: the same arguments give the same result on any thread.
 double seen_points(const std::vector<TreeInView>& trees, const SceneSelection& selection, double enough);
 
 // select_scene() with a floor: where the point budget leaves fewer than `least_seen` points in the view although there

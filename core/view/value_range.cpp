@@ -9,7 +9,7 @@
 namespace pcm {
 namespace {
 
-// Of the ramp, for the median.
+// Place of the median on the ramp.
 constexpr double least_place = 0.4, most_place = 0.7;
 
 std::optional<double> number_of(const char* begin, const char* end)
@@ -85,7 +85,7 @@ ValueRange balanced_range(const ValueSummary& summary)
     const double place = (summary.median - range.low) / (range.high - range.low);
     if (!(place > 0 && place < 1)) return range;
     const double wanted = std::clamp(place, least_place, most_place);
-    // No more than this: values near the low end would all look alike.
+    // No more than this: values near the low end would all look the same.
     if (wanted != place) range.exponent = std::clamp(std::log(wanted) / std::log(place), 0.4, 2.5);
     return range;
 }

@@ -32,10 +32,10 @@ inline bool operator!=(const ValueRange& a, const ValueRange& b) { return !(a ==
 // "LOW:HIGH", two finite numbers, the smaller one first. Throws Error(invalid_argument).
 ValueRange parse_value_range(const std::string& text);
 
-// What a sample says of one quantity.
+// Statistics of a sample of one quantity.
 struct ValueSummary {
     std::uint64_t values = 0;    // finite ones
-    double least = 0, most = 0;  // of these
+    double least = 0, most = 0;  // range of these
     double low = 0, high = 0;    // their 1st and 99th percentile
     double median = 0;
 
@@ -52,7 +52,7 @@ ValueRange linear_range(const ValueSummary& summary);
 ValueRange balanced_range(const ValueSummary& summary);
 
 // Where a sample of a cloud lies: the first `points` points of some chunks. An even sample of the whole cloud: all
-// points up to one level, of all parts of the tree. Of a tree with very many parts, those with most points.
+// points up to one level, of all parts of the tree. In a tree with very many parts, the parts with most points.
 struct SampledChunk {
     NodeId node = no_node;
     std::uint32_t points = 0;

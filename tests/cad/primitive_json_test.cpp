@@ -181,7 +181,7 @@ TEST(PrimitiveJson, WrongTextIsNamed)
         {R"({"format":"pcm primitives","version":1,"primitives":[1]})", "primitive 1 is not an object"},
         {list(R"("kind":"sphere","point":[1,2,3],"radius":2)"), "'name' of primitive 1"},
         {list(R"("name":"","kind":"sphere","point":[1,2,3],"radius":2)"), "is empty"},
-        {list(R"("name":"a","kind":"cube","point":[1,2,3])"), "'cube', which is no kind"},
+        {list(R"("name":"a","kind":"cube","point":[1,2,3])"), "'cube', which is not a kind"},
         {list(R"("name":"a","kind":"sphere","point":[1,2,3])"), "'radius' of primitive 1"},
         {list(R"("name":"a","kind":"sphere","point":[1,2,3],"radius":0)"), "radius is not above 0"},
         {list(R"("name":"a","kind":"sphere","point":[1,2],"radius":1)"), "'point' of primitive 1 is not three"},

@@ -54,6 +54,12 @@ class Project(unittest.TestCase):
     def test_words_are_plain(self):
         self.none(house.check_words({**self.tree.sources, **house.other_texts()}))
 
+    def test_words_are_plain_by_the_second_table(self):
+        texts = {**self.tree.sources, **house.other_texts()}
+        for folder in house.PLAIN_FOLDERS:
+            self.assertTrue(any(name.startswith(folder) for name in texts), f"{folder} has no text")
+        self.none(house.check_plain_words(texts))
+
     def test_the_repository_holds_only_what_belongs_to_it(self):
         files = house.tracked_files()
         if files is None:
@@ -140,6 +146,35 @@ class Checks(unittest.TestCase):
 
     def test_a_word_of_the_dialect(self):
         self.assertEqual(len(house.check_words({"a.h": "// whoever wants to\n// a bit a cell\n// a resumed build\n"})), 2)
+
+    def test_a_word_of_the_second_table(self):
+        bad = [
+            "// Of each point the distance.\n", "// The median. Of integers exactly.\n",
+            "std::size_t n;  // of its points\n", "double d;  // that was used\n", "std::map<int, int> m;  // by name\n",
+            "// written beside it\n", "// after so many points\n", "// differ by so much\n", "// it grows so far\n",
+            "// takes no part\n", "// points that take part\n", "// what is no list of points\n",
+            "// the most samples\n", "// the least size\n", "// a note says so\n", "// it is said to be doubtful\n",
+            "// alarms\n", "// surely outside\n", "// roughly near\n", "// all alike\n", "// can be had back\n",
+            "// the rest stays as it was\n", "// `sizes`: of the cells\n", "// more than others let expect\n",
+            "refuse(\"this is no list of primitives\");\n", "add(\"--size\", size, \"Of the picture\");\n",
+        ]
+        found = set()
+        for line in bad:
+            complaints = house.check_plain_words({"core/tree/a.h": line})
+            self.assertEqual(len(complaints), 1, line)
+            found.add(complaints[0].rpartition("(write: ")[2])
+        self.assertEqual(found, {better + ")" for better in house.PLAIN_WORDS.values()})
+        self.assertEqual(len(house.check_plain_words({"README.md": "put beside the file\n"})), 1)
+        self.assertEqual(len(house.check_plain_words({"packaging/run": "# put beside the file\n"})), 1)
+        good = [
+            "std::size_t n;  // number of points\n", "// of two points the nearer one\n", "hit.beside = 1;  // distance\n",
+            "// `beside` is a path\n", "// points so far\n", "// is no larger than the box\n", "// there is no point\n",
+            "// the most recently used\n", "// expected false alarms\n", "#include \"pcm/tree/beside.h\"\n",
+            "const char* url = \"http://of this\";\n", "// is no longer open\n",
+        ]
+        for line in good:
+            self.assertEqual(house.check_plain_words({"core/tree/a.h": line}), [], line)
+        self.assertEqual(house.check_plain_words({"attic/a.h": "// written beside it\n"}), [])
 
     def test_a_line_that_clang_format_would_change(self):
         program = house.formatter()

@@ -107,7 +107,7 @@ TEST(ExpandInputs, FoldersStandForTheirFilesAndThoseOfTheirSubFolders)
     ASSERT_EQ(notes.size(), 1u);
     for (const char* part :
          {"tiles: left out of the folder", "5 hidden files and folders (", "2 files of other formats (",
-          "1 text file that is no list of points (readme.txt)", "3 point cloud trees, to be named themselves (",
+          "1 text file that is not a list of points (readme.txt)", "3 point cloud trees, to be named themselves (",
           "1 link to a folder (a/loop)", "site.pct", "other.pct.part"})
         EXPECT_TRUE(mentions(notes[0], part)) << part << " in " << notes[0];
     EXPECT_TRUE(expand_inputs({}).empty());

@@ -73,7 +73,7 @@ layout(location = 0) in vec3 place;
 layout(location = 1) in vec4 colour;
 layout(location = 2) in float size;
 uniform mat4 to_clip;
-uniform float pixels;  // of a unit at distance 1; 0: sizes are pixels
+uniform float pixels;  // pixels of a unit at distance 1; 0: sizes are pixels
 uniform vec2 limits;
 out vec4 shown;
 void main()
@@ -191,10 +191,10 @@ int main(int argc, char** argv)
     app.add_option("--rule", a.rule, "For the size of a point")
         ->required()
         ->check(CLI::IsMember({"potree", "constant"}));
-    app.add_option("--point-size", a.point_size_px, "Of constant points, pixels")->capture_default_str();
+    app.add_option("--point-size", a.point_size_px, "Size of constant points, pixels")->capture_default_str();
     app.add_option("--path", a.path, "Camera path, JSON")->required()->check(CLI::ExistingFile);
     app.add_option("--out", a.out, "Folder for the pictures")->required();
-    app.add_option("--size", a.size, "Of the pictures, pixels")->capture_default_str();
+    app.add_option("--size", a.size, "Size of the pictures, pixels")->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     try {
         std::printf("%s\n", draw(a).dump().c_str());

@@ -91,7 +91,7 @@ int main(int argc, char** argv)
     CLI::App app("Scenes whose true pictures are known; prints one line of JSON.");
     app.require_subcommand(1);
     Arguments a;
-    app.add_option("--seed", a.seed, "Of the scenes")->capture_default_str();
+    app.add_option("--seed", a.seed, "Seed of the scenes")->capture_default_str();
     CLI::App* const list = app.add_subcommand("about", "The scenes and their views");
     CLI::App* const clouds = app.add_subcommand("scan", "The cloud of a scene, in colours and in labels");
     CLI::App* const truth = app.add_subcommand("truth", "True pictures along a camera path");
@@ -99,14 +99,14 @@ int main(int argc, char** argv)
         command->add_option("scene", a.scene, "Name of the scene")->required();
         command->add_option("--threads", a.threads, "0: one per processor")->capture_default_str();
     }
-    clouds->add_option("--points", a.points, "About so many")
+    clouds->add_option("--points", a.points, "About this number of points")
         ->capture_default_str()
         ->check(CLI::Range(1000, 1000000000));
     clouds->add_option("-o", a.cloud, "File in colours")->required();
     clouds->add_option("--labels", a.labels, "File in labels")->required();
     truth->add_option("--path", a.path, "Camera path, JSON")->required()->check(CLI::ExistingFile);
     truth->add_option("--out", a.out, "Folder for the pictures")->required();
-    truth->add_option("--size", a.size, "Of the pictures, pixels")->capture_default_str();
+    truth->add_option("--size", a.size, "Size of the pictures, pixels")->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     try {
         const Row row = list->parsed() ? about(a) : clouds->parsed() ? make_clouds(a) : draw_truth(a);

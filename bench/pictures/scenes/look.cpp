@@ -13,7 +13,7 @@ namespace {
 
 constexpr double nearest = 0.05, farthest = 400;  // metres
 constexpr double least_cosine = 0.12;             // between a scanner's ray and a surface's normal: 83 degrees
-constexpr double thin_radius = 0.09;              // of cylinders: below this they are `thin`
+constexpr double thin_radius = 0.09;              // radius of cylinders; below this they are `thin`
 
 // The ground is 0; shapes have the label of their thing or, without one, a number of their own.
 Rgb label_colour(const Shape* shape, std::int64_t index)

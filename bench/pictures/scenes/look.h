@@ -21,7 +21,7 @@ struct Sight {
     scene::Colour colour{};  // 0 to 255
     Rgb label{};             // a colour of the thing's own
     Kind kind = Kind::surface;
-    bool scattered = false;  // by leaves that the site has no shapes of: whether a scanner saw it cannot be asked
+    bool scattered = false;  // leaves without shapes in the site: whether a scanner saw it is not known
 };
 
 // Immutable after construction: threads may look concurrently. The scene must outlive it.

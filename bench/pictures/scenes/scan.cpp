@@ -14,7 +14,7 @@ using namespace scene;
 namespace {
 
 constexpr double noise = 0.003;      // standard deviation of the range, metres
-constexpr double grid_step = 0.001;  // of the file's coordinates, metres
+constexpr double grid_step = 0.001;  // step of the file's coordinates, metres
 
 // The rays of one scanner as lines and steps along a line, both from 0 to 1: equally spaced in angle (tripod), or along
 // the way and across it on the ground (flight).

@@ -18,7 +18,7 @@ inline constexpr Vec3d scene_origin{500000, 4800000, 100};
 // A laser scanner on a tripod, or one that flies along a line and scans across it.
 struct Scanner {
     Vec3d from{}, to{};  // equal: a tripod
-    double share = 1;    // of the cloud's points, relative to the other scanners
+    double share = 1;    // share of the cloud's points, relative to the other scanners
     // Tripod: window of azimuths (counter-clockwise from the x axis) and elevations, degrees. Flight: the swath's half
     // angle is `highest`, and the other three are not used.
     double left = -180, right = 180, lowest = -60, highest = 60;

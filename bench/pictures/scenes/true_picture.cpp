@@ -7,8 +7,8 @@
 namespace pcm::bench {
 namespace {
 
-constexpr int rays_a_side = 5;  // of a pixel; odd, so that one goes through its middle
-constexpr int grains = 4;       // of each ray: grain is the points', not the surfaces'
+constexpr int rays_a_side = 5;  // rays along a side of a pixel; odd, so that one goes through its middle
+constexpr int grains = 4;       // grains for each ray: grain is the points', not the surfaces'
 
 struct Camera {
     Vec3d eye, forward, right, up;
@@ -57,7 +57,7 @@ void draw_pixel(const Eye& eye, const Camera& camera, int x, int y, TruePicture&
         if (!sight) continue;
         ++hits;
         for (std::size_t c = 0; c < 3; ++c) sum[c] += sight->colour[c];
-        if (i % (rays / 2) == 0 && all_scanned) all_scanned = eye.was_scanned(*sight);  // of the middle and two corners
+        if (i % (rays / 2) == 0 && all_scanned) all_scanned = eye.was_scanned(*sight);  // middle and two corners
     }
     Rgb mean{};
     for (std::size_t c = 0; c < 3 && hits; ++c) mean[c] = static_cast<std::uint8_t>(sum[c] / hits + 0.5);

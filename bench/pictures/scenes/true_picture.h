@@ -10,9 +10,9 @@ namespace pcm::bench {
 
 struct TruePicture {
     Image colours;  // means over 5 x 5 rays a pixel; alpha is the share of them that hit something
-    Image labels;   // of the ray through the pixel's middle: the thing's colour, or transparent
-    // Of the same ray: red is its Kind, or 0 for the sky; green is 255 where three rays of the pixel saw what a scanner
-    // has seen (or the sky), else 0: what no scanner saw no picture of its points can show.
+    Image labels;   // from the ray through the pixel's middle: the thing's colour, or transparent
+    // From the same ray: red is its Kind, or 0 for the sky; green is 255 where three rays of the pixel saw what a
+    // scanner has seen (or the sky), else 0: what no scanner saw no picture of its points can show.
     Image facts;
 };
 

@@ -33,7 +33,7 @@ struct Ingested {
     Schema schema;
     Grid grid;
     RowLayout layout;
-    ScalarType position_type = ScalarType::f64;  // of the source
+    ScalarType position_type = ScalarType::f64;  // type in the source
     Observed observed;
     std::uint64_t points_in = 0, points_skipped = 0;  // skipped: without a finite position
     Skipped skipped;                                  // bad lines and files

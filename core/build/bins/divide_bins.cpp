@@ -73,7 +73,7 @@ private:
     // or, where all rows are the same, in turn.
     void divide_pile(std::uint32_t n)
     {
-        constexpr unsigned most_rounds = 16;  // each leaves few rows beside those that are often the same
+        constexpr unsigned most_rounds = 16;  // each leaves few rows in addition to those that are often the same
         const std::size_t row_bytes = scratch_.row_bytes(), bin = top_.nodes[n].bin;
         rounds_.resize(top_.nodes.size());
         const unsigned round = rounds_[n] + 1;
@@ -133,7 +133,7 @@ private:
     Workspace& work_;
     const AxisShift& finer_;
     const std::uint64_t bin_points_;
-    std::vector<unsigned> rounds_;  // of each node: how many piles were divided above it
+    std::vector<unsigned> rounds_;  // number of divided piles above each node
 };
 
 }  // namespace

@@ -44,7 +44,7 @@ private:
         int shift, bits;  // within the word
     };
     struct Word {
-        std::size_t offset = 0;  // of its first byte in the row
+        std::size_t offset = 0;  // offset of its first byte in the row
         std::size_t bytes = 0;
         std::uint64_t sign = 0;  // turns signed numbers into unsigned ones of the same order
         std::vector<Field> fields;

@@ -17,9 +17,9 @@ constexpr std::size_t most_unpacked =
 
 // Before each packed block.
 struct BlockHeader {
-    std::uint32_t bytes = 0;  // of the packed rows
+    std::uint32_t bytes = 0;  // size of the packed rows
     std::uint32_t rows = 0;
-    std::uint64_t checksum = 0;  // of the packed rows
+    std::uint64_t checksum = 0;  // checksum of the packed rows
 };
 
 std::uint64_t pages(std::uint64_t bytes)
@@ -27,7 +27,7 @@ std::uint64_t pages(std::uint64_t bytes)
     return (bytes + ScratchFile::page - 1) / ScratchFile::page * ScratchFile::page;
 }
 
-// Orders rows by the cells of a grid of 8 x 8 x 8 over their box, so that neighbours in space are roughly together.
+// Orders rows by the cells of a grid of 8 x 8 x 8 over their box, so that most neighbours in space are near in order.
 // Packed blocks of neighbours are smaller, and the later sort has better locality.
 template <class Coord>
 void order_by_cells(const std::byte* rows, std::size_t count, std::size_t row_bytes, Scratch::Work& work)

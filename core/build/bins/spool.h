@@ -32,7 +32,7 @@ public:
     private:
         void code_doubles_of(std::byte* rows, std::size_t count, DoubleCodes& codes);
         Spool& spool_;
-        Vec3d divisor_{0, 0, 0};  // of the block before: likely that of the next one too
+        Vec3d divisor_{0, 0, 0};  // divisor of the block before: likely that of the next one too
         std::vector<std::byte> packed_;
         std::vector<double> values_;
         std::vector<std::int64_t> coded_;

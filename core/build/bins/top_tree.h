@@ -30,7 +30,7 @@ struct TopTree {
     std::array<Coord, 3> grid_low{};
     std::array<int, 3> grid_shift{};
 
-    // Of a grid over the box from `low` to `high`.
+    // For a grid over the box from `low` to `high`.
     void make_starts(const std::array<Coord, 3>& low, const std::array<Coord, 3>& high)
     {
         grid_low = low;

@@ -26,9 +26,9 @@ struct Workspace {
     }
     Workspace(const Workspace&) = delete;
 
-    const std::filesystem::path folder;  // of the scratch files
+    const std::filesystem::path folder;  // folder of the scratch files
     const std::uint64_t memory_bytes;    // for the whole build
-    const std::uint32_t chunk_points;    // most points per chunk
+    const std::uint32_t chunk_points;    // maximum points per chunk
     const unsigned threads;
     Watch watch;
     ScratchSpace space;

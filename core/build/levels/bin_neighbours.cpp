@@ -68,7 +68,7 @@ std::vector<std::vector<std::size_t>> BinNeighbours<Coord>::apart(double spacing
 {
     std::vector<std::vector<std::size_t>> groups;
     std::vector<std::size_t> colour(points_.bins(), 0);
-    std::vector<std::size_t> used_by;  // of each colour, the last bin that has a neighbour of it
+    std::vector<std::size_t> used_by;  // for each colour, the last bin that has a neighbour of it
     for (std::size_t bin = 0; bin < points_.bins(); ++bin) {
         if (points_.box(bin).points == 0) continue;
         for (const std::size_t n : of(bin, spacing, bin)) used_by[colour[n]] = bin;

@@ -1,4 +1,4 @@
-// Which bins of a build are so near each other that what one of them chooses matters to the other.
+// Which bins of a build are near enough that what one of them chooses matters to the other.
 #pragma once
 
 #include "pcm/build/levels/sorted_points.h"

@@ -1,4 +1,4 @@
-// The points of a cloud that has its levels already and keeps them, for the choice of levels beside them.
+// The points of a cloud that has its levels already and keeps them, for the choice of levels next to them.
 #pragma once
 
 #include "pcm/build/levels/lattice.h"

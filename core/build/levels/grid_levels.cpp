@@ -5,7 +5,7 @@
 namespace pcm {
 namespace {
 
-// Of cells of `size`, the level.
+// The level of points chosen in cells of `size`.
 std::uint8_t level_of(int size, const std::vector<int>& sizes)
 {
     if (size < sizes.back()) return static_cast<std::uint8_t>(sizes.size());
@@ -51,13 +51,13 @@ std::vector<std::uint8_t> grid_levels_beside(typename SortedPoints<Coord>::Reade
                                              const std::vector<int>& sizes, const GivenLevels<Coord>& given)
 {
     // A point is the first of its cell where no point before it is in that cell, and no given one before or after it:
-    // the nearest given ones in Morton order decide. Of three points in order, the outer two are parted by the larger
-    // of the inner partings.
+    // the nearest given ones in Morton order decide. Among three points in order, the outer two are parted by the
+    // larger of the inner partings.
     std::vector<Point<Coord>> points;
     for (std::size_t i = 0; i < reader.size(); ++i) points.push_back(reader[i]);
     // The size that parts a point from the nearest given one before and after it.
     std::vector<std::int8_t> before(points.size(), 127), after(points.size(), 127);
-    Point<Coord> low, high;  // of the points' cells of the first level
+    Point<Coord> low, high;  // bounds of the points' cells of the first level
     const std::array<int, 3> shifts = lattice.shifts(sizes[0]);
     for (std::size_t a = 0; a < 3; ++a) {
         const std::uint64_t inside = (std::uint64_t(1) << shifts[a]) - 1;

@@ -20,13 +20,13 @@ template <class Coord>
 std::array<std::uint32_t, 65> count_first_of_cells(typename SortedPoints<Coord>::Reader& points, const AxisShift& finer,
                                                    int top);
 
-// The level of each point; `sizes`: of the cells of each level, descending by one. The points that are first of no such
+// The level of each point; `sizes`: cell size of each level, descending by one. The points that are first of no such
 // cell get level sizes.size().
 template <class Coord>
 std::vector<std::uint8_t> grid_levels(typename SortedPoints<Coord>::Reader& points, const AxisShift& finer,
                                       const std::vector<int>& sizes);
 
-// The same where cells may hold given points: none of those that do gets a level from this bin. `box`: of the bin.
+// The same where cells may hold given points: none of those that do gets a level from this bin. `box`: the bin's.
 template <class Coord>
 std::vector<std::uint8_t> grid_levels_beside(typename SortedPoints<Coord>::Reader& points,
                                              const typename SortedPoints<Coord>::Box& box, const Lattice& lattice,

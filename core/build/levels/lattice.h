@@ -21,8 +21,8 @@ template <class Coord>
 using Point = std::array<Coord, 3>;  // biased grid coordinates, as in rows (row.h)
 
 struct Lattice {
-    Vec3d scale{1, 1, 1};      // of the grid, source units per step
-    AxisShift finer{0, 0, 0};  // such that scale[a] << finer[a] is alike within a factor of 2 on all axes
+    Vec3d scale{1, 1, 1};      // step of the grid, source units
+    AxisShift finer{0, 0, 0};  // such that scale[a] << finer[a] agrees within a factor of 2 on all axes
 
     Lattice() = default;
     explicit Lattice(const Grid& grid) : scale(grid.scale), finer(axis_shift(grid)) {}

@@ -303,8 +303,8 @@ std::vector<Point<Coord>> LevelSampler<Coord>::given_near(std::size_t number, in
                                                           std::size_t last_level,
                                                           typename SortedPoints<Coord>::Reader& points) const
 {
-    // Of those in the box only the ones in or beside a bucket in which the bin has points: a few a point, however many
-    // there are.
+    // Only those in or adjacent to a bucket in which the bin has points: a few per point, however many the box
+    // holds.
     const auto& box = points_.box(number);
     Point<Coord> low, high;
     for (std::size_t a = 0; a < 3; ++a) {
@@ -392,7 +392,7 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     keep_border(number, size, neighbours, found, points);
 }
 
-// Of the chosen points, those that passes of smaller sizes may ask for: the ones nearer than the spacing to a
+// Keeps the chosen points that passes of smaller sizes may ask for: the ones nearer than the spacing to a
 // neighbour. With smaller spacings there are only fewer neighbours.
 template <class Coord>
 void LevelSampler<Coord>::keep_border(std::size_t number, int size, const std::vector<std::size_t>& neighbours,

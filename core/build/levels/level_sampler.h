@@ -52,9 +52,9 @@ public:
     void save(ByteWriter& out) const;
     void load(ByteReader& in);
     void sync() { file_.sync(); }
-    // Of the sampler's file.
+    // Size of the sampler's file.
     std::uint64_t bytes() const { return end_; }
-    // Of each level; 0 for the rest. With given levels: theirs, and the rest where they had none and it is needed now.
+    // Spacing by level; 0 for the rest. With given levels: theirs, and the rest where they had none and it is needed.
     const std::vector<double>& spacings() const { return spacings_; }
     // Number of points of each level in a bin.
     const std::vector<std::uint64_t>& histogram(std::size_t bin) const { return bins_[bin].histogram; }
@@ -111,7 +111,7 @@ private:
     std::uint64_t end_ = 0;
     std::vector<Bin> bins_;
     std::vector<double> spacings_;
-    std::vector<int> sizes_;  // of the cells, of each level but the rest
+    std::vector<int> sizes_;  // cell size of each level but the rest
     std::function<void(double)> progress_;
     double fraction_ = 0;
 };

@@ -226,10 +226,10 @@ void PoissonPass<Coord>::enter_block(const Point<Coord>& p)
         for (int y = -1; y <= 1; ++y)
             for (int x = -1; x <= 1; ++x) {
                 if (!x && !y && !z) continue;
-                const Point<Coord> beside{static_cast<Coord>(at[0] + static_cast<Coord>(x)),
-                                          static_cast<Coord>(at[1] + static_cast<Coord>(y)),
-                                          static_cast<Coord>(at[2] + static_cast<Coord>(z))};
-                for (std::uint32_t n = table_[slot(beside)].rim; n != none; n = chosen_[n].next) add_local(n);
+                const Point<Coord> adjacent{static_cast<Coord>(at[0] + static_cast<Coord>(x)),
+                                            static_cast<Coord>(at[1] + static_cast<Coord>(y)),
+                                            static_cast<Coord>(at[2] + static_cast<Coord>(z))};
+                for (std::uint32_t n = table_[slot(adjacent)].rim; n != none; n = chosen_[n].next) add_local(n);
             }
     const Block& own = table_[slot(at)];
     for (const std::uint32_t head : {own.rim, own.core})
@@ -240,7 +240,7 @@ void PoissonPass<Coord>::enter_block(const Point<Coord>& p)
         }
 }
 
-// The points in and beside the bucket of a cell.
+// The points in the bucket of a cell and in those adjacent to it.
 template <class Coord>
 auto PoissonPass<Coord>::gather(std::size_t cell) -> Range
 {
@@ -316,7 +316,7 @@ std::size_t PoissonPass<Coord>::first_uncovered(std::size_t i, std::size_t end, 
         }
         return end;
     }
-    // The cell's box, and the least and largest distance that its points can have to a chosen point.
+    // The cell's box, and the minimum and maximum distance that its points can have to a chosen point.
     std::array<int, 3> shifts = lattice_.shifts(size);
     const Point<Coord> cell = cell_of(points_[i], shifts);
     std::array<float, 3> low, high;

@@ -41,10 +41,10 @@ private:
     static constexpr std::uint32_t none = 0xffffffffu;
     static constexpr int block_bits = 5;  // a block is 2^block_bits cells wide
     static constexpr std::size_t side =
-        18;  // of the array of buckets: a block's 16 at most, and one more on either side
+        18;  // buckets along an axis of the array: a block's 16 at most, and one more on either side
     struct Chosen {
         Point<Coord> point;
-        std::uint32_t next;  // of its block
+        std::uint32_t next;  // next chosen point of its block
     };
     struct Block {
         Point<Coord> at{};
@@ -71,7 +71,7 @@ private:
         }
         void fill_four();
     };
-    struct Range {  // of NearPoints
+    struct Range {  // part of a NearPoints
         std::size_t from, to;
     };
 
@@ -102,13 +102,13 @@ private:
     std::size_t used_ = 0, last_slot_ = 0;
     const std::uint8_t* barred_ = nullptr;
 
-    // Of the current block.
+    // State of the current block.
     Point<Coord> origin_{};
     std::vector<Local> local_;
-    std::array<std::uint32_t, side * side * side> heads_;  // of buckets; valid only where rows_ has a bit
-    std::array<std::uint32_t, side * side> rows_;  // of buckets along x, one bit per bucket: holds a chosen point
+    std::array<std::uint32_t, side * side * side> heads_;  // first of each bucket; valid only where rows_ has a bit
+    std::array<std::uint32_t, side * side> rows_;  // rows of buckets along x, one bit per bucket: holds a chosen point
     std::vector<std::uint64_t> taken_;             // one bit per cell: holds a chosen point
-    std::size_t bucket_mask_;                      // of a cell's index: its bucket
+    std::size_t bucket_mask_;                      // from a cell's index to its bucket
     NearPoints near_;
     std::size_t hint_ = 0;  // the four that covered the last point
 };
@@ -126,7 +126,7 @@ private:
     std::array<int, 3> bucket_;
     std::vector<Point<Coord>> buckets_;
     int table_bits_ = 1;
-    std::vector<std::uint32_t> table_;  // by hash: one more than the number of a bucket; 0 for none
+    std::vector<std::uint32_t> table_;  // hash table: one more than the number of a bucket; 0 if free
 };
 
 extern template class PoissonPass<std::uint32_t>;

@@ -33,11 +33,11 @@ public:
     std::vector<std::byte> read(std::size_t bin) const;
 
 private:
-    struct Attributes {  // of a bin, where they lie
+    struct Attributes {  // attributes of a bin, where they lie
         std::uint64_t offset = 0, bytes = 0, checksum = 0;
     };
     const RowLayout& layout_;
-    const RowPacking packing_;  // of attributes alone
+    const RowPacking packing_;  // packing of attributes only
     ScratchSpace& space_;
     SortedPoints<Coord> points_;
     ScratchFile file_;

@@ -69,7 +69,7 @@ public:
         const SortedPoints& store_;
         std::size_t bin_;
         std::size_t size_;
-        std::unique_ptr<Point<Coord>[]> points_;  // of blocks that are ready
+        std::unique_ptr<Point<Coord>[]> points_;  // points of blocks that are ready
         std::vector<std::uint8_t> ready_;
         std::vector<std::byte> bytes_;
         std::vector<Coord> words_;

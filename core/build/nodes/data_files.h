@@ -26,7 +26,7 @@ public:
     void append(Draft& draft, const std::byte* bytes, std::size_t size);
     // Writes the first data file and syncs everything; its drafts get their final extents.
     void finish();
-    const std::vector<std::uint64_t>& bytes() const { return bytes_; }  // of each data file
+    const std::vector<std::uint64_t>& bytes() const { return bytes_; }  // size of each data file
     std::uint64_t appended() const { return appended_; }                // bytes, by this process
 
     // The sizes of the files; load() truncates them to these sizes, and throws Error(truncated | ...) when they are

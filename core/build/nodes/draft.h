@@ -15,12 +15,12 @@ namespace pcm {
 struct Draft {
     std::array<Draft*, 2> children{nullptr, nullptr};
     NodePath path;
-    Box3i box;  // of its own points
+    Box3i box;  // around its own points
     std::uint32_t points = 0;
     std::uint16_t first_level = 0;
     std::vector<std::uint32_t> level_points;
     double spacing = 0;
-    Extent extent;  // of its chunk; file and offset are known once the chunk is written
+    Extent extent;  // its chunk; file and offset are known once the chunk is written
 };
 
 // Owns drafts; they never move. add() may be called from any thread.

@@ -285,7 +285,7 @@ std::vector<std::shared_ptr<Column>> NodeBuilder<Coord>::columns_of(const Levele
         columns.push_back(std::make_shared<Column>(attribute));
         columns.back()->resize(order.size());
     }
-    // So few rows at a time that they stay in the cache until all their columns are taken.
+    // Few rows at a time, which stay in the cache until all their columns are taken.
     constexpr std::size_t few = 512;
     for (std::size_t first = 0; first < order.size(); first += few) {
         const std::size_t count = std::min(few, order.size() - first);

@@ -25,7 +25,7 @@ struct NodeBuilderOptions {
     Schema schema;
     RowLayout layout;
     std::uint32_t chunk_points = default_chunk_points;
-    std::vector<double> spacings;            // of each level
+    std::vector<double> spacings;            // spacing of each level
     std::uint32_t part = 0, generation = 1;  // as in ChunkIdentity
 };
 

@@ -39,7 +39,7 @@ void find_distances(const SizeLoops& loops, const std::vector<double>& groups, s
     loops.distances_in_double(groups.data(), to.size() / size_group, to.data());
 }
 
-// Of points at different places in Morton order. `place(i, axis)` is a coordinate.
+// Distances for points at different places in Morton order. `place(i, axis)` is a coordinate.
 template <class Real, class Place>
 std::vector<float> distances(std::size_t points, const Place& place)
 {

@@ -11,7 +11,7 @@ namespace pcm {
 
 // The code of each point's size (tree/point_size.h): the distance to its fourth neighbour, of those at other places.
 // They are searched among the 96 points around it in Morton order, which finds the fourth neighbour for more than half
-// of the points, and for 99 of 100 a distance of at most twice it. So that points beside a gap, and those that stand
+// of the points, and for 99 of 100 a distance of at most twice it. So that points next to a gap, and those that stand
 // alone, are no larger than those around, a size is at most one and a half times the middle one of 32 points, and 16
 // times that of the bin.
 // Neighbours beyond the bin do not count. `rows` are in Morton order; those of one place get one size.

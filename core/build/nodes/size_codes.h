@@ -10,7 +10,7 @@
 namespace pcm {
 
 // size_code() of many distances, without its logarithm: a table of the distances at which the next code begins, by the
-// exponent and the first bits of a number; so few that a code begins within a cell of it at most once.
+// exponent and the first bits of a number. Cells are narrow: at most one code begins in each.
 class SizeCodes {
 public:
     // For distances from `least_distance` to `most_distance`.
@@ -37,7 +37,7 @@ public:
     }
 
 private:
-    static constexpr int dropped_bits = 19;  // of 23: a cell's end is less than a quarter octave above its start
+    static constexpr int dropped_bits = 19;  // from 23: a cell's end is less than a quarter octave above its start
     struct Cell {
         std::uint32_t next;  // bits of the first number that has the next code, or of the next cell's start
         std::uint8_t code;

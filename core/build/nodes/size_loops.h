@@ -10,11 +10,11 @@ inline constexpr std::size_t size_group = 32;
 inline constexpr std::size_t size_neighbours = 4;
 
 struct SizeLoops {
-    // For each point of `count` groups the distance to its fourth neighbour among its group and the two beside it, or
-    // to the last one that there is; 0 without any. Points infinitely far away are no neighbours.
+    // For each point of `count` groups the distance to its fourth neighbour among its group and the two next to it, or
+    // to the last one found; 0 without any. Points infinitely far away do not count as neighbours.
     void (*distances)(const float* groups, std::size_t count, float* to);
     void (*distances_in_double)(const double* groups, std::size_t count, float* to);
-    // Of each of `count` groups of 32 distances the 17th, ascending.
+    // The 17th, ascending, in each of `count` groups of 32 distances.
     void (*middles)(const float* distances, std::size_t count, float* to);
 };
 

@@ -51,7 +51,7 @@ struct Targets {
         for (Lanes& rank : nearest) rank = Lanes{} + static_cast<Real>(__builtin_inf());
     }
 
-    // Offers point j of a group; `own`: of the points' own, where none is offered itself.
+    // Offers point j of a group; `own`: the points' own group, where a point is not offered itself.
     template <bool own>
     void offer(const Real* group, std::size_t j)
     {

@@ -21,7 +21,7 @@ struct ShapeModel {
     ShapeKind kind;
     std::size_t parameters;
     std::size_t sampled;  // points of a minimal sample
-    bool needs_normals;   // of sampled points
+    bool needs_normals;   // whether sampled points need normals
     // The unit of each parameter is length to this power (angles: 0).
     std::array<int, most_parameters> dimension;
 

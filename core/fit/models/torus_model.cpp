@@ -1,4 +1,4 @@
-// A torus: four points with normals, whose lines all meet the axis (two lines do). Of its patch `curvature` is that of
+// A torus: four points with normals, whose lines all meet the axis (two lines do). In its patch `curvature` is that of
 // the circle that the tube follows, through the place on it nearest to the patch, and `second` that of the tube.
 #include "pcm/fit/models/shape_models.h"
 

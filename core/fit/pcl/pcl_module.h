@@ -16,11 +16,11 @@ struct PclRequest {
     const float* normals;  // three per point; null: none, which cylinders and cones refuse
     std::size_t points;
     double threshold, probability, least_radius, largest_radius;
-    std::uint32_t iterations;  // the most samples
+    std::uint32_t iterations;  // maximum number of samples
     std::uint32_t seed;
-    double pretest;               // of RRANSAC and RMSAC: the share of all points, in percent, that has to fit a sample
-    bool optimise;                // least squares of the inliers at the end
-    bool (*stop)(void* context);  // asked before each sample: true ends the search with the best one so far
+    double pretest;               // RRANSAC and RMSAC: the share of all points, in percent, that has to fit a sample
+    bool optimise;                // finish with least squares of the inliers
+    bool (*stop)(void* context);  // called before each sample: true ends the search with the best one so far
     void* context;
 };
 

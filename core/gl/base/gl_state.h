@@ -1,4 +1,4 @@
-// Restores the OpenGL state that drawing splats changes, in compatibility and core contexts alike.
+// Restores the OpenGL state that drawing splats changes, in compatibility and in core contexts.
 //
 // Nothing is pushed on the host's attribute stacks: they may be full, and client attributes pushed in MeshLab corrupt
 // its text overlay.
@@ -43,7 +43,7 @@ private:
     std::int32_t read_framebuffer_ = 0;
     std::int32_t renderbuffer_ = 0;
     std::int32_t active_texture_ = 0;
-    std::array<std::array<Texture, 2>, 2> textures_{};  // of the first two units
+    std::array<std::array<Texture, 2>, 2> textures_{};  // bindings of the first two units
     std::array<std::int32_t, 2> samplers_{};
     std::array<std::int32_t, 4> viewport_{};
     std::array<std::int32_t, 4> blend_{};  // source and destination, of colour and alpha

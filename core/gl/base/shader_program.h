@@ -24,7 +24,7 @@ public:
     // for a file that is not embedded.
     ShaderProgram(std::string_view vertex_file, std::string_view fragment_file,
                   const std::vector<std::string>& defines = {});
-    // Of a compute shader; the context runs them (require_compute_shaders()). The same errors.
+    // The program of a compute shader; the context runs them (require_compute_shaders()). The same errors.
     static ShaderProgram compute(std::string_view file, const std::vector<std::string>& defines = {});
     ShaderProgram(ShaderProgram&& other) noexcept;
     ShaderProgram& operator=(ShaderProgram&& other) noexcept;

@@ -20,7 +20,7 @@ struct ChunkBoxes {
         std::array<std::uint64_t, 3> low{}, high{};  // tight, relative to the chunk's origin, grid steps
     };
     Vec3i origin{};
-    std::vector<Block> blocks;  // of all points, in order
+    std::vector<Block> blocks;  // blocks of all points, in order
 
     ChunkBoxes(const ChunkPositions& positions, const Node& node);
     Box3i box(std::size_t block) const;
@@ -30,13 +30,13 @@ struct ChunkBoxes {
 };
 
 // The boxes of consecutive points of a chunk as radii.comp reads them: first of groups of consecutive blocks, about as
-// many as a group has blocks, then of the blocks. Of each, in 32-bit words: the low and the high corner, two words per
+// many as a group has blocks, then of the blocks. Each has, in 32-bit words: the low and the high corner, two words per
 // coordinate where `wide`, and the range [first, end): of boxes for a group, of points for a block, counted from the
 // first point given.
 struct PieceBoxes {
     std::vector<std::uint32_t> words;
     std::uint32_t groups = 0, group_blocks = 0;
-    std::size_t first_block = 0;  // of the chunk
+    std::size_t first_block = 0;  // index in the chunk
 
     PieceBoxes(const ChunkBoxes& chunk, std::uint32_t first, std::uint32_t count, bool wide);
     // The box of a block of the chunk that has points in the piece.

@@ -99,7 +99,7 @@ public:
     ~GpuCursor();
 
     // Moves to the next chunk with points; false at the end, when all marked columns have been written back to L2.
-    // Throws what reading throws, what a needed write-back throws, Error(no_space) when the L1 has no room beside
+    // Throws what reading throws, what a needed write-back throws, Error(no_space) when the L1 is filled by
     // chunks that views hold, Error(cancelled) when the query's progress function returns false. After an error the
     // next call tries the same chunk again.
     bool getNextDataGPU(GpuView& view);

@@ -22,11 +22,11 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 // Points of one node that a workgroup computes.
 struct QueryBlock {
     NodeId node = no_node;
-    std::size_t number = 0;                     // of the first of its blocks in the chunk
-    std::uint32_t first_point = 0, points = 0;  // of the chunk
+    std::size_t number = 0;                     // index of the first of its blocks in the chunk
+    std::uint32_t first_point = 0, points = 0;  // range in the chunk
     Box3i box;                                  // grid coordinates
     std::uint32_t first = 0;                    // point of the batch
-    double limit = infinity;                    // of its points, the largest of RadiusSearch::limits()
+    double limit = infinity;                    // limit of its points, the largest of RadiusSearch::limits()
     bool begins_in(const GpuPiece& piece) const
     {
         return first_point >= piece.first && first_point - piece.first < piece.count;
@@ -172,7 +172,7 @@ private:
     GpuRadiiReport report_;
 };
 
-// Of the chunks used last: some; all are forgotten when they have become too many.
+// Boxes of the chunks used last; all are dropped when they take too much memory.
 const ChunkBoxes& RadiiPass::boxes_of(NodeId id)
 {
     constexpr std::size_t most_bytes = std::size_t(32) << 20;
@@ -303,7 +303,7 @@ std::vector<GpuPiece> RadiiPass::pieces_of(const GpuView& view) const
             GpuPiece piece = whole;
             piece.first += first;
             piece.count = std::min(most, whole.count - first);
-            const std::uint64_t bytes = whole.positions.bytes / whole.count;  // of a point
+            const std::uint64_t bytes = whole.positions.bytes / whole.count;  // bytes per point
             piece.positions.offset += first * bytes;
             piece.positions.bytes = piece.count * bytes;
             pieces.push_back(std::move(piece));

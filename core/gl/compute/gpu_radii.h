@@ -12,7 +12,7 @@
 // The leaves are visited one after the other. Points that lie there, of all nodes from the root down, are a batch. They
 // are compared with their own node's points, then with those of the other nodes on the path, then with those of any
 // other node that is nearer than the neighbours found so far. Chunks pass through L2 into the L1, and radii go the same
-// way back, so memory stays within the capacities of both caches, and some 40 MB of video memory beside them.
+// way back, so memory stays within the capacities of both caches, and some 40 MB of video memory in addition.
 #pragma once
 
 #include "pcm/gl/l1/l1_cache.h"
@@ -37,13 +37,13 @@ struct GpuRadiiOptions {
 struct GpuRadiiReport {
     Outcome outcome;
     std::uint64_t batches = 0;
-    std::uint64_t dispatches = 0;  // of compute shaders
+    std::uint64_t dispatches = 0;  // number of compute shader dispatches
 };
 
 // Computes the attribute "radius" (f32, source units) of all points: the largest |d - n (n . d)| of the offsets d to
 // the k nearest points of the whole cloud, n being the normal, or, without normals, the largest |d|; 0 without
-// neighbours. Of points at equal distance any may be chosen. Offsets are exact at any coordinates. The neighbours are
-// those that comparing in double gives; without normals radii are exact to 1e-6.
+// neighbours. Any of several points at equal distance may be chosen. Offsets are exact at any coordinates. The
+// neighbours are those that comparing in double gives; without normals radii are exact to 1e-6.
 //
 // `cloud` was opened for writing and has no other attribute of that name; it is added where it is missing. The radii
 // are in the cloud's cache afterwards, and in the tree after flush() or close(). After an error part of them may be in

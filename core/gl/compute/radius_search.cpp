@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t group_points = 64;                   // the shader's workgroup
 constexpr std::size_t heap_bytes = std::size_t(16) << 20;  // the size of a shader storage block that every driver has
-// A dispatch compares at most so many pairs of points, so that it ends before a driver takes it for hung.
+// Maximum pairs of points that a dispatch compares, so that it ends before a driver takes it for hung.
 constexpr std::uint64_t most_pairs = std::uint64_t(1) << 31;
 
 std::vector<std::string> defines_of(const RadiusSearch::Options& options, bool finish)
@@ -28,7 +28,7 @@ std::vector<std::string> defines_of(const RadiusSearch::Options& options, bool f
 }
 
 // Mesa's gallivm, of llvmpipe and softpipe, counts the iterations of all loops of an invocation together, with those
-// that run beside it, and ends the loops after LP_MAX_TGSI_LOOP_ITERATIONS, 65535. Each point may take an iteration of
+// that run with it, and ends the loops after LP_MAX_TGSI_LOOP_ITERATIONS, 65535. Each point may take an iteration of
 // search() and as many of take() as the heap has levels; half is left for the boxes and for loops that are not
 // unrolled.
 std::uint32_t piece_points(std::size_t neighbours)

@@ -51,7 +51,7 @@ public:
     // once.
     void compare(const GpuPiece& piece, const PieceBoxes& boxes, const Vec3i& shift, const std::vector<Block>& blocks);
 
-    // Of each point, the squared distance of its farthest neighbour so far, source units; infinite while there are
+    // For each point, the squared distance of its farthest neighbour so far, source units; infinite while there are
     // fewer than asked for. Exact to 1e-6. Waits for the device. Throws Error(io) when OpenGL has failed.
     std::vector<double> limits();
 

@@ -275,7 +275,7 @@ void ChunkFeed::use_own_normals(const Chunk& chunk)
     for (std::size_t i = 0; i < chunk.points; ++i) {
         const Vec3d n{static_cast<double>(normals_[3 * i]), static_cast<double>(normals_[3 * i + 1]),
                       static_cast<double>(normals_[3 * i + 2])};
-        // Among leaves a normal says something of a leaf, if there is a radius with it.
+        // Among leaves a normal describes a leaf, if there is a radius with it.
         if (dot(n, n) > 0 && (radii_[i] > 0 || surroundings_of(shapes_[i]) != Surroundings::volume))
             shapes_[i] = shape_of(Surroundings::surface, n);
     }

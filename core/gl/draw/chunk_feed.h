@@ -32,7 +32,7 @@ public:
     ChunkFeed(const ChunkFeed&) = delete;
     ChunkFeed& operator=(const ChunkFeed&) = delete;
 
-    // The most chunks in flight. More would not arrive sooner, and chunks that wait for their upload are pinned in L2.
+    // Maximum chunks in flight. More would not arrive sooner, and chunks that wait for their upload are pinned in L2.
     static constexpr std::size_t window_size = 32;
 
     L1Cache::Owner owner() const { return owner_; }
@@ -99,7 +99,7 @@ private:
         unsigned lost = 0;      // times that it arrived and L2 evicted it before it was found
     };
 
-    // Of what is uploaded; load_columns_of() also has what conditions test.
+    // The columns that are uploaded; load_columns_of() also has what conditions test.
     ColumnSet columns_of(const VertexFormat& format) const;
     ColumnSet load_columns_of(const VertexFormat& format) const;
     void request_facts(const std::set<NodeId>& arrived, std::vector<ChunkRequest>& list);
@@ -126,17 +126,17 @@ private:
     std::map<NodeId, Clock::time_point> failed_;
     std::string error_;
     CloudFacts facts_;
-    std::map<std::string, std::uint32_t> filter_numbers_;  // by the conditions' text
-    std::vector<ChunkFilter> filters_;                     // by number - 1
-    std::vector<AttributePlace> attributes_;               // that colours were made from, by number - 1
+    std::map<std::string, std::uint32_t> filter_numbers_;  // keyed by the conditions' text
+    std::vector<ChunkFilter> filters_;                     // index: number - 1
+    std::vector<AttributePlace> attributes_;               // attributes that colours were made from; index: number - 1
     ClassSet classes_;
-    std::uint32_t classes_filter_ = 0;  // that the points of these meet
+    std::uint32_t classes_filter_ = 0;  // number of the filter that the points of these meet
     std::vector<std::uint8_t> rgba_, flags_;
     std::vector<float> values_, radii_, normals_;
     std::vector<PointShape> shapes_;
     std::optional<PointSizes> sizes_;  // when first needed
     std::shared_ptr<const PointSet> selected_;
-    std::vector<std::optional<std::uint64_t>> selections_;  // of each node, once it was asked for
+    std::vector<std::optional<std::uint64_t>> selections_;  // for each node, once it was asked for
 };
 
 }  // namespace pcm

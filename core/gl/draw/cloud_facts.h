@@ -18,15 +18,15 @@
 
 namespace pcm {
 
-// Of one attribute, or of the heights.
+// Facts about one attribute, or about the heights.
 struct CloudFact {
-    ValueSummary values;    // as users see them; of rgb those of the first component
-    ColourScale scale;      // of rgb
-    bool is_blank = false;  // all sampled points have the same value; of rgb, the same shade of grey: the default of
-                            // many writers; of classes, fewer than two say what points belong to
-    // Neighbours' values are more alike than those of any two points: they show surfaces and not noise alone.
+    ValueSummary values;    // as users see them; for rgb, the first component
+    ColourScale scale;      // colours' scale, for rgb
+    bool is_blank = false;  // all sampled points have the same value; for rgb, the same shade of grey: the default of
+                            // many writers; for classes, fewer than two describe what points belong to
+    // Neighbours' values differ less than those of any two points: they show surfaces and not noise alone.
     bool has_shape = true;
-    // Of intensities balanced, else linear.
+    // Balanced for intensities, else linear.
     ValueRange range;
 };
 

@@ -48,10 +48,10 @@ struct Frame {
     Clock::time_point start = Clock::now();
     std::vector<FrameCloud> clouds{};
     std::vector<L1Cache::Owner> owners{};
-    DetailLimits limits{};   // of a moving view
+    DetailLimits limits{};   // limits of a moving view
     bool converges = false;  // the view rests, and refines to full resolution
     FrameReport report{};
-    double drawing_ms = 0;  // of frame_ms
+    double drawing_ms = 0;  // part of frame_ms
     FrameWork work{};
     bool at_rest = options.paraboloids;  // adaptive splats are drawn as paraboloids
     // The picture is complete and is drawn once more, for a mean (gl/draw/smoothing.h): into `next`, at this offset in

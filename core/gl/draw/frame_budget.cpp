@@ -9,7 +9,7 @@ namespace {
 
 // Initial costs, in proportion to each other.
 constexpr std::array<double, 3> first_costs{1, 1, 0.2};
-// Relative standard deviations: of the initial costs, of their change from frame to frame, of a measured time.
+// Relative standard deviations: initial costs, their change from frame to frame, a measured time.
 constexpr double first_deviation = 0.7, change = 0.03, noise = 0.1;
 // A frame that took much longer than expected was probably delayed by something else: its time is clamped.
 constexpr double largest_surprise = 0.5;

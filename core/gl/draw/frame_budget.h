@@ -19,7 +19,7 @@ struct FrameWork {
     std::uint64_t vertices = 0;  // invocations of the vertex stage: none, one or four per point
     double splats = 0;           // points in view, estimated
     double pixels = 0;           // sum over the splats, estimated
-    bool at_rest = false;        // of a resting view, whose splats cost more
+    bool at_rest = false;        // a resting view, whose splats cost more
 };
 
 class FrameBudget {
@@ -29,7 +29,7 @@ public:
     // In the view, whatever the time: on a slow machine a late picture shows more than a few squares for a village.
     // With these, splats that fill the gaps are some 10 pixels wide in a view of 1600 x 1000.
     static constexpr double least_in_view = 20'000;
-    static constexpr double most_growth = 1.5;                        // of the points, from one frame to the next
+    static constexpr double most_growth = 1.5;                        // factor on points, from one frame to the next
     static constexpr double first_margin = 1.25, largest_margin = 2;  // factors
     static constexpr double most_at_rest = 50;  // milliseconds beyond the budget: the delay when the view moves again
 
@@ -42,15 +42,15 @@ public:
     std::uint64_t points(std::uint64_t floor, std::uint64_t ceiling);
     // The expected drawing time that fits into the budget, milliseconds; infinite while nothing has been measured.
     double available(double budget_ms) const;
-    // Milliseconds for uploading and drawing what a frame adds to a resting view: all that the budget leaves beside the
-    // overhead, as no frame is too late; but at least as much as the overhead (up to most_at_rest), or a small rest
+    // Milliseconds for uploading and drawing what a frame adds to a resting view: all that the budget leaves after
+    // the overhead, as no frame is too late; but at least as much as the overhead (up to most_at_rest), or a small rest
     // would take minutes to draw.
     double at_rest(double budget_ms) const
     {
         return std::max(budget_ms - overhead_ms_, std::min(overhead_ms_, most_at_rest));
     }
     double expected(const FrameWork& work) const;
-    // Of the points that points() allowed there was time for the first `points` only.
+    // There was time only for the first `points` of the points that points() allowed.
     void fewer(std::uint64_t points) { goal_ = static_cast<double>(points); }
     // There would be time for `times` as much as the frame draws.
     void all(const FrameWork& work, double times)
@@ -64,7 +64,7 @@ public:
     {
         return points_ < ceiling && goal_ > worthwhile * static_cast<double>(points_);
     }
-    double last_measured_ms() const { return last_ms_; }  // of drawing; 0 before the first
+    double last_measured_ms() const { return last_ms_; }  // drawing time; 0 before the first
 
     // Call it when the style changes: costs are learnt anew, the number of points stays.
     void forget()
@@ -82,9 +82,9 @@ private:
     std::uint64_t points_ = first_guess;
     double goal_ = first_guess;
     Features costs_{};                      // milliseconds: a vertex, a splat, a pixel
-    std::array<Features, 3> covariance_{};  // of costs_ in proportion to themselves
+    std::array<Features, 3> covariance_{};  // covariance of costs_, relative to themselves
     double overhead_ms_ = 0;
-    double expected_ms_ = 0;  // of the latest frame's drawing, before it was known
+    double expected_ms_ = 0;  // expected time of the latest frame's drawing, before it was known
     double margin_ = first_margin;
     double last_ms_ = 0;
     unsigned measures_ = 0;

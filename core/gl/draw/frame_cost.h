@@ -13,7 +13,7 @@ struct Stroke {
     SceneSelection::Place place;
     const VertexEntry* entry;
     std::uint64_t vertices;         // invocations of the vertex stage
-    std::size_t first_part, parts;  // of the FrameCost's parts: those in view
+    std::size_t first_part, parts;  // range of the FrameCost's parts: those in view
 };
 
 class FrameCost {

@@ -9,7 +9,7 @@
 namespace pcm {
 namespace {
 
-// Of an attribute by its usual name; empty for numbers without a unit, and where it is not known.
+// The unit of an attribute by its usual name; empty for numbers without a unit, and where it is not known.
 std::string attribute_unit(const std::string& name)
 {
     if (name == "gps_time") return "s";

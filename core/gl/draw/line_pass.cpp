@@ -86,13 +86,13 @@ private:
         const double half = stroke.width / 2, reach = half + border + smooth;
         const auto vertex = [&](bool end, double side) {
             const Vec3d& at = end ? to : from;
-            const double forth = end ? reach : -reach, beside = side * reach;
+            const double forth = end ? reach : -reach, across = side * reach;
             LineVertex v{};
-            v.place[0] = static_cast<float>(2 * (at[0] + forth * along[0] - beside * along[1]) / camera_.width - 1);
-            v.place[1] = static_cast<float>(2 * (at[1] + forth * along[1] + beside * along[0]) / camera_.height - 1);
+            v.place[0] = static_cast<float>(2 * (at[0] + forth * along[0] - across * along[1]) / camera_.width - 1);
+            v.place[1] = static_cast<float>(2 * (at[1] + forth * along[1] + across * along[0]) / camera_.height - 1);
             v.place[2] = static_cast<float>(at[2]);
             v.segment[0] = static_cast<float>((end ? size : 0) + forth);
-            v.segment[1] = static_cast<float>(beside);
+            v.segment[1] = static_cast<float>(across);
             v.segment[2] = static_cast<float>(size);
             v.segment[3] = static_cast<float>(half);
             std::copy(stroke.colour.begin(), stroke.colour.end(), v.colour);

@@ -38,7 +38,7 @@ void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::v
     }
 }
 
-using DrawnOfTrees = std::vector<std::vector<bool>>;  // of each tree's `wanted`
+using DrawnOfTrees = std::vector<std::vector<bool>>;  // flags of each tree's `wanted`
 
 // How many of the drawable chunks there is time for, from the first on. Sets gaps, the frame's work and `drawn` for
 // these.
@@ -58,7 +58,7 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
         return budget.expected(frame.work);
     };
     const double available = budget.available(frame.options.frame_budget_ms);
-    // The coarsest chunks are always drawn, and as many others as bring the least number of points into the view.
+    // The coarsest chunks are always drawn, and as many others as bring the minimum number of points into the view.
     std::size_t fits = 0, count = strokes.size();
     const auto is_coarsest = [&](const Stroke& stroke) {
         return selection.trees[stroke.place.tree].wanted[stroke.place.index].ancestor == no_ancestor;

@@ -65,14 +65,14 @@ struct PictureKey {
 
 struct PictureState {
     RenderTarget target;  // what is shown
-    RenderTarget next;    // of a resting view, while `target` still shows enlarged splats; of its frames for the mean
+    RenderTarget next;    // a resting view's, while `target` still shows enlarged splats; or a frame of the mean
     RenderTarget resolved;
     unsigned asked_samples = 1;
     FrameClock clock;
-    FrameBudget budget;       // of a moving view
+    FrameBudget budget;       // budget of a moving view
     FrameBudget rest_budget;  // what splats of a resting view cost
     std::optional<PictureKey> key;
-    std::vector<Camera> views;  // of the items, in the latest frame
+    std::vector<Camera> views;  // cameras of the items, in the latest frame
     unsigned unmeasured = 2;    // this many next frames include the driver's compilation and are not measured
 
     std::set<std::pair<std::uint64_t, NodeId>> kept;  // (cloud, node) drawn in the latest frame of a moving view
@@ -88,9 +88,9 @@ struct PictureState {
         SceneSelection all;                 // all nodes in view; begins with `lod`
         bool begun = false;                 // the target holds `lod`, except chunks that cannot be loaded
         std::size_t added = 0;              // how many of `all.order` the target holds or were left out
-        std::vector<std::size_t> left_out;  // of these: could not be loaded
+        std::vector<std::size_t> left_out;  // nodes of these that could not be loaded
         std::uint64_t points = 0, nodes = 0;
-        std::vector<std::uint64_t> points_of, hidden_of;  // of each item
+        std::vector<std::uint64_t> points_of, hidden_of;  // for each item
         std::size_t held = 0;                             // how many of `lod.order` are kept in L1
         bool behind = false;  // it is drawn into `next`; the members below describe the picture that is shown
         std::uint64_t shown_points = 0, shown_nodes = 0;
@@ -99,12 +99,12 @@ struct PictureState {
     };
     std::optional<Rest> rest;
 
-    // Of a view that rests and has its picture: frames at sub-pixel offsets, of which the mean is shown.
+    // For a view that rests and has its picture: frames at sub-pixel offsets, whose mean is shown.
     struct Smoothing {
         unsigned asked = 1;              // RenderOptions::smooth_frames
         unsigned goal = 1;               // frames of the mean
-        Finish finish;                   // of these frames
-        unsigned frames = 0;             // that `sum` has; the first is the picture itself
+        Finish finish;                   // finish of these frames
+        unsigned frames = 0;             // frames that `sum` has; the first is the picture itself
         std::optional<Rest> unfinished;  // the next one, of which `next` has a part
     };
     std::optional<Smoothing> smoothing;

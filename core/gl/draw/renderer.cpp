@@ -18,9 +18,9 @@
 namespace pcm {
 
 struct Renderer::Impl {
-    // Of a cloud, source units. Squares do not occur, but products with pixels, angles and factors on radii do.
+    // Limits for a cloud, source units. Squares do not occur, but products with pixels, angles and factors on radii do.
     static constexpr double least_extent = 1e-33, largest_extent = 1e30;
-    // Of a cloud's corners in eye space and in clip space, and of the projection: a narrow angle is looked at from far.
+    // Limit for a cloud's corners in eye space and in clip space, and the projection: a narrow angle is seen from far.
     static constexpr double largest_in_view = 1e35;
     std::shared_ptr<L1Cache> l1;
     SplatPass splats;
@@ -95,7 +95,7 @@ struct Renderer::Impl {
         CloudReport report;
         ChunkFeed& feed = *cloud.feed;
         cloud.style = usable_style(asked, schema, &report.notice, [&](const CloudStyle& style) {
-            // With a range of its own a value says something where it is the same everywhere.
+            // With a range of its own a value is useful where it is the same everywhere.
             if (has_range(asked.colour) && style.range) return false;
             // Classes that are asked for are shown, whatever they are.
             const bool is_fallback = style.colour != asked.colour;

@@ -13,7 +13,7 @@
 // While the view moves, a picture is as good as its time allows. When the same view is drawn again, it rests: the
 // picture's framebuffer is kept, and each frame adds as many chunks as its time allows, largest error first, streaming
 // through L1 what does not fit, until every point in view has been drawn. That is the full-resolution picture, whatever
-// the budgets are. Then, where RenderOptions::smooth_frames says so, it is drawn again at sub-pixel offsets, and the
+// the budgets are. Then, where RenderOptions::smooth_frames is above 1, it is drawn again at sub-pixel offsets, and the
 // mean of these frames is shown; its depth stays that of the first. Further frames only composite it into the host's
 // framebuffer.
 //
@@ -40,11 +40,11 @@
 
 namespace pcm {
 
-// What windows and `pcmlab render` use for RenderOptions::smooth_frames, and the most that has an effect.
+// What windows and `pcmlab render` use for RenderOptions::smooth_frames, and the maximum that has an effect.
 inline constexpr unsigned usual_smooth_frames = 8, most_smooth_frames = 256;
 
 struct RenderOptions {
-    double target_spacing_px = 1.4;           // refine until points are no farther apart than this on screen
+    double target_spacing_px = 1.4;           // refine until points are at most this far apart on screen
     double frame_budget_ms = 33;              // fewer points are drawn in a frame when they would take longer
     std::uint64_t point_budget = 20'000'000;  // never draw more than this in a frame
     double upload_budget_ms = L1Cache::default_milliseconds;  // per frame while the view moves; at least one chunk is
@@ -53,9 +53,9 @@ struct RenderOptions {
     unsigned samples = 1;          // per pixel: 1 to the driver's most (FrameReport::samples)
     float eye_dome = 1;            // strength of eye-dome lighting; 0: none
     bool converge = true;          // a resting view refines to full resolution; else to the target
-    // The picture of a resting view, once it is complete, becomes the mean of at most so many frames at
-    // sub-pixel offsets (view/pixel_offset.h): edges and far textures neither shimmer nor have stairs. 1: it stays as
-    // it is. Views of more points have fewer frames (FrameReport::smooth_frames), some even none.
+    // The picture of a resting view, once it is complete, becomes the mean of at most this number of frames at
+    // sub-pixel offsets (view/pixel_offset.h): edges and far textures neither shimmer nor have stairs. 1: it is not
+    // changed. Views of more points have fewer frames (FrameReport::smooth_frames), some even none.
     unsigned smooth_frames = 1;
     bool paraboloids = false;  // adaptive splats in every frame as in a view that rests; else squares while it moves
     // While finer points are not drawn, splats grow to fill the gaps; and where splats that lie in surfaces leave gaps
@@ -100,8 +100,8 @@ struct SceneItem {
     // Only points that all of these leave are shown; source coordinates of the cloud. Clips with planes are moved
     // without uploading points again, others (spheres, rays, cones) not.
     std::vector<Clip> clips;
-    // Shown in another colour; null: none. Of the cloud's tree, else nothing is shown as selected. For two items of one
-    // cloud it is the same.
+    // Shown in another colour; null: none. It belongs to the cloud's tree, else nothing is shown as selected. For two
+    // items of one cloud it is the same.
     std::shared_ptr<const PointSet> selected;
     std::array<float, 3> selected_colour{1.0f, 0.25f, 0.05f};
 };
@@ -109,10 +109,10 @@ struct SceneItem {
 struct CloudReport {
     // Without those that clips hide, but for up to 127 in each group of consecutive points that a clip's border cuts.
     std::uint64_t points_drawn = 0;
-    std::uint64_t points_hidden = 0;  // beside these, by the style's conditions
+    std::uint64_t points_hidden = 0;  // points in addition to these, hidden by the style's conditions
     CloudStyle style;                 // as it was drawn
     std::optional<ValueRange> range;  // at the ends of the ramp; absent for other colours, and while it is not known
-    ClassSet classes;                 // that occur in video memory, for colours by class
+    ClassSet classes;                 // classes that occur in video memory, for colours by class
     std::string
         notice;  // the attributes that the style asked for and the cloud lacks, or which are the same in a sample of it
     std::string error;  // why some chunks cannot be loaded at present
@@ -120,16 +120,16 @@ struct CloudReport {
 
 struct FrameReport {
     std::uint64_t points_drawn = 0;  // in the picture
-    std::uint64_t points_added = 0;  // by this frame
+    std::uint64_t points_added = 0;  // points added by this frame
     double screen_error_px = 0;  // largest spacing on screen where finer points exist; 0: all visible points are drawn
     double frame_ms = 0;         // time in draw(), on the CPU
     double measured_ms = 0;      // latest measured time from a frame's first call to its last pixel; 0: none yet
-    double upload_ms = 0;        // of this frame
+    double upload_ms = 0;        // upload time of this frame
     std::uint64_t nodes_drawn = 0;  // in the picture
     std::uint64_t nodes_wanted = 0;
     std::uint64_t nodes_missing = 0;  // wanted, and absent from video memory or there with another style's attributes
     std::uint64_t effective_point_budget = 0;  // allowed by the frame budget
-    unsigned samples = 1;                      // of the picture
+    unsigned samples = 1;                      // samples of the picture
     unsigned frames_averaged = 1;              // in the picture
     unsigned smooth_frames = 1;                // in the final one; known when `smoothing` is true, or nothing refines
     // Every point in view is in the picture, less those that conditions or clips hide, and as large as it is meant to

@@ -7,7 +7,7 @@
 namespace pcm {
 namespace {
 
-// The most nodes that one frame prepares.
+// Maximum number of nodes that one frame prepares.
 constexpr std::size_t rest_window = 64;
 
 // Whether splats of their own sizes fill gaps of this spacing in all clouds.
@@ -145,8 +145,8 @@ private:
         return !waits || report_.points_added > 0 || served_.uploaded > 0;
     }
 
-    // The nodes that are drawn next, as far as L1 has room for them beside those that a moving view will show again:
-    // these stay.
+    // The nodes that are drawn next, as far as L1 has room for them in addition to those that a moving view will show
+    // again: these stay.
     void choose_next()
     {
         std::uint64_t pages = frame_.l1.pages_available(frame_.owners);

@@ -36,7 +36,7 @@ void begin_mean(Frame& frame, Compositor& compositor, const Matrix4d& projection
     smoothing.asked = frame.options.smooth_frames;
     smoothing.finish = frame.finish(false);
     smoothing.frames = 1;
-    if (!p.sum.begin(p.target.width(), p.target.height())) return;  // it stays as it is
+    if (!p.sum.begin(p.target.width(), p.target.height())) return;  // the picture is not changed
     smoothing.goal = goal;
     compositor.add(p.target, p.resolved, p.sum, projection, smoothing.finish);
 }

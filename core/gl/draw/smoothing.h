@@ -19,7 +19,7 @@ inline constexpr unsigned least_smooth_frames = 4;
 // software renderer.
 inline constexpr std::uint64_t most_smooth_points = 200'000'000;
 
-// The number of frames for a picture of so many points: at most `asked`; 1 where it is not worth it.
+// The number of frames for a picture of this number of points: at most `asked`; 1 where it is not worth it.
 unsigned frames_worthwhile(unsigned asked, std::uint64_t points);
 
 // Before the frame is drawn: sets Frame::again and, for it, Frame::offset. `resting`: the picture is that of the frame

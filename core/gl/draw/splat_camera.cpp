@@ -16,7 +16,7 @@ Vec3d product(const Matrix3& m, const Vec3d& v)
             m[2] * v[0] + m[5] * v[1] + m[8] * v[2]};
 }
 
-// Of an invertible matrix; scaled, so that the determinant does not underflow for small units.
+// Inverse of an invertible matrix; scaled, so that the determinant does not underflow for small units.
 Matrix3 inverse(Matrix3 m)
 {
     double largest = 0;

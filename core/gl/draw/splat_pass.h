@@ -40,7 +40,7 @@
 // Splats of any size are drawn correctly: a chunk that may hold one beyond the driver's largest point is drawn as
 // quads. The visible part of a splat that is not constant does not depend on whether its centre is in the view.
 //
-// Of a chunk that is partly in view only those groups of points are drawn whose boxes are in view, and as quads only
+// In a chunk that is partly in view only those groups of points are drawn whose boxes are in view, and as quads only
 // where splats may be too large for points (gl/draw/splat_sieve.h); the picture is the same.
 //
 // Projections are perspective, off-axis too, or orthographic; a shear between x and y in them is ignored. The depth
@@ -69,7 +69,7 @@ inline constexpr float radius_of_paraboloid = 1.25f;
 struct ShownPoints {
     const ViewClips* clips = nullptr;  // outlives the drawing; those that shaders test count
     std::array<float, 3> selected_colour{};
-    std::uint32_t frame = 0;  // of a mean (gl/draw/smoothing.h); 0: the picture itself
+    std::uint32_t frame = 0;  // frame of a mean (gl/draw/smoothing.h); 0: the picture itself
 };
 
 class SplatPass {
@@ -83,7 +83,7 @@ public:
 
     // `view` includes the cloud's placement, view.origin is the cloud's local origin; a view that Frustum::of() refuses
     // draws nothing. `reversed`: depth runs from 1 (near) to 0 (far), the clip volume is 0 <= z <= w (glClipControl)
-    // and the clear value 0; otherwise OpenGL's defaults. `samples`: of the framebuffer, 1 or 0 for none. The context's
+    // and the clear value 0; otherwise OpenGL's defaults. `samples`: the framebuffer's, 1 or 0 for none. The context's
     // viewport is used; its size is the view's. Changes viewport and scissor until end(), and lastingly the state that
     // GlStateGuard restores. Throws Error(unsupported) when the driver cannot compile a program, as does draw().
     // `values` are those that the style's ramp shows. `paraboloids`: adaptive splats are these.

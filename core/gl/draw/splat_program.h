@@ -26,7 +26,7 @@ struct SplatPermutation {
     bool quads = false;  // instanced strips of four vertices in place of points
     unsigned samples = 1;
     bool doubles = false;
-    bool paraboloid = false;  // of the mode adaptive
+    bool paraboloid = false;  // for the mode adaptive
     bool clips = false;
     bool selected = false;  // some points of the chunk are
 
@@ -41,7 +41,7 @@ struct SplatView {
     CloudStyle style;
     std::array<int, 4> viewport{};  // x, y, width, height
     int guard = 0;                  // pixels by which the clip volume is extended on each side, for SplatShape::sphere
-    float largest_point = 1;        // of the driver, pixels
+    float largest_point = 1;        // driver's limit, pixels
     ShownValues values;
     const ViewClips* clips = nullptr;  // none: nothing is clipped
     std::array<float, 3> selected_colour{};

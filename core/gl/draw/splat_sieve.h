@@ -22,7 +22,7 @@ struct SplatPart {
 
 class SplatSieve {
 public:
-    // `largest_point`: of the driver, pixels; `guard`: by how many pixels the clip volume can be extended on each side.
+    // `largest_point`: driver's limit, pixels; `guard`: pixels by which the clip volume can be extended on each side.
     SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard);
 
     // Sorts a chunk's points; `box` encloses their positions, relative to the view's origin. Adds their places to
@@ -38,7 +38,7 @@ private:
     bool needs_quads(SplatShape shape, const Box3d& box, float largest_radius, const ChunkLook& look) const;
     double reach(SplatShape shape, float largest_radius, const ChunkLook& look) const;
     double depth_of(const Vec3d& place) const { return -camera_.eye_of(place)[2]; }
-    double depth_range(const Box3d& box) const;  // of its points, relative to its centre's depth
+    double depth_range(const Box3d& box) const;  // depths of its points, relative to its centre's depth
     SplatPart part_of(const Box3d& box, std::uint32_t points) const;
     SplatPart part_in_view(const Box3d& box, std::uint32_t points) const;
 

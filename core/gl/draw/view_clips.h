@@ -20,8 +20,8 @@ namespace pcm {
 struct ClipUniforms {
     static constexpr std::size_t most_planes = 24, most_clips = 4;
     std::array<std::array<float, 4>, most_planes> planes{};  // normal and offset, relative to a chunk's reference
-    std::array<int, most_clips> ends{};                      // of each clip's planes
-    int count = 0;                                           // of clips
+    std::array<int, most_clips> ends{};                      // end of each clip's planes
+    int count = 0;                                           // number of clips
     int outside = 0;                                         // a bit for each clip
 };
 
@@ -44,7 +44,7 @@ public:
 
 private:
     std::vector<Clip> all_, by_plane_, by_point_;
-    std::vector<std::vector<Region::Plane>> planes_;  // of those by plane
+    std::vector<std::vector<Region::Plane>> planes_;  // planes of those by plane
     std::string text_;
 };
 

@@ -167,7 +167,7 @@ bool L1Cache::add_block()
     glBindBuffer(GL_COPY_WRITE_BUFFER, buffer);
     glBufferData(GL_COPY_WRITE_BUFFER, options_.block_bytes, nullptr, GL_STATIC_DRAW);
     if (glGetError() == GL_OUT_OF_MEMORY) {
-        // The driver has less memory than the capacity: the blocks so far are all.
+        // The driver has less memory than the capacity: no more blocks are made.
         glDeleteBuffers(1, &buffer);
         max_blocks_ = blocks_.size();
         return false;

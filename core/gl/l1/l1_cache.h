@@ -6,7 +6,7 @@
 //
 // An entry holds a chunk either as vertices to be drawn (upload()) or as columns to compute on (upload_columns()).
 // Changed columns are marked as written. Before such an entry is evicted, and on flush() and release(), they are read
-// back and given to the owner's L1WriteBack. When that refuses, the entry stays as it is.
+// back and given to the owner's L1WriteBack. When that refuses, the entry is not changed.
 //
 // One cache serves all clouds that are drawn in one OpenGL share group. GL thread only: every member but statistics()
 // and the constructor needs a current context of that group, unless it says otherwise. No GL object is made before the
@@ -33,7 +33,7 @@ namespace pcm {
 
 struct L1Options {
     std::uint64_t capacity_bytes = std::uint64_t(512) << 20;  // hard limit of all blocks together; at least one block
-    std::uint32_t block_bytes = std::uint32_t(2) << 20;       // of one VBO; 1 to 4 MiB
+    std::uint32_t block_bytes = std::uint32_t(2) << 20;       // size of one VBO; 1 to 4 MiB
     L1Policy policy = L1Policy::lru;
     L1Container container = L1Container::hash_map;
 };
@@ -50,15 +50,15 @@ struct L1Statistics {
     std::uint64_t refused = 0;  // uploads for which no room could be made
     std::uint64_t uploaded_bytes = 0;
     double upload_seconds = 0;  // conversion and transfer, on the GL thread
-    LoadTimes upload_times;     // of a chunk
+    LoadTimes upload_times;     // times of a chunk's upload
     std::uint64_t written_back_chunks = 0;
     std::uint64_t written_back_bytes = 0;
     std::uint64_t failed_write_backs = 0;
     double write_back_seconds = 0;     // reading out of video memory and passing on
-    LoadTimes write_back_times;        // of a chunk
-    std::uint64_t resident_bytes = 0;  // of the pages in use
+    LoadTimes write_back_times;        // times of a chunk's write-back
+    std::uint64_t resident_bytes = 0;  // size of the pages in use
     std::uint64_t resident_chunks = 0;
-    std::uint64_t allocated_bytes = 0;  // of the blocks; never above the capacity
+    std::uint64_t allocated_bytes = 0;  // size of the blocks; never above the capacity
 };
 
 // Vertices in consecutive pages of one block.
@@ -73,16 +73,16 @@ struct VertexEntry {
     std::uint32_t points = 0;
     std::uint32_t hidden = 0;     // points of the chunk that were not uploaded
     std::uint64_t selection = 0;  // VertexAttributes::selection; not 0: x of selected points has a minus sign
-    Vec3i origin{};               // of the chunk, grid coordinates
-    Vec3d extent{};               // of the chunk, source units
-    float largest_radius = 0;     // of its points, source units; of a format with radii
-    float typical_radius = 0;     // root mean square of them
+    Vec3i origin{};               // origin of the chunk, grid coordinates
+    Vec3d extent{};               // extent of the chunk, source units
+    float largest_radius = 0;     // largest radius of its points, source units; for a format with radii
+    float typical_radius = 0;     // root mean square of the radii
     std::vector<VertexRange> ranges;
     std::vector<VertexGroup> groups;
     std::uint32_t stride() const { return format.stride(); }
 };
 
-// The attributes of the format beside positions; others may be null.
+// The attributes of the format in addition to positions; others may be null.
 struct VertexAttributes {
     const std::uint8_t* colours = nullptr;  // 4 bytes per point: RGBA, or a float where is_value() of the source
     const float* radii = nullptr;           // 1 per point
@@ -110,9 +110,9 @@ struct ColumnPiece {
 
 struct ColumnEntry {
     std::uint32_t points = 0;
-    Vec3i origin{};                      // of the chunk, grid coordinates
-    std::vector<std::uint32_t> strides;  // of each column, bytes per point
-    std::vector<bool> written;           // which columns are marked
+    Vec3i origin{};                      // origin of the chunk, grid coordinates
+    std::vector<std::uint32_t> strides;  // bytes per point of each column
+    std::vector<bool> written;           // columns that are marked
     std::vector<ColumnPiece> pieces;     // all points, in order
 };
 
@@ -161,7 +161,7 @@ public:
     // pages per MiB.
     static constexpr std::uint32_t page_bytes = 61440;
     static std::uint32_t points_per_page(const VertexFormat& format) { return page_bytes / format.stride(); }
-    static constexpr std::uint32_t max_stride = page_bytes / 256;  // of a column
+    static constexpr std::uint32_t max_stride = page_bytes / 256;  // limit for a column
 
     // Throws Error(invalid_argument) for a block size out of range or a capacity below one block.
     explicit L1Cache(const L1Options& options = {});
@@ -203,7 +203,7 @@ public:
     // Error(unsupported) for a column of more than max_stride bytes per point.
     const ColumnEntry* upload_columns(Owner owner, NodeId node, std::uint32_t points, const Vec3i& origin,
                                       const std::vector<ColumnSource>& columns, bool forced);
-    static std::uint64_t pages_of(std::uint32_t stride, std::uint64_t points);  // of a column
+    static std::uint64_t pages_of(std::uint32_t stride, std::uint64_t points);  // pages of a column
 
     // A column as it is in video memory. Throws Error(invalid_argument) when it is not resident, Error(io) when OpenGL
     // fails.

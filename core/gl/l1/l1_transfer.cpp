@@ -88,7 +88,7 @@ void L1Cache::transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pag
         std::uint32_t buffer;
         std::uint64_t offset;
     };
-    std::vector<std::vector<Run>> runs(columns.size());  // of each column, contiguous in a buffer
+    std::vector<std::vector<Run>> runs(columns.size());  // for each column, contiguous in a buffer
     std::vector<std::size_t> borders{0, entry.points};
     auto page = pages.begin();
     for (std::size_t k = 0; k < columns.size(); ++k) {

@@ -1,4 +1,4 @@
-// How one chunk looks in one frame, beside the style of its cloud. No OpenGL here.
+// How one chunk looks in one frame, in addition to the style of its cloud. No OpenGL here.
 #pragma once
 
 namespace pcm {

@@ -18,8 +18,8 @@ enum class SplatMode : std::uint8_t {
     adaptive,     // a square as large as a sphere of the point's radius appears
     affine,       // the point's disc, projected as if the view were parallel around its centre
     perspective,  // the disc itself: each fragment's ray is intersected with its plane, depth included
-    fitted,  // by the point's surroundings (view/point_shapes.h): a disc in the surface, thin along a line, small and
-             // round among leaves
+    fitted,       // set by the surroundings (view/point_shapes.h): a disc in the surface, thin along a line, small and
+                  // round among leaves
 };
 
 // What bounds a splat on the screen. Culling, the largest size of GL_POINTS and the estimate of a frame's cost follow
@@ -38,7 +38,7 @@ struct SplatTraits {
     const char* description;  // for tooltips, after "What a point is drawn as: "
     bool reads_radius;        // or the size
     bool reads_normal;
-    bool reads_shape;  // of the points' surroundings
+    bool reads_shape;  // uses the shapes of the points' surroundings
     SplatShape shape;
     const char* define;     // the shaders' permutation; empty for none
     bool has_doubles;       // the shaders have a permutation DOUBLE of it

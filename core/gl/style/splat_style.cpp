@@ -88,7 +88,7 @@ CloudStyle usable_style(const CloudStyle& asked, const Schema& schema, std::stri
         if (style.colour == asked.colour || style.colour != ColourMode::classification)
             reasons += (reasons.empty() ? "" : ", ") + (is_absent ? absent_text(style, schema) : blank_text(style));
         style.colour = traits.when_absent;
-        if (has_range(asked.colour)) style.range.reset();  // of another quantity
+        if (has_range(asked.colour)) style.range.reset();  // the range was another quantity's
     }
 }
 

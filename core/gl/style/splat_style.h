@@ -23,8 +23,8 @@ struct CloudStyle {
     std::array<float, 3> uniform_colour{0.75f, 0.75f, 0.75f};
     std::string attribute;  // for ColourMode::attribute, as place_of() reads it: "gps_time", "rgb[0]"
     ColourRamp ramp = ColourRamp::automatic;
-    // Of ColourMode::rgb, for scans whose colours are dark: a colour, from 0 to 1, is shown as (colour * brightness) ^
-    // (1 / gamma). 1: as it is in the cloud.
+    // For ColourMode::rgb and scans whose colours are dark: a colour, from 0 to 1, is shown as (colour * brightness) ^
+    // (1 / gamma). 1: as in the cloud.
     float brightness = 1, gamma = 1;
     // For modes that has_range(), or what is shown in place of others: the values at the ramp's ends. Absent: found in
     // a sample of the cloud.

@@ -52,7 +52,7 @@ private:
     unsigned threads_;
     std::filesystem::path path_;
     BpcFileWriter file_;
-    PointBatch pending_;      // of chunk_points_ points
+    PointBatch pending_;      // room for chunk_points_ points
     std::size_t filled_ = 0;  // points in it
     TaskPool pool_;
     std::deque<Pending<std::vector<std::byte>>> encoding_;  // chunks in order, with more than one thread

@@ -12,7 +12,7 @@
 namespace pcm {
 namespace {
 
-// A longer text is no name: a definition for PROJ, a description.
+// A longer text is not a name: a definition for PROJ, a description.
 constexpr std::size_t longest_name = 200;
 constexpr std::string_view e57_key = "e57.coordinateMetadata";
 

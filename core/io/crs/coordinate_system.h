@@ -20,10 +20,10 @@ struct CrsUnit {
     bool is_known() const { return per_unit > 0; }
 };
 
-// Of positions (x and y; or all three axes of a geocentric system), or of heights.
+// The system of positions (x and y; or all three axes of a geocentric system), or of heights.
 struct CrsPart {
     std::string name;
-    std::string authority;  // of the code, upper case: "EPSG", "ESRI"
+    std::string authority;  // authority of the code, upper case: "EPSG", "ESRI"
     unsigned code = 0;      // 0: not stated, or defined by the user
     CrsUnit unit;
     bool is_known() const { return code || !name.empty() || unit.is_known(); }
@@ -36,7 +36,7 @@ struct CoordinateSystem {
     CrsKind kind = CrsKind::unknown;
     CrsPart horizontal;
     CrsPart vertical;    // nothing known in a system without heights
-    std::string name;    // of a compound system; else that of `horizontal`; may be empty
+    std::string name;    // name of a compound system; else that of `horizontal`; may be empty
     std::string source;  // "GeoTIFF keys", "WKT", "E57 coordinate metadata", "comment"
     std::string wkt;     // where it is given as WKT
 };

@@ -143,7 +143,7 @@ double number_of(const std::string& text)
     return error == std::errc() && end == text.data() + text.size() ? value : 0;
 }
 
-// Of the node itself, else of its axes.
+// The unit of the node itself, else of its axes.
 CrsUnit unit_of(const Node& node, bool angular)
 {
     const auto read = [&](const Node& unit) {

@@ -9,7 +9,7 @@
 namespace pcm {
 
 // Name, code, kind and units of a projected, geographic, geocentric, local or compound system; of a bound system those
-// of its source. Nothing for text that is no WKT of a coordinate system.
+// of its source. Nothing for text that is not WKT of a coordinate system.
 std::optional<CoordinateSystem> decode_wkt(std::string_view text);
 
 // The text without blanks outside of quotes, keywords in upper case: equal for texts that differ only in layout.

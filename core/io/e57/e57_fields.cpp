@@ -26,11 +26,11 @@ std::string snake_case(std::string_view name)
     return text;
 }
 
-// What is known so far about the values of an attribute.
+// Facts found so far about the values of an attribute.
 struct Kind {
     enum class Number { integer, f32, f64 } number = Number::f64;
-    std::int64_t min = 0, max = 0;  // of integers
-    double scale = 1, offset = 0;   // of integers
+    std::int64_t min = 0, max = 0;  // range of integers
+    double scale = 1, offset = 0;   // scaling of integers
 };
 
 Kind kind_of(const E57Field& field)
@@ -146,8 +146,8 @@ private:
     const std::vector<E57Scan>& scans_;
     E57Plan plan_;
     std::vector<Merged> merged_;
-    std::map<std::string, std::size_t> merged_of_;       // by name
-    std::map<std::string, int> component_numbers_;       // of the current scan: the next number to try for a free name
+    std::map<std::string, std::size_t> merged_of_;       // keyed by name
+    std::map<std::string, int> component_numbers_;       // for the current scan: the next number to try for a free name
     std::vector<std::pair<std::size_t, Trio>> colours_;  // scan and fields
     std::size_t rgb_place_ = 0;                          // position among the attributes
 };

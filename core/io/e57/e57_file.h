@@ -37,7 +37,7 @@ struct E57Scan {
     std::array<double, 4> rotation{1, 0, 0, 0};  // w x y z, as stored in the file
     Vec3d translation{0, 0, 0};
     std::optional<Box3d> box;            // before the pose
-    std::optional<double> colour_limit;  // largest of the maxima of the colours
+    std::optional<double> colour_limit;  // the highest maximum of the colours
 
     // The index of a field of the standard.
     std::optional<std::size_t> find(std::string_view field) const;

@@ -41,7 +41,7 @@ private:
     std::vector<Stream> streams_;
     std::size_t prepared_ = 0;
     std::uint64_t next_packet_ = 0;  // logical
-    std::uint64_t end_ = 0;          // of the section, logical
+    std::uint64_t end_ = 0;          // end of the section, logical
     std::uint64_t points_ = 0;       // up to the end of the prepared values
 };
 

@@ -80,7 +80,7 @@ private:
     std::uint64_t scan_read_ = 0;
     std::optional<E57Packets> packets_;
     std::vector<std::size_t> missing_;  // attributes without a field in it
-    std::vector<Pose> poses_;           // of all scans
+    std::vector<Pose> poses_;           // poses of all scans
     std::vector<Numbers> numbers_;
     std::vector<std::uint32_t> valid_;     // indices of the current points with a position
     std::vector<std::uint8_t> spherical_;  // for each of these, whether the position is spherical

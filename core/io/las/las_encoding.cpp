@@ -47,7 +47,7 @@ std::optional<Vlr> crs_vlr(const FileInfo& cloud, const std::vector<Vlr>& vlrs, 
         return {};
     const auto system = coordinate_system_of(cloud.metadata);
     const bool of_las = std::any_of(cloud.metadata.begin(), cloud.metadata.end(), [](const Metadata& block) {
-        return is_crs_block(block) && from_metadata(block);  // of a user id of its own, which is copied
+        return is_crs_block(block) && from_metadata(block);  // a record of LAS, which is copied
     });
     if (!system || of_las) return {};
     if (system->wkt.empty()) {

@@ -20,7 +20,7 @@ unsigned encoding_of(unsigned encoding, const FileInfo& cloud, const std::vector
 double gps_time_shift(const FileInfo& cloud);
 
 // The record for a coordinate system that no record of `vlrs` and `evlrs` states: of E57, or of a comment. Nothing when
-// there is none, and when it has no WKT; `notes` says so then.
+// there is none, and when it has no WKT; `notes` reports that.
 std::optional<Vlr> crs_vlr(const FileInfo& cloud, const std::vector<Vlr>& vlrs, const std::vector<Vlr>& evlrs,
                            std::vector<std::string>& notes);
 

@@ -86,7 +86,7 @@ struct Descriptor {
 
     std::size_t bytes() const { return size_of(type) * components; }
     // An attribute has a single scale and offset for all components.
-    bool alike() const
+    bool has_one_scale() const
     {
         for (std::size_t c = 1; !plain && c < components; ++c)
             if (scale[c] != scale[0] || offset[c] != offset[0]) return false;
@@ -242,7 +242,7 @@ std::string ExtraBytesPlan::plan_described(const std::vector<std::byte>& bytes)
     for (std::size_t i = 0; i < list.size();) {
         const Descriptor& d = list[i];
         const std::size_t group = group_at(list, i);
-        const std::size_t pieces = d.alike() ? 1 : d.components;
+        const std::size_t pieces = d.has_one_scale() ? 1 : d.components;
         if (result_.schema.size() + pieces >= max_attributes) return "more attributes than can be kept";
         for (std::size_t piece = 0; piece < pieces; ++piece) {
             Attribute attribute;

@@ -14,7 +14,7 @@ namespace pcm::las {
 // Whole bytes of a record, or bits of one byte.
 struct Field {
     std::size_t offset = 0;
-    std::size_t bytes = 0;  // of all components
+    std::size_t bytes = 0;  // size of all components
     unsigned shift = 0;
     unsigned mask = 0;  // not 0: one byte, (byte >> shift) & mask
 };

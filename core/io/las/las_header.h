@@ -38,7 +38,7 @@ struct Vlr {
     std::string description;
     bool extended = false;
     std::vector<std::byte> value;
-    std::uint64_t offset = 0;  // of the value in its file
+    std::uint64_t offset = 0;  // offset of the value in its file
 };
 
 // VLRs, then EVLRs, in file order. A damaged one ends the list and is noted. VLRs beyond 64 MB in total are noted and

@@ -55,7 +55,7 @@ std::optional<unsigned> source_format(const FileInfo& cloud)
     return format;
 }
 
-// Fields of formats 6 to 10 alone: a cloud that has them beside the fields of an older format comes from several files.
+// Fields of formats 6 to 10 only: a cloud that has them next to the fields of an older format comes from several files.
 bool has_extended_fields(const Schema& schema)
 {
     return schema.find("scanner_channel") || schema.find("overlap") || schema.find("scan_angle");

@@ -30,15 +30,15 @@ inline bool is_float(ScalarType type) { return type == ScalarType::f32 || type =
 
 struct Target {
     unsigned format = 0;
-    unsigned minor = 2;  // of the version
+    unsigned minor = 2;  // minor version number
     bool minor_is_asked = false;
 };
 
 // The format and version of the source, if the cloud still has all fields of that format, its values fit them, and
-// options.las_version allows it. Otherwise, of the formats that are allowed, the one that stores the most attributes
-// exactly in its fields; among those the one with fields of the same names for the most other attributes; among those
-// the smallest; and the version asked for, or the lowest that has this format: at least the source's, or 1.2. Throws
-// Error(invalid_argument) for a version beyond 1.4.
+// options.las_version allows it. Otherwise, of the allowed formats, the one that stores the maximum number of
+// attributes exactly in its fields; among those the one whose field names match the maximum number of others; among
+// those the smallest; and the version asked for, or the lowest that has this format: at least the source's, or 1.2.
+// Throws Error(invalid_argument) for a version beyond 1.4.
 Target choose_target(const std::filesystem::path& path, const FileInfo& cloud, const WriteOptions& options);
 
 // What choose_target() and plan_writing() want to know: see Format::questions.

@@ -217,7 +217,7 @@ private:
                std::none_of(cloud_.schema.begin(), cloud_.schema.end(), is_taken);
     }
 
-    // Of the exact copy of a field.
+    // Whether it is the name of the exact copy of a field.
     bool is_exact_name(const std::string& name) const
     {
         return std::any_of(native_.schema.begin(), native_.schema.end(),

@@ -15,7 +15,7 @@ namespace pcm::las {
 struct WriteColumn {
     std::size_t attribute = 0;  // in the cloud's schema
     Conversion conversion = Conversion::none;
-    ScalarType type = ScalarType::u8;  // of the field
+    ScalarType type = ScalarType::u8;  // type of the field
     double factor = 1, addend = 0;     // rounded: the field holds raw * factor + addend
     Field field;
 };

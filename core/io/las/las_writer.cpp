@@ -30,7 +30,7 @@ namespace at = las::header;
 
 constexpr std::size_t most_vlr_bytes = 65535;
 constexpr std::uint64_t most_points_before_1_4 = std::numeric_limits<std::uint32_t>::max();
-// Of LAS 1.0: before a VLR and before the points.
+// Signatures of LAS 1.0: before a VLR and before the points.
 constexpr std::uint16_t vlr_signature = 0xAABB;
 constexpr std::array<std::uint8_t, 2> start_of_points{0xDD, 0xCC};
 
@@ -106,7 +106,7 @@ private:
     bool copies_positions_;
     bool compressed_;
     las::WritePlan plan_;
-    unsigned minor_;  // of the version
+    unsigned minor_;  // minor version number
     std::vector<std::byte> laszip_vlr_;
     std::vector<std::string> notes_;
     std::vector<std::uint64_t> cut_;  // number of values, by column
@@ -117,7 +117,7 @@ private:
     std::unique_ptr<las::RecordSink> sink_;  // uses out_
 
     std::uint64_t points_ = 0, not_finite_ = 0;
-    std::array<std::uint64_t, 16> returns_{};  // by return number
+    std::array<std::uint64_t, 16> returns_{};  // number of points by return number
     Box3i box_;
     double error_ = 0;
     bool finished_ = false;

@@ -9,11 +9,11 @@ namespace pcm {
 // A cloud from open_las() is written so that it reads back the same: positions, attributes with their types and names,
 // grid, VLRs and EVLRs, and the header's version, file source id, GPS time type, GUID, system identifier, generating
 // software and date. The point format is that of the source if the cloud still has its fields; otherwise the one with
-// fields for the most attributes, and the smallest among those. Every other attribute becomes extra bytes, which
-// readers take from any version; "normal" x 3 those of the names NormalX, NormalY and NormalZ, as other programs have
-// it. The version is options.las_version, or the source's, or the lowest from 1.2 on that has the point format; 1.4
-// where there are extended VLRs, a coordinate system in WKT or more than 4,294,967,295 points. What a version asked for
-// has no room for is named in notes(), or an error.
+// fields for the maximum number of attributes, and the smallest among those. Every other attribute becomes extra bytes,
+// which readers take from any version; "normal" x 3 those of the names NormalX, NormalY and NormalZ, as other programs
+// have it. The version is options.las_version, or the source's, or the lowest from 1.2 on that has the point format;
+// 1.4 where there are extended VLRs, a coordinate system in WKT or more than 4,294,967,295 points. What a version asked
+// for has no room for is named in notes(), or an error.
 //
 // Where a field has the name of an attribute but another type (float intensity, float colours) or too few bits (classes
 // above 31), the attribute becomes extra bytes NAME_exact, from which open_las() restores it, and the field holds it

@@ -218,7 +218,7 @@ private:
     unsigned thread_count_;
     std::uint64_t table_pointer_at_ = 0;
     std::size_t filled_ = 0;                  // records in the chunk that is being filled
-    std::vector<std::uint64_t> chunk_bytes_;  // of the written ones
+    std::vector<std::uint64_t> chunk_bytes_;  // sizes of the written ones
     std::uint64_t written_ = 0;
     std::mutex mutex_;
     std::condition_variable wake_;

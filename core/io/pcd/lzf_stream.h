@@ -36,7 +36,7 @@ private:
     std::uint64_t position() const { return next_byte_ - (in_end_ - in_at_); }  // in the file
 
     const File* file_;
-    std::uint64_t next_byte_;  // of the file, not yet in in_
+    std::uint64_t next_byte_;  // offset in the file of the first byte not yet in in_
     std::uint64_t end_;
     std::vector<std::byte> in_;
     std::size_t in_at_ = 0, in_end_ = 0;  // the unread part of in_

@@ -32,9 +32,9 @@ struct PcdHeader {
     std::vector<std::string> comments;  // only those that begin with "pcm"
     std::vector<std::string> notes;
     std::uint64_t bytes = 0;  // offset of the data
-    std::uint64_t lines = 0;  // of the header
+    std::uint64_t lines = 0;  // number of lines of the header
 
-    std::uint64_t record_bytes() const;  // of a point, including padding; at most most_pcd_record_bytes
+    std::uint64_t record_bytes() const;  // size of a point, including padding; at most most_pcd_record_bytes
     std::uint64_t numbers() const;       // numbers of a point in ascii
 };
 

@@ -25,7 +25,7 @@ struct PcdTarget {
     std::optional<std::size_t> alpha;  // packed_colour: this attribute's
     unsigned step = 0;                 // packed_colour: not 0: the attribute has 16 bits, steps of this
     ScalarType type = ScalarType::f32;
-    std::size_t bytes = 0;   // of a point
+    std::size_t bytes = 0;   // size in a point
     std::size_t offset = 0;  // in a record
 };
 

@@ -125,7 +125,7 @@ private:
     std::uint64_t next_ = 0;
     bool started_ = false;
     std::optional<LineStream> lines_;
-    std::vector<LzfStream> columns_;  // of the fields with a target
+    std::vector<LzfStream> columns_;  // streams of the fields with a target
     std::vector<std::byte> buffer_;
 };
 
@@ -317,7 +317,7 @@ bool PcdReader::read(PointBatch& batch, std::size_t max_points)
     const auto count = static_cast<std::size_t>(
         std::min<std::uint64_t>(info_.points - next_, std::min(std::max<std::size_t>(max_points, 1), batch_points_)));
     shape_batch(batch, info_.schema, false, count);
-    if (count == 0 && lines_) note_rest();  // of a file that promises no points
+    if (count == 0 && lines_) note_rest();  // the file promises no points
     if (count == 0) return false;
     if (header_.encoding == PcdHeader::Encoding::compressed)
         read_columns(batch, count);

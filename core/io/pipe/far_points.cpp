@@ -71,7 +71,7 @@ double FarPoints::mean_spacing(const Box3d& box, std::uint64_t points)
 std::optional<FarPoints::Finding> FarPoints::find(const Steps& steps) const
 {
     std::vector<const Group*> groups;  // from the origin outwards
-    std::vector<Union> inner;          // of a group and those before it
+    std::vector<Union> inner;          // each group together with those before it
     for (const auto& [exponent, group] : groups_) {
         groups.push_back(&group);
         Union sum = inner.empty() ? Union() : inner.back();

@@ -23,15 +23,15 @@ public:
     void watch(const PointBatch& batch);
     void watch(const Vec3d& p);
 
-    const Box3d& box() const { return box_; }  // of all points
+    const Box3d& box() const { return box_; }  // box of all points
     std::uint64_t points() const { return watched_; }
     // The power of two above the largest coordinates of most points; 0 without points.
     double usual_magnitude() const;
 
     struct Finding {
-        std::uint64_t points = 0;  // that are too far away
+        std::uint64_t points = 0;  // number of points that are too far away
         Vec3d first{};             // the first of them that was watched
-        double step = 0;           // of a grid that reaches them, source units
+        double step = 0;           // step of a grid that reaches them, source units
         double spacing = 0;        // about the distance between neighbours among the other points
         double limit = 0;          // all other points have their coordinates within -limit and limit
     };
@@ -41,9 +41,9 @@ public:
 
     // Leaves out the farthest points until steps are no wider than a quarter of the distance between the neighbours of
     // any group of points near the origin. That distance is taken to be the diagonal of the group's box over the square
-    // root of its number, as for points on a surface. Points are left out only if they are few beside the others or lie
-    // on a few places, as no-data values do; else it is the group at the origin that is odd, such as rounding errors
-    // around 0. Absent when nothing is to be left out.
+    // root of its number, as for points on a surface. Points are left out only if they are few relative to the others
+    // or lie on a few places, as no-data values do; else it is the group at the origin that is odd, such as rounding
+    // errors around 0. Absent when nothing is to be left out.
     std::optional<Finding> find(const Steps& steps) const;
 
     // Throws Error(invalid_argument) with counts, an example and the way out when there are such points. `what` is
@@ -73,7 +73,7 @@ private:
         void add(const Group& group);
     };
 
-    std::map<int, Group> groups_;  // by the exponent of the largest coordinate
+    std::map<int, Group> groups_;  // keyed by the exponent of the largest coordinate
     Group* last_ = nullptr;        // the group of the point before
     int last_exponent_ = 0;
     Box3d box_;

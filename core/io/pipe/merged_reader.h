@@ -27,8 +27,8 @@ namespace pcm {
 // be ignored. Metadata are the union without duplicates, but the records of the coordinate system are those of the
 // first file that states one.
 //
-// ReadOptions::skip_bad_files: inputs that cannot be listed or opened are left out before anything is read. Of a file
-// that fails while it is read the batches before the fault are kept. Notes name the first of both, info().skipped
+// ReadOptions::skip_bad_files: inputs that cannot be listed or opened are left out before anything is read. From a file
+// that fails while it is read, the batches before the fault are kept. Notes name the first of both, info().skipped
 // counts them; those that failed while they were read are complete at the end of the cloud.
 //
 // One file is open at a time: a survey may have more tiles than a process may open. The constructor opens each file
@@ -44,7 +44,7 @@ public:
     // What is known of inputs before they are opened.
     struct Inputs {
         std::vector<Source> sources;
-        std::vector<std::string> notes;  // of folders
+        std::vector<std::string> notes;  // notes about folders
         bool skip_bad_files = false;
         bool ignore_crs = false;
         std::vector<Error> left_out;  // with skip_bad_files: inputs that are not there
@@ -79,7 +79,7 @@ private:
         double weight = 1;      // its share of the work, in bytes
         std::size_t shape = 0;  // in shapes_
         std::optional<Grid> grid;
-        std::size_t notes = 0;  // of its header
+        std::size_t notes = 0;  // number of notes about its header
         std::string format;
         ScalarType position_type = ScalarType::f64;
         bool points_known = true;
@@ -114,7 +114,7 @@ private:
     std::vector<Part> parts_;
     std::vector<Shape> shapes_;
     double total_weight_ = 0;
-    double weight_before_ = 0;  // of the parts that have been read completely
+    double weight_before_ = 0;  // weight of the parts that have been read completely
     std::uint64_t metadata_bytes_ = 0;
 
     std::size_t current_ = 0;
@@ -124,7 +124,7 @@ private:
     std::uint64_t lines_before_ = 0;  // skipped in the parts that have been read completely
     std::size_t parts_with_bad_lines_ = 0;
     PointBatch part_batch_;
-    std::vector<std::string> faults_;  // of the files that failed while they were read
+    std::vector<std::string> faults_;  // faults of the files that failed while they were read
     bool finished_ = false;
 };
 

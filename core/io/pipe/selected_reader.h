@@ -24,7 +24,7 @@ public:
     void seek(std::uint64_t index) override;
     double fraction_read() const override { return cloud_->fraction_read(); }
 
-    std::uint64_t points_seen() const { return seen_; }  // of the other cloud, so far
+    std::uint64_t points_seen() const { return seen_; }  // points of the other cloud so far
 
 private:
     void pass(const PointBatch& batch);

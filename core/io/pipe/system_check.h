@@ -27,7 +27,7 @@ public:
     bool gives_the_system() const { return gives_the_system_; }
     // ... and whether it states no system.
     bool is_without_system() const { return without_; }
-    // Of all clouds so far.
+    // The system of all clouds so far.
     const std::optional<CoordinateSystem>& system() const { return system_; }
 
 private:
@@ -38,7 +38,7 @@ private:
 
     const bool ignore_;
     std::optional<CoordinateSystem> system_;
-    std::vector<Metadata> blocks_;  // of system_, for a fast comparison
+    std::vector<Metadata> blocks_;  // metadata of system_, for a fast comparison
     std::filesystem::path system_of_;
     std::optional<GpsTime> time_;
     std::filesystem::path time_of_;

@@ -41,7 +41,7 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
 {
     const auto& m = map_.linear;
     const double determinant = map_.determinant();
-    double volume = 1;  // of a box with the rows' lengths
+    double volume = 1;  // volume of a box with the rows' lengths
     bool finite = std::isfinite(determinant), stretches = true;
     for (std::size_t i = 0; i < 3; ++i) {
         volume *= length(m[i]);

@@ -14,8 +14,8 @@ namespace pcm {
 // Where the map only scales and shifts along the axes, gridded points keep their integers and get another grid;
 // otherwise positions become doubles. An attribute `normal` of three floats is transformed by the inverse transpose, as
 // planes are, and keeps its length; lengths (cloud/attribute_length.h) grow with
-// the cube root of the volume, areas with its square, and so on. Metadata stay as they are; a note
-// says so where they state a coordinate system. One thread, as for the source.
+// the cube root of the volume, areas with its square, and so on. Metadata are kept; a note
+// reports that where they state a coordinate system. One thread, as for the source.
 class TransformedReader final : public PointReader {
 public:
     // Throws Error(invalid_argument) for a map that is not finite or flattens space.

@@ -36,7 +36,7 @@ struct PlyHeader {
     std::vector<PlyElement> elements;
     std::vector<std::string> comments;  // only those that begin with "pcm"
     std::uint64_t bytes = 0;            // offset of the data
-    std::uint64_t lines = 0;            // of the header
+    std::uint64_t lines = 0;            // number of lines of the header
     bool ends_lines_with_cr = false;    // CR alone, as in old Macintosh files
 };
 

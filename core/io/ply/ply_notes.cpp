@@ -40,7 +40,7 @@ std::optional<std::string> surplus_bytes(const PlyHeader& header, std::size_t ve
         const PlyElement& element = header.elements[i];
         if (element.count == 0) continue;
         const std::uint64_t bytes = element.least_bytes();
-        // Truncated elements are no concern of the points.
+        // Truncated elements do not affect the points.
         if (element.has_lists() || (bytes && element.count > left / bytes)) return std::nullopt;
         left -= element.count * bytes;
     }

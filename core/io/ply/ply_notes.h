@@ -1,4 +1,4 @@
-// What a PLY file is and holds beside the points that its header promises, for people.
+// What a PLY file is and holds in addition to the points that its header promises, for people.
 #pragma once
 
 #include "pcm/io/ply/ply_header.h"

@@ -113,7 +113,7 @@ std::size_t Planner::property_named(const std::string& name) const
     return static_cast<std::size_t>(std::find_if(properties.begin(), properties.end(), has_name) - properties.begin());
 }
 
-// Scalars that are no coordinates and belong to nothing yet.
+// Scalars that are not coordinates and belong to nothing yet.
 bool Planner::are_free(std::size_t first, std::uint64_t count) const
 {
     const std::vector<PlyProperty>& properties = vertices().properties;

@@ -28,8 +28,8 @@ struct PlyTarget {
 
 struct PlyPlan {
     std::size_t vertex_element = 0;
-    std::vector<PlyTarget> targets;  // of the scalar properties of a vertex, in file order
-    std::size_t record_bytes = 0;    // of all targets
+    std::vector<PlyTarget> targets;  // targets of the scalar properties of a vertex, in file order
+    std::size_t record_bytes = 0;    // size of all targets
 };
 
 // Adds schema, position type, number of points, metadata and notes to `info`. Throws Error(bad_format | unsupported).

@@ -177,7 +177,7 @@ private:
         }
     }
 
-    // Of one property per component, or of two halves. Distinct from all others.
+    // Names of one property per component, or of two halves. Distinct from all others.
     Names names_of(const Attribute& attribute, bool halves, const std::string& ending) const
     {
         std::string base = field_name(attribute.name) + ending;

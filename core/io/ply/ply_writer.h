@@ -12,7 +12,7 @@ namespace pcm {
 //
 // Attributes keep their types, with these exceptions, which ply_reader undoes:
 // - Attributes with a scale or an offset are written as their values: integers as floats, or doubles where floats would
-//   not name every integer; reals as doubles, beside their raw numbers (NAME_raw).
+//   not name every integer; reals as doubles, next to their raw numbers (NAME_raw).
 // - "rgb" has 8 bits in red green blue, which other programs show: where 8 bits hold every colour that is all;
 // otherwise
 //   they are rounded, and red_exact green_exact blue_exact have the cloud's. WriteOptions::colour_bits chooses one of
@@ -20,7 +20,7 @@ namespace pcm {
 // - PLY has no 64-bit integers. They are doubles when options.survey says that all are within +-2^53, otherwise two of
 // 32
 //   bits each, NAME_low and NAME_high.
-// - A float "intensity" beside colours is scalar_intensity, as in CloudCompare: MeshLab takes `intensity` for the
+// - A float "intensity" next to colours is scalar_intensity, as in CloudCompare: MeshLab takes `intensity` for the
 // colour. "normal" is nx ny nz; "alpha", "radius", "intensity" and others keep their names; components are name_0,
 // name_1, ... Names that PLY does not allow, scale and offset, and metadata are stored in comments, from which
 // ply_reader restores them.

@@ -150,7 +150,7 @@ private:
     std::optional<TextRows> rows_;
     std::vector<std::size_t> absent_;  // attributes that lines of this scan do not have
     std::uint64_t missing_returns_ = 0, lines_ = 0;
-    TextCounts counts_;  // of the scans that have been read completely
+    TextCounts counts_;  // counts of the scans that have been read completely
     bool finished_ = false;
 };
 

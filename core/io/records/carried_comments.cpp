@@ -13,7 +13,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t longest_text = 200;  // of a name or description; some readers stop at lines of 512 bytes
+constexpr std::size_t longest_text = 200;  // bytes of a name or description; some readers stop at lines of 512 bytes
 constexpr std::size_t data_bytes_a_line = 54;
 constexpr std::string_view base64_digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
 

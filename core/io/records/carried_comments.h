@@ -27,7 +27,7 @@
 namespace pcm {
 
 struct CarriedAttribute {
-    std::string field;    // of the file
+    std::string field;    // field of the file
     Attribute attribute;  // as the cloud has it
     unsigned step = 0;    // not 0: raw = field * step
 };

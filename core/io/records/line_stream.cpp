@@ -76,7 +76,7 @@ std::optional<std::string> describe_rest(LineStream& lines)
         }
     } catch (const Error& error) {
         if (error.code() != ErrorCode::bad_format) throw;
-        if (count == 0) return "bytes after the last point, which are no lines of text, are ignored";
+        if (count == 0) return "bytes after the last point, which are not lines of text, are ignored";
         more = " and more";
     }
     if (count == 0) return std::nullopt;

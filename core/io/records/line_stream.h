@@ -23,7 +23,7 @@ public:
 
     // False at the end of the file. The line, without its end, is valid until the next call.
     bool next(std::string_view& line);
-    std::uint64_t line_number() const { return line_; }  // of the last returned line, counted from 1
+    std::uint64_t line_number() const { return line_; }  // number of the last returned line, counted from 1
     std::uint64_t bytes_consumed() const { return next_byte_ - (end_ - begin_); }
 
 private:
@@ -31,12 +31,12 @@ private:
     void refill();
 
     const File& file_;
-    std::uint64_t next_byte_;  // of the file, not yet in the buffer
+    std::uint64_t next_byte_;  // offset in the file of the first byte not yet in the buffer
     std::uint64_t line_;
     char line_end_;
     bool at_end_ = false;
     std::vector<char> buffer_;
-    std::size_t begin_ = 0, end_ = 0;  // of the unread part of the buffer
+    std::size_t begin_ = 0, end_ = 0;  // range of the unread part of the buffer
 };
 
 // The lines that are left, which are read: "3 lines are ignored, the first is line 12: 'x'"; null when there are none.

@@ -45,7 +45,7 @@ public:
 
     std::size_t record_bytes() const { return record_bytes_; }  // in binary
     std::uint64_t points() const { return points_; }            // written so far
-    double position_error() const { return position_error_; }   // of coordinates that were written rounded
+    double position_error() const { return position_error_; }   // error of coordinates that were written rounded
 
     // Throws Error(invalid_argument) for a batch whose shape is not the cloud's, and what writing can throw.
     void append(const PointBatch& batch, OutputFile& file);

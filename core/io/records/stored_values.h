@@ -16,9 +16,9 @@ namespace pcm {
 
 struct StoredAs {
     RecordField::Source source = RecordField::Source::attribute;
-    ScalarType type = ScalarType::u8;  // of the field
-    double factor = 1;                 // of colours: RecordField::factor
-    unsigned step = 0;                 // of colours: raw = field * step; 0: the field has the raw numbers, or values
+    ScalarType type = ScalarType::u8;  // type of the field
+    double factor = 1;                 // colours: RecordField::factor
+    unsigned step = 0;                 // colours: raw = field * step; 0: the field has the raw numbers, or values
     bool rounded = false;              // the raw numbers cannot be restored from the field
 
     bool raw() const { return source == RecordField::Source::attribute; }

@@ -94,7 +94,7 @@ std::optional<std::pair<std::string, std::uint32_t>> component_name(const std::s
 // Columns that together are one attribute.
 struct Group {
     std::string attribute;
-    std::vector<std::size_t> columns;  // by component
+    std::vector<std::size_t> columns;  // one per component
 };
 
 constexpr std::size_t no_column = static_cast<std::size_t>(-1);
@@ -182,7 +182,7 @@ std::vector<TextColumn> guess_columns(const std::vector<ColumnLook>& looks, std:
         return whole || fractions;
     };
     const auto find_colours = [&](double most, bool whole) {
-        // Of four remaining columns the first is the intensity.
+        // The first of four remaining columns is the intensity.
         std::size_t first = count, second = count;
         for (std::size_t s = 3; s < count; ++s)
             if (colours_at(s, most, whole)) {

@@ -44,7 +44,7 @@ inline constexpr KnownAttribute known_attributes[] = {
     {"nir", ScalarType::u16},
 };
 
-// Columns of a file without names. The first are x y z. Of the others, three that are unit vectors are normals; three
+// Columns of a file without names. The first are x y z. Three others that are unit vectors are normals; three
 // with whole numbers up to 255 are colours (also up to 65535, or fractions up to 1, when at most one other column
 // remains). A single remaining column is intensity, several are column_4, column_5, ...
 std::vector<TextColumn> guess_columns(const std::vector<ColumnLook>& looks, std::uint64_t rows);
@@ -52,7 +52,7 @@ std::vector<TextColumn> guess_columns(const std::vector<ColumnLook>& looks, std:
 struct TextPlan {
     std::vector<TextField> fields;
     Schema schema;
-    std::optional<double> colour_range;  // largest value of a colour: 1, 255 or 65535; null without colours
+    std::optional<double> colour_range;  // maximum value of a colour: 1, 255 or 65535; null without colours
     std::vector<std::string> notes;
 };
 

@@ -11,7 +11,7 @@ namespace pcm {
 struct TextDialect {
     char separator =
         ' ';           // ' ': any run of blanks and tabs; otherwise ',' ';' '\t', and fields may be padded and quoted
-    char point = '.';  // of decimal numbers
+    char point = '.';  // decimal point
     bool operator==(const TextDialect& o) const { return separator == o.separator && point == o.point; }
 };
 

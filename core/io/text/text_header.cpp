@@ -65,7 +65,7 @@ Axes axes_of(const std::vector<std::string>& names)
     return best;
 }
 
-// The names in a line, split by the separator that finds the most of x, y and z.
+// The names in a line, split by the separator that finds most names among x, y and z.
 std::vector<std::string> names_of(std::string_view line, const TextDialect& dialect)
 {
     const bool comment = is_blank_or_comment(line, dialect.separator);

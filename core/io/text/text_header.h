@@ -24,7 +24,7 @@ struct TextHeader {
 // otherwise, quoted, after # or // or ;, in the words of text_names.h. Other names are kept.
 std::optional<TextHeader> read_header(std::string_view line, const TextDialect& dialect);
 
-// How many of x, y and z a line names that is no whole header. For a clear error message.
+// How many of x, y and z are named in a line that is not a whole header. For a clear error message.
 std::size_t axes_named(std::string_view line, const TextDialect& dialect);
 
 // The words of a line that seems to be a header of names that are not understood: as many as there are columns, most of

@@ -20,12 +20,12 @@ struct TextLayout {
     // normal; "-" is not read; any other name is an attribute of that name ("intensity", "classification", ...). A type
     // may follow a name: "intensity:f64"; types are i8 u8 i16 u16 i32 u32 i64 u64 f32 f64.
     std::vector<std::string> columns;
-    // Largest value of a colour in the file: 1, 255 or 65535.
+    // Maximum value of a colour in the file: 1, 255 or 65535.
     std::optional<double> colour_range;
 };
 
 // Columns as users write them: names separated by blanks or commas, "x y z intensity r g b".
-// Throws Error(invalid_argument) saying what is wrong with the text.
+// Throws Error(invalid_argument) with what is wrong with the text.
 std::vector<std::string> parse_columns(const std::string& text);
 
 // One of TextLayout::columns: its name, and the type after a colon. Throws Error(invalid_argument) for an unknown

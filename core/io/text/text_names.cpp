@@ -14,7 +14,7 @@ struct Synonym {
     std::string_view name, meaning;
 };
 
-// Horizontal axes besides x and y.
+// Horizontal axes in addition to x and y.
 constexpr std::string_view east_names[] = {
     "easting", "eastings", "east", "e",       "rechtswert", "rechts", "ostwert", "ostkoordinate", "ost",    "rw", "est",
     "este",    "leste",    "oost", "oosting", "wschod",     "dogu",   "восток",  "восточная",     "东坐标", "东",
@@ -165,7 +165,7 @@ constexpr std::string_view label_names[] = {
     "номер",   "описание",
 };
 
-// Words beside a name that do not change what it means: units, systems, "coordinate".
+// Words next to a name that do not change what it means: units, systems, "coordinate".
 constexpr std::string_view qualifiers[] = {
     "m",          "mm",         "cm",     "km",         "ft",         "usft",       "ftus",   "feet",    "meter",
     "meters",     "metre",      "metres", "metri",      "metros",     "deg",        "degree", "degrees", "dd",
@@ -255,7 +255,7 @@ std::string joined(const std::vector<std::string>& words)
     return all;
 }
 
-// The name without units and systems beside it.
+// The name without units and systems next to it.
 std::string unqualified(std::string_view name)
 {
     std::vector<std::string> words = words_of(name);

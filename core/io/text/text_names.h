@@ -1,8 +1,8 @@
 // What the names of columns mean, in the languages and words of surveying and of common programs.
 //
-// Names are compared without regard to case, diacritics and signs; a part in brackets, and units and systems beside the
-// name ("Easting [m]", "X_utm") do not count. Only names that mean one thing are known: X is x even where surveyors let
-// it point north.
+// Names are compared without regard to case, diacritics and signs; a part in brackets, and units and systems next to
+// the name ("Easting [m]", "X_utm") do not count. Only names that mean one thing are known: X is x even where surveyors
+// let it point north.
 #pragma once
 
 #include <optional>
@@ -24,12 +24,12 @@ struct AxisName {
     enum class Kind : unsigned char { plain, projected, geographic };
     std::size_t axis = 0;  // 0: x, east, longitude; 1: y, north, latitude; 2: z, height
     Kind kind = Kind::plain;
-    unsigned rank = 0;  // of several names for an axis, the one of the lowest rank is meant
+    unsigned rank = 0;  // if there are several names for an axis, the one of the lowest rank counts
 };
 std::optional<AxisName> axis_name(std::string_view name);
 
 // The column that a name stands for, as in TextLayout::columns: the column of the name itself ("Intensity",
-// "GpsTime"), or one that it is another word for ("Klasse", "Rouge"). Empty when it is none that is known.
+// "GpsTime"), or one that it is another word for ("Klasse", "Rouge"). Empty when it is not known.
 std::string_view own_meaning(std::string_view name);
 std::string_view other_meaning(std::string_view name);
 

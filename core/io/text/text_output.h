@@ -43,7 +43,7 @@ public:
     void put_scalar(const Attribute& attribute, const Column& column, std::size_t index);
     void put_number(double value);
 
-    // Largest difference between a written and a source coordinate, in source units.
+    // Maximum difference between a written and a source coordinate, in source units.
     double position_error() const { return position_error_; }
     // Writes the buffered text to the file; the caller finishes the file.
     void flush();
@@ -59,8 +59,8 @@ private:
 
     const Schema schema_;
     const std::optional<Grid> grid_, near_grid_;
-    std::vector<ScaledDecimal> axes_;    // of the grid, or of the near one
-    std::vector<ScaledDecimal> scaled_;  // of attributes
+    std::vector<ScaledDecimal> axes_;    // decimals of the grid, or of the near one
+    std::vector<ScaledDecimal> scaled_;  // decimals of attributes
     const std::optional<unsigned> decimals_;
     OutputFile file_;
     double position_error_ = 0;

@@ -107,7 +107,7 @@ private:
     bool skip_bad_lines_ = false;
     std::size_t header_line_ = 0;  // counted from 1; 0 without
     std::optional<TextHeader> header_;
-    std::vector<std::string> label_names_;  // of columns of text, by their place; empty for others
+    std::vector<std::string> label_names_;  // names in columns of text, by their place; empty for others
     // The current list of points, as its first line states it.
     std::optional<std::uint64_t> promised_;
     std::uint64_t promise_line_ = 0;
@@ -143,7 +143,7 @@ std::optional<TextHeader> TextReader::find_header(const TextSample& sample)
     return std::nullopt;
 }
 
-// Names that are not understood are no reason to take the columns in their order: that would mirror many clouds.
+// Names that are not understood do not justify taking the columns in their order: that would mirror many clouds.
 void TextReader::refuse_half_headers(const TextSample& sample, std::size_t skipped) const
 {
     for (std::size_t i = 0; i < sample.head.size(); ++i) {
@@ -355,7 +355,7 @@ bool TextReader::begins_list(std::uint64_t line, const std::vector<std::string_v
 void TextReader::end_list(const std::string& where)
 {
     if (!promised_) return;
-    // Of the points that are promised, some may be on bad lines.
+    // Some of the promised points may be on bad lines.
     const std::uint64_t found = rows_->counts().rows + rows_->counts().bad_lines - lines_before_list_;
     const std::string promise =
         "line " + std::to_string(promise_line_) + " promises " + grouped(*promised_) + " points";

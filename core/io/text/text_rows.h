@@ -22,7 +22,7 @@ struct TextField {
     std::string name;                                                   // for messages
     Role role = Role::skipped;
     std::size_t index = 0;        // the axis, or the attribute in the schema
-    std::uint32_t component = 0;  // of the attribute
+    std::uint32_t component = 0;  // component of the attribute
     ScalarType type = ScalarType::f64;
 };
 
@@ -36,7 +36,7 @@ struct TextForm {
 
 // What was skipped or changed, for notes.
 struct TextCounts {
-    std::uint64_t rows = 0;  // read so far
+    std::uint64_t rows = 0;  // rows read so far
     std::uint64_t longer_lines = 0, first_longer_line = 0;
     std::uint64_t empty_fields = 0;    // read as NaN
     std::uint64_t missing_values = 0;  // marks such as NA, read as NaN
@@ -100,7 +100,7 @@ private:
     std::optional<Fault> careful_row(std::string_view line, std::size_t row, std::uint64_t line_number);
     std::optional<Fault> careful_field(std::string_view word, std::size_t field, std::size_t row,
                                        std::uint64_t line_number);
-    void count_word(std::size_t column, std::string_view word);  // of TextCounts::words
+    void count_word(std::size_t column, std::string_view word);  // counts in TextCounts::words
 
     std::filesystem::path path_;
     TextForm form_;

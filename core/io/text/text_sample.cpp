@@ -181,7 +181,7 @@ struct HeadLine {
 
 // How well a dialect splits lines.
 struct Score {
-    std::size_t rows = 0;  // with the most frequent number of numbers
+    std::size_t rows = 0;  // number of rows with the most frequent number of numbers
     std::size_t columns = 0;
     std::size_t first = 0;  // line
 };
@@ -220,7 +220,7 @@ Score score_of(const std::vector<HeadLine>& lines, std::size_t from, const TextD
     return score;
 }
 
-// The dialect in which the most lines are rows. If two split all lines, the first one is taken.
+// The dialect in which most lines are rows. If two split all lines, the first one is taken.
 Score best_score(const std::vector<HeadLine>& lines, std::size_t from, const TextHints& hints, bool words_allowed,
                  TextDialect& dialect_of_best)
 {
@@ -273,7 +273,7 @@ std::optional<TextSample> sample_text(const File& file, const TextHints& hints)
     const std::size_t from = std::min(lines.size(), hints.skip_lines.value_or(0));
     TextSample sample;
     Score best = best_score(lines, from, hints, false, sample.dialect);
-    // Where most lines hold words beside the numbers, there are columns of text.
+    // Where most lines hold words next to the numbers, there are columns of text.
     TextDialect other;
     const Score with_words = best_score(lines, from, hints, true, other);
     if (with_words.rows > 2 * best.rows) {

@@ -16,14 +16,14 @@ namespace pcm {
 struct ColumnLook {
     std::uint64_t values = 0, empty = 0;  // numbers; fields that are empty or stand for a missing value ...
     std::uint64_t marks = 0;              // ... by a mark such as NA
-    std::uint64_t words = 0;              // other fields, of which nothing below is said
+    std::uint64_t words = 0;              // other fields, which the members below do not count
     double least = std::numeric_limits<double>::infinity(), most = -std::numeric_limits<double>::infinity();
     bool whole = true;                      // all are whole numbers, ...
     bool digits_only = true;                // ... written without a fraction, ...
     bool fits_i64 = true, fits_u64 = true;  // ... that fit 64 bits
     bool beyond_double = false;             // some integer is not exact as a double
     bool single = true;                     // all are 32-bit floats as printed: reading them as floats loses nothing
-    std::size_t digits = 0;                 // of the longest number
+    std::size_t digits = 0;                 // length of the longest number
     std::uint64_t unit_vectors = 0;         // rows where this column and the next two are a vector of length 1
     std::uint64_t null_vectors = 0;         // rows where it has length 0
 

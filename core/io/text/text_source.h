@@ -43,10 +43,10 @@ public:
 
 private:
     const File& file_;
-    std::uint64_t next_byte_;    // of the file: the first one after the buffer
+    std::uint64_t next_byte_;    // offset in the file of the first byte after the buffer
     std::uint64_t padding_ = 0;  // bytes of the buffer that are not in the file
     std::uint64_t lines_;
-    bool at_end_ = false;  // of the file
+    bool at_end_ = false;  // the end of the file is reached
     std::vector<char> buffer_;
     const char* at_ = nullptr;
     const char* end_ = nullptr;   // end of the whole lines
