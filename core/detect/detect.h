@@ -1,7 +1,8 @@
-// Finds all planes, cylinders and spheres of a cloud.
+// Finds all planes, cylinders and spheres of a cloud: the shapes of the kinds that detected_kinds() names.
 #pragma once
 
 #include "pcm/cloud/selection.h"
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/shapes/primitive.h"
 #include "pcm/system/progress.h"
 #include "pcm/tree/tree.h"
@@ -19,7 +20,7 @@ namespace pcm {
 class PointLabels;
 
 struct DetectOptions {
-    std::vector<ShapeKind> kinds{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};  // no others
+    std::vector<ShapeKind> kinds = detected_kinds();  // no others
     double threshold = 0;              // largest distance of a point from its surface, source units; 0: from the noise
     std::uint64_t least_points = 500;  // of a primitive
     double normal_angle = 0.35;        // largest angle between a point's normal and the surface's, radians

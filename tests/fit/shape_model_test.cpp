@@ -24,7 +24,7 @@ TEST(ShapeModels, OneRowPerKindWithConsistentNumbers)
     for (const ShapeTraits& row : shape_kinds()) {
         const ShapeModel& model = model_of(row.kind);
         EXPECT_EQ(model.kind, row.kind);
-        EXPECT_LE(model.parameters, most_parameters);
+        EXPECT_LE(model.parameters(), most_parameters);
         EXPECT_LE(model.sampled, most_sampled);
     }
 }
@@ -87,7 +87,7 @@ TEST(ShapeModels, DerivativesAreThoseOfMoves)
                 return block;
             };
             const PatchBlock block = distances(patch);
-            for (std::size_t j = 0; j < model.parameters; ++j) {
+            for (std::size_t j = 0; j < model.parameters(); ++j) {
                 std::array<double, most_parameters> step{};
                 const double small = 1e-5;
                 step[j] = small;
