@@ -22,12 +22,13 @@ struct Shape {
     double second = 0;    // the cone's half angle, between 0 and pi / 2; the radius of the torus' tube
 };
 
-inline bool ShapeTraits::has_radius() const
+inline bool ShapeTraits::has_size(double Shape::*value) const
 {
     for (const ShapeSize& size : sizes)
-        if (size.value == &Shape::radius) return true;
+        if (size.value == value) return true;
     return false;
 }
+inline bool ShapeTraits::has_radius() const { return has_size(&Shape::radius); }
 
 std::optional<ShapeKind> shape_kind(const std::string& name);
 

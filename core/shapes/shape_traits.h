@@ -122,6 +122,7 @@ struct ShapeTraits {
         return extent == ShapeExtent::length || extent == ShapeExtent::length_from_apex;
     }
     constexpr const char* axis_name() const { return is_flat() ? "normal" : "axis"; }
+    bool has_size(double Shape::*value) const;
     bool has_radius() const;  // Shape::radius is one of the sizes
 };
 

@@ -99,8 +99,9 @@ protected:
             EXPECT_LE(std::fabs(dot(d, truth.axis)), sigmas * fit.errors.position);
         else
             EXPECT_LE(length(d - dot(d, truth.axis) * truth.axis), sigmas * fit.errors.position);
-        if (traits_of(truth.kind).axis) EXPECT_LE(length(cross(fit.shape.axis, truth.axis)), sigmas * fit.errors.angle);
-        if (traits_of(truth.kind).radius)
+        if (traits_of(truth.kind).has_axis())
+            EXPECT_LE(length(cross(fit.shape.axis, truth.axis)), sigmas * fit.errors.angle);
+        if (traits_of(truth.kind).has_radius())
             EXPECT_LE(std::fabs(fit.shape.radius - truth.radius), sigmas * fit.errors.radius);
     }
 
