@@ -21,6 +21,7 @@
 #include "pcm/detect/shape_search.h"
 #include "pcm/detect/surface_sample.h"
 #include "pcm/detect/wider_shapes.h"
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/knn/unit_plan.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -29,7 +30,6 @@
 #include "pcm/threads/watch.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -413,6 +413,14 @@ private:
 };
 
 }  // namespace
+
+std::vector<ShapeKind> detected_kinds()
+{
+    std::vector<ShapeKind> kinds;
+    for (const ShapeTraits& row : shape_kinds())
+        if (model_of(row.kind).like) kinds.push_back(row.kind);
+    return kinds;
+}
 
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
 {

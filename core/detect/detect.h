@@ -2,7 +2,6 @@
 #pragma once
 
 #include "pcm/cloud/selection.h"
-#include "pcm/fit/models/shape_model.h"
 #include "pcm/shapes/primitive.h"
 #include "pcm/system/progress.h"
 #include "pcm/tree/tree.h"
@@ -18,6 +17,9 @@
 namespace pcm {
 
 class PointLabels;
+
+// Those whose shapes are found: the kinds whose models say what bends as they do (fit/models/shape_model.h).
+std::vector<ShapeKind> detected_kinds();
 
 struct DetectOptions {
     std::vector<ShapeKind> kinds = detected_kinds();  // no others

@@ -7,7 +7,6 @@
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <mutex>

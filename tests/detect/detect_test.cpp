@@ -151,6 +151,7 @@ TEST_F(Detect, PCM_NOT_UNDER_THREAD(OnlyTheKindsAskedForAndInsideOfTheSelection)
 {
     make(scene, 0.002);
     DetectOptions options;
+    EXPECT_EQ(options.kinds, (std::vector<ShapeKind>{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere}));
     options.kinds = {ShapeKind::sphere};
     DetectReport report = detect(options);
     ASSERT_GE(report.primitives.size(), 1u);
@@ -295,18 +296,24 @@ TEST_F(Detect, PrimitivesBelowTheLeastNumberOfPointsAreLeftOut)
 TEST_F(Detect, RefusesOptionsOutOfRange)
 {
     make({corner});
+    std::string message;
     const auto refused = [&](const std::function<void(DetectOptions&)>& change) {
         DetectOptions options;
         change(options);
         try {
             detect_primitives(tree_, options);
         } catch (const Error& error) {
+            message = error.what();
             return error.code() == ErrorCode::invalid_argument;
         }
         return false;
     };
     EXPECT_TRUE(refused([](DetectOptions& o) { o.kinds.clear(); }));
+    EXPECT_NE(message.find("choose plane, cylinder or sphere"), std::string::npos) << message;
     EXPECT_TRUE(refused([](DetectOptions& o) { o.kinds = {ShapeKind::cone}; }));
+    EXPECT_NE(message.find("detection finds planes, cylinders and spheres; a cone is found at a picked place"),
+              std::string::npos)
+        << message;
     EXPECT_TRUE(refused([](DetectOptions& o) { o.threshold = -1; }));
     EXPECT_TRUE(refused([](DetectOptions& o) { o.threshold = std::nan(""); }));
     EXPECT_TRUE(refused([](DetectOptions& o) { o.step = std::numeric_limits<double>::infinity(); }));

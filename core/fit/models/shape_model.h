@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace pcm {
 
@@ -79,7 +78,6 @@ struct ShapeModel {
 };
 
 const ShapeModel& model_of(ShapeKind kind);
-std::vector<ShapeKind> detected_kinds();  // those whose row has `like`
 
 // For the models.
 namespace models {

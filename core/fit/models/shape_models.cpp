@@ -12,14 +12,6 @@ const ShapeModel& model_of(ShapeKind kind)
     return *rows[static_cast<std::size_t>(kind)];
 }
 
-std::vector<ShapeKind> detected_kinds()
-{
-    std::vector<ShapeKind> kinds;
-    for (const ShapeTraits& row : shape_kinds())
-        if (model_of(row.kind).like) kinds.push_back(row.kind);
-    return kinds;
-}
-
 namespace models {
 
 Significance radius_significance(const Shape& shape, const ShapeErrors& errors)
