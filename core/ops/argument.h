@@ -78,6 +78,7 @@ public:
     Argument& advanced();         // for few: below the others, and in --help-all
     Argument& only(Face face);    // other faces do not have it
     Argument& shown(bool shown);  // else it is accepted and in no help or dialog
+    Argument& on_in_dialogs();    // of a flag: where people see the picture, this is the better default
     Argument& between(double least, double most);
     Argument& positive();
     Argument& not_negative();
@@ -95,6 +96,7 @@ public:
     const std::string& group() const { return group_; }
     const std::string& without() const { return without_; }
     bool is_shown() const { return shown_; }
+    bool is_on_in_dialogs() const { return on_in_dialogs_; }
     bool is_positional() const { return positional_; }
     bool is_required() const { return required_; }
     bool is_advanced() const { return advanced_; }
@@ -110,7 +112,7 @@ public:
     std::string option_names() const;  // "-k,--neighbours"
     std::string script_name() const;   // "RadiusNeighbours"
     std::string default_text() const;  // "16", "512M", "off", "statistical"; empty: none
-    // The help with unit and default, as the end of an option's line: "Number of neighbours (default 16)".
+    // The help with unit and default: "Number of neighbours (default 16)".
     std::string command_help() const;
 
     // ---- Values. Each throws ArgumentError for what is not allowed, naming `name`.
@@ -126,7 +128,8 @@ private:
     std::string key_, label_, help_, unit_, group_, script_, without_, default_;
     char letter_ = 0;
     ValueKind kind_;
-    bool positional_ = false, required_ = false, advanced_ = false, shown_ = true, given_ = false, default_on_ = false;
+    bool positional_ = false, required_ = false, advanced_ = false, shown_ = true, on_in_dialogs_ = false,
+         given_ = false, default_on_ = false;
     std::optional<Face> only_;
     AllowedNumbers allowed_;
     std::vector<Choice> choices_;

@@ -33,6 +33,7 @@ Json usage_of(const Argument& argument)
               {"label", argument.label()}, {"help", argument.help()},           {"type", name_of(argument.kind())}};
     json["unit"] = argument.unit().empty() ? Json() : Json(argument.unit());
     json["default"] = argument.default_text().empty() ? Json() : Json(argument.default_text());
+    if (argument.is_on_in_dialogs()) json["default_in_dialogs"] = "on";
     if (!argument.without().empty()) json["without"] = argument.without();
     const AllowedNumbers& allowed = argument.allowed();
     if (allowed.least) json[allowed.above_least ? "above" : "least"] = *allowed.least;

@@ -18,7 +18,7 @@ QString quoted_default(const Argument& argument)
 {
     if (argument.kind() == ValueKind::tree) return "Empty, the default: the tree that the current layer shows.";
     if (!argument.without().empty()) return "Default: " + QString::fromStdString(argument.without()) + ".";
-    const QString value = QString::fromStdString(argument.default_text());
+    const QString value = argument.is_on_in_dialogs() ? QString("on") : QString::fromStdString(argument.default_text());
     if (argument.kind() == ValueKind::output) return "A dialog proposes a name; scripts have no default.";
     if (argument.kind() == ValueKind::choice) {
         for (const ops::Choice& choice : argument.choices())
@@ -62,7 +62,7 @@ void add_parameter(const Argument& argument, RichParameterList& parameters)
                   value = QString::fromStdString(argument.default_text());
     switch (argument.kind()) {
         case ValueKind::flag:
-            parameters.addParam(RichBool(name, value == "on", label, tip));
+            parameters.addParam(RichBool(name, value == "on" || argument.is_on_in_dialogs(), label, tip));
             return;
         case ValueKind::whole:
             parameters.addParam(RichInt(name, argument.is_optional() ? -1 : value.toInt(), label, tip));
