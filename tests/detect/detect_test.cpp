@@ -311,9 +311,7 @@ TEST_F(Detect, RefusesOptionsOutOfRange)
     EXPECT_TRUE(refused([](DetectOptions& o) { o.kinds.clear(); }));
     EXPECT_NE(message.find("choose plane, cylinder or sphere"), std::string::npos) << message;
     EXPECT_TRUE(refused([](DetectOptions& o) { o.kinds = {ShapeKind::cone}; }));
-    EXPECT_NE(message.find("detection finds planes, cylinders and spheres; a cone is found at a picked place"),
-              std::string::npos)
-        << message;
+    EXPECT_NE(message.find("finds planes, cylinders and spheres; a cone is found at"), std::string::npos);
     EXPECT_TRUE(refused([](DetectOptions& o) { o.threshold = -1; }));
     EXPECT_TRUE(refused([](DetectOptions& o) { o.threshold = std::nan(""); }));
     EXPECT_TRUE(refused([](DetectOptions& o) { o.step = std::numeric_limits<double>::infinity(); }));
