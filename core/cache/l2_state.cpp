@@ -1,16 +1,12 @@
 #include "pcm/cache/l2_state.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 
 #include <chrono>
 
 namespace pcm {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start)
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
 
 // The columns of `chunk`, and the columns of `more` that it lacks.
 std::shared_ptr<const Chunk> join(std::shared_ptr<const Chunk> chunk, Chunk more)

@@ -3,7 +3,6 @@
 #include "pcm/system/error.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 
@@ -42,7 +41,7 @@ DrawingList drawing_list(const std::vector<Primitive>& primitives, bool bounded)
 {
     DrawingList list;
     std::size_t hidden = 0;
-    std::array<std::size_t, 5> unbounded{};
+    std::vector<std::size_t> unbounded(shape_kinds().size());
     for (const Primitive& primitive : primitives) {
         const ShapeKind kind = primitive.fit.shape.kind;
         if (primitive.hidden) {
@@ -57,7 +56,7 @@ DrawingList drawing_list(const std::vector<Primitive>& primitives, bool bounded)
     }
     if (hidden) list.notes.push_back(counted(hidden, "hidden primitive", "is left out", "are left out"));
     for (const ShapeTraits& traits : shape_kinds()) {
-        const std::string what = traits.kind == ShapeKind::plane ? "no outline" : "no known length";
+        const std::string what = traits.extent == ShapeExtent::outline ? "no outline" : "no known length";
         if (const std::size_t count = unbounded[static_cast<std::size_t>(traits.kind)])
             list.notes.push_back(
                 counted(count, traits.name, "has " + what + " and is left out", "have " + what + " and are left out"));

@@ -2,14 +2,10 @@
 #include "pcm/cad/drawing_list.h"
 #include "pcm/cad/dxf_file.h"
 #include "pcm/cad/layer_names.h"
-#include "pcm/shapes/shape_mesh.h"
-
-#include <cmath>
+#include "pcm/shapes/shape_drawing.h"
 
 namespace pcm {
 namespace {
-
-constexpr std::size_t most_corners = 20000;  // limit for outlines with faces, which take quadratic time
 
 DxfUnit dxf_unit(CadUnit unit)
 {
@@ -30,49 +26,20 @@ DxfUnit dxf_unit(CadUnit unit)
     return DxfUnit::inches;
 }
 
-// By a box around all of the primitive.
-void extend(Box3d& extent, const Primitive& primitive)
-{
-    const Shape& shape = primitive.fit.shape;
-    const auto around = [&](const Vec3d& centre, double radius) {
-        extent.extend(centre - Vec3d{radius, radius, radius});
-        extent.extend(centre + Vec3d{radius, radius, radius});
-    };
-    if (shape.kind == ShapeKind::plane)
-        for (const Vec3d& corner : primitive.bounds.outline) extent.extend(corner);
-    if (shape.kind == ShapeKind::sphere) around(shape.point, shape.radius);
-    if (shape.kind == ShapeKind::torus) around(shape.point, shape.radius + shape.second);
-    if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone)
-        for (const double h : {primitive.bounds.from, primitive.bounds.to})
-            around(shape.point + h * shape.axis,
-                   shape.kind == ShapeKind::cone ? h * std::tan(shape.second) : shape.radius);
-}
+// The parts of one shape on its layer.
+class LayerDrawing : public ShapeDrawing {
+public:
+    LayerDrawing(DxfFile& dxf, const std::string& layer) : dxf_(dxf), layer_(layer) {}
 
-// False where there are no faces.
-bool draw_plane(DxfFile& dxf, const std::string& layer, const Primitive& primitive)
-{
-    const std::vector<Vec3d>& outline = primitive.bounds.outline;
-    dxf.polyline(layer, outline, true);
-    const auto triangles = outline.size() > most_corners ? std::vector<std::array<std::uint32_t, 3>>{}
-                                                         : triangulate_outline(outline, primitive.fit.shape.axis);
-    for (const auto& t : triangles) dxf.face(layer, outline[t[0]], outline[t[1]], outline[t[2]], outline[t[2]]);
-    return !triangles.empty();
-}
+    void line(const Vec3d& from, const Vec3d& to) override { dxf_.line(layer_, from, to); }
+    void polyline(const std::vector<Vec3d>& corners, bool closed) override { dxf_.polyline(layer_, corners, closed); }
+    void circle(const Vec3d& centre, double radius) override { dxf_.circle(layer_, centre, {0, 0, 1}, radius); }
+    void face(const MeshFace& c) override { dxf_.face(layer_, c[0], c[1], c[2], c[3]); }
 
-// The axis of a cylinder or cone from end to end, of a torus through its tube's middle, and lines on the surface. Some
-// programs show no faces, and ignore the axes in which DXF gives circles: only those across z are circles.
-void draw_lines(DxfFile& dxf, const std::string& layer, const Primitive& primitive, const MeshOptions& options)
-{
-    const Shape& shape = primitive.fit.shape;
-    const ShapeBounds& bounds = primitive.bounds;
-    if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone)
-        dxf.line(layer, shape.point + bounds.from * shape.axis, shape.point + bounds.to * shape.axis);
-    if (shape.kind == ShapeKind::torus)
-        dxf.line(layer, shape.point - shape.second * shape.axis, shape.point + shape.second * shape.axis);
-    const ShapeLines found = lines_of(shape, bounds, options);
-    for (const ShapeLines::Line& line : found.lines) dxf.polyline(layer, line.corners, line.closed);
-    for (const ShapeLines::Circle& circle : found.circles) dxf.circle(layer, circle.centre, {0, 0, 1}, circle.radius);
-}
+private:
+    DxfFile& dxf_;
+    const std::string& layer_;
+};
 
 }  // namespace
 
@@ -85,21 +52,19 @@ void write_drawing(const std::filesystem::path& file, DrawingList& list, const C
         table.push_back({layers[i], nearest_colour_index(colour), colour});
     }
     Box3d extent;
-    for (const Primitive* primitive : list.shown) extend(extent, *primitive);
+    for (const Primitive* primitive : list.shown) {
+        const Shape& shape = primitive->fit.shape;
+        traits_of(shape.kind).extend(shape, primitive->bounds, extent);
+    }
     DxfFile dxf(file, table, {dxf_unit(options.unit), extent});
     for (std::size_t i = 0; i < layers.size(); ++i) {
         const Primitive& primitive = *list.shown[i];
-        if (primitive.fit.shape.kind == ShapeKind::plane) {
-            if (!draw_plane(dxf, layers[i], primitive))
-                list.notes.push_back("'" + primitive.name +
-                                     "' has a line and no faces: its outline crosses itself, or has more than 20,000 "
-                                     "corners");
-            continue;
-        }
-        const MeshOptions mesh{options.chord, options.arcs};
-        mesh_shape(primitive.fit.shape, primitive.bounds, mesh,
-                   [&](const MeshFace& face) { dxf.face(layers[i], face[0], face[1], face[2], face[3]); });
-        draw_lines(dxf, layers[i], primitive, mesh);
+        const Shape& shape = primitive.fit.shape;
+        LayerDrawing drawing(dxf, layers[i]);
+        const std::string why_no_faces =
+            traits_of(shape.kind).draw(shape, primitive.bounds, {options.chord, options.arcs}, drawing);
+        if (!why_no_faces.empty())
+            list.notes.push_back("'" + primitive.name + "' has a line and no faces: " + why_no_faces);
     }
     dxf.finish();
 }

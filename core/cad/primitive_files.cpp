@@ -2,6 +2,7 @@
 
 #include "pcm/cad/drawing_list.h"
 #include "pcm/cad/dxf_file.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/shapes/outline_area.h"
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
@@ -12,31 +13,27 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <functional>
 #include <iterator>
 
 namespace pcm {
 namespace {
 
 constexpr std::array<const char*, 6> unit_names{"", "m", "mm", "cm", "ft", "in"};
-constexpr double degree = pi / 180;
 
 enum class ColumnUnit { none, length, angle };
 
 // One column of the table. Empty: the primitive has no such number.
 struct Column {
-    const char* name;
+    std::string name;
     ColumnUnit unit;
-    std::string (*text)(const Primitive& primitive);
+    std::function<std::string(const Primitive& primitive)> text;
 };
 
 std::string number(double value) { return std::isfinite(value) ? exact(value) : value > 0 ? "inf" : ""; }
 std::string angle(double value) { return number(value / degree); }
 const ShapeTraits& traits(const Primitive& p) { return traits_of(p.fit.shape.kind); }
-bool has_ends(const Primitive& p)
-{
-    const ShapeKind kind = p.fit.shape.kind;
-    return (kind == ShapeKind::cylinder || kind == ShapeKind::cone) && p.bounds.known(kind);
-}
+bool has_ends(const Primitive& p) { return traits(p).has_length() && p.bounds.known(p.fit.shape.kind); }
 template <std::size_t A>
 std::string point_at(const Primitive& p)
 {
@@ -45,7 +42,7 @@ std::string point_at(const Primitive& p)
 template <std::size_t A>
 std::string axis_at(const Primitive& p)
 {
-    return traits(p).axis ? number(p.fit.shape.axis[A]) : "";
+    return traits(p).has_axis() ? number(p.fit.shape.axis[A]) : "";
 }
 template <std::size_t A, bool To>
 std::string end_at(const Primitive& p)
@@ -56,14 +53,9 @@ std::string end_at(const Primitive& p)
 
 std::string arc_text(const Primitive& p)
 {
-    const bool about_axis = traits(p).axis && p.fit.shape.kind != ShapeKind::plane;
-    return about_axis && p.bounds.zero != Vec3d{} ? angle(p.bounds.end - p.bounds.begin) : "";
+    return traits(p).has_arc() && p.bounds.zero != Vec3d{} ? angle(p.bounds.end - p.bounds.begin) : "";
 }
 
-OutlineArea area_of(const Primitive& p)
-{
-    return p.fit.shape.kind == ShapeKind::plane ? outline_area(p.bounds.outline, p.points) : OutlineArea();
-}
 std::string area_text(const Primitive& p)
 {
     const OutlineArea found = area_of(p);
@@ -87,11 +79,45 @@ std::string colour_text(const Primitive& p)
     return text;
 }
 
+// The numbers that kinds have in addition to place and axis, each once: lengths before angles.
+std::vector<ShapeSize> all_sizes()
+{
+    std::vector<ShapeSize> all;
+    for (const SizeUnit unit : {SizeUnit::length, SizeUnit::angle})
+        for (const ShapeTraits& row : shape_kinds())
+            for (const ShapeSize& size : row.sizes) {
+                const auto is_it = [&](const ShapeSize& other) { return std::string(other.key) == size.key; };
+                if (size.unit == unit && std::none_of(all.begin(), all.end(), is_it)) all.push_back(size);
+            }
+    return all;
+}
+
+// The size of the primitive's kind by its key, or the error of it.
+std::string size_text(const Primitive& p, const std::string& key, bool is_error)
+{
+    for (const ShapeSize& size : traits(p).sizes) {
+        if (size.key != key) continue;
+        const double value = is_error ? p.fit.errors.*size.error : p.fit.shape.*size.value;
+        return size.unit == SizeUnit::angle ? angle(value) : number(value);
+    }
+    return "";
+}
+
 using P = const Primitive&;
 constexpr auto plain = ColumnUnit::none, length_unit = ColumnUnit::length, angle_unit = ColumnUnit::angle;
-const std::vector<Column>& columns()
+
+void add_sizes(std::vector<Column>& table, const std::string& prefix, bool are_errors)
 {
-    static const std::vector<Column> table{
+    for (const ShapeSize& size : all_sizes()) {
+        const std::string key = size.key;
+        table.push_back({prefix + key, size.unit == SizeUnit::angle ? angle_unit : length_unit,
+                         [key, are_errors](P p) { return size_text(p, key, are_errors); }});
+    }
+}
+
+std::vector<Column> all_columns()
+{
+    std::vector<Column> table{
         {"name", plain, [](P p) { return p.name; }},
         {"kind", plain, [](P p) { return std::string(traits(p).name); }},
         {"colour", plain, colour_text},
@@ -101,18 +127,13 @@ const std::vector<Column>& columns()
         {"axis_x", plain, axis_at<0>},
         {"axis_y", plain, axis_at<1>},
         {"axis_z", plain, axis_at<2>},
-        {"radius", length_unit, [](P p) { return traits(p).radius ? number(p.fit.shape.radius) : ""; }},
-        {"tube_radius", length_unit,
-         [](P p) { return p.fit.shape.kind == ShapeKind::torus ? number(p.fit.shape.second) : ""; }},
-        {"half_angle", angle_unit,
-         [](P p) { return p.fit.shape.kind == ShapeKind::cone ? angle(p.fit.shape.second) : ""; }},
-        {"sigma_position", length_unit, [](P p) { return number(p.fit.errors.position); }},
-        {"sigma_axis", angle_unit, [](P p) { return traits(p).axis ? angle(p.fit.errors.angle) : ""; }},
-        {"sigma_radius", length_unit, [](P p) { return traits(p).radius ? number(p.fit.errors.radius) : ""; }},
-        {"sigma_tube_radius", length_unit,
-         [](P p) { return p.fit.shape.kind == ShapeKind::torus ? number(p.fit.errors.second) : ""; }},
-        {"sigma_half_angle", angle_unit,
-         [](P p) { return p.fit.shape.kind == ShapeKind::cone ? angle(p.fit.errors.second) : ""; }},
+    };
+    add_sizes(table, "", false);
+    table.push_back({"sigma_position", length_unit, [](P p) { return number(p.fit.errors.position); }});
+    table.push_back(
+        {"sigma_axis", angle_unit, [](P p) { return traits(p).has_axis() ? angle(p.fit.errors.angle) : ""; }});
+    add_sizes(table, "sigma_", true);
+    const std::vector<Column> others{
         {"rms", length_unit, [](P p) { return number(p.fit.rms); }},
         {"noise", length_unit, [](P p) { return number(p.fit.noise); }},
         {"threshold", length_unit, [](P p) { return number(p.fit.threshold); }},
@@ -135,6 +156,13 @@ const std::vector<Column>& columns()
         {"estimator", plain, [](P p) { return p.estimator; }},
         {"cloud", plain, [](P p) { return p.cloud; }},
     };
+    table.insert(table.end(), others.begin(), others.end());
+    return table;
+}
+
+const std::vector<Column>& columns()
+{
+    static const std::vector<Column> table = all_columns();
     return table;
 }
 

@@ -1,5 +1,6 @@
 // Lists of primitives as JSON. Angles are in radians here, so that every number reads back as the same double.
 #include "pcm/cad/primitive_files.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/lists/json_fields.h"
 #include "pcm/lists/undo_list.h"
 #include "pcm/system/bounded_json.h"
@@ -31,15 +32,9 @@ Json vector_json(const Vec3d& v, const Primitive& primitive)
 // Standard deviations and the condition may be infinite, for which JSON has null.
 Json null_if_infinite(double value, const Primitive& primitive)
 {
-    if (value == std::numeric_limits<double>::infinity()) return nullptr;
+    if (value == infinity) return nullptr;
     return finite(value, primitive);
 }
-
-// How the kind's second number is called.
-const char* second_name(ShapeKind kind) { return kind == ShapeKind::cone ? "half_angle" : "tube_radius"; }
-
-bool has_length(ShapeKind kind) { return kind == ShapeKind::cylinder || kind == ShapeKind::cone; }
-bool has_arc(ShapeKind kind) { return has_length(kind) || kind == ShapeKind::torus; }
 
 void put_shape(Json& json, const Primitive& primitive)
 {
@@ -47,23 +42,22 @@ void put_shape(Json& json, const Primitive& primitive)
     const ShapeTraits& traits = traits_of(shape.kind);
     json["kind"] = traits.name;
     json["point"] = vector_json(shape.point, primitive);
-    if (traits.axis) json["axis"] = vector_json(shape.axis, primitive);
-    if (traits.radius) json["radius"] = finite(shape.radius, primitive);
-    if (traits.second) json[second_name(shape.kind)] = finite(shape.second, primitive);
+    if (traits.has_axis()) json["axis"] = vector_json(shape.axis, primitive);
+    for (const ShapeSize& size : traits.sizes) json[size.key] = finite(shape.*size.value, primitive);
 }
 
 void put_bounds(Json& json, const Primitive& primitive)
 {
     const ShapeBounds& bounds = primitive.bounds;
-    const ShapeKind kind = primitive.fit.shape.kind;
+    const ShapeTraits& traits = traits_of(primitive.fit.shape.kind);
     Json own = Json::object();
-    if (kind == ShapeKind::plane)
+    if (traits.extent == ShapeExtent::outline)
         for (const Vec3d& corner : bounds.outline) own["outline"].push_back(vector_json(corner, primitive));
-    if (has_length(kind) && (bounds.from != 0 || bounds.to != 0)) {
+    if (traits.has_length() && (bounds.from != 0 || bounds.to != 0)) {
         own["from"] = finite(bounds.from, primitive);
         own["to"] = finite(bounds.to, primitive);
     }
-    if (has_arc(kind) && bounds.zero != Vec3d{}) {
+    if (traits.has_arc() && bounds.zero != Vec3d{}) {
         own["zero"] = vector_json(bounds.zero, primitive);
         own["begin"] = finite(bounds.begin, primitive);
         own["end"] = finite(bounds.end, primitive);
@@ -127,36 +121,37 @@ Shape shape_of(const JsonFields& fields)
     Shape shape;
     shape.kind = *kind;
     shape.point = fields.vector("point");
-    if (traits.axis) shape.axis = fields.vector("axis");
-    if (traits.radius) shape.radius = fields.number("radius", true);
-    if (traits.second) shape.second = fields.number(second_name(*kind), true);
+    if (traits.has_axis()) shape.axis = fields.vector("axis");
+    for (const ShapeSize& size : traits.sizes) shape.*size.value = fields.number(size.key, true);
     try {
         check(shape);
     } catch (const Error& error) {
         fields.refuse("kind", std::string(": ") + error.what());
     }
-    if (traits.axis && std::fabs(length(shape.axis) - 1) > 4e-16)
+    if (traits.has_axis() && std::fabs(length(shape.axis) - 1) > 4e-16)
         shape.axis = normalised(shape.axis / largest_magnitude(shape.axis));
     return shape;
 }
 
 ShapeBounds bounds_of_fields(const JsonFields& fields, const Shape& shape)
 {
+    const ShapeTraits& traits = traits_of(shape.kind);
     ShapeBounds bounds;
-    if (shape.kind == ShapeKind::plane) {
+    if (traits.extent == ShapeExtent::outline) {
         std::size_t number = 0;
         for (const Json& corner : fields.list("outline", false))
             bounds.outline.push_back(
                 vector_of(corner, "corner " + std::to_string(++number) + " of " + fields.named("outline")));
         if (number == 1 || number == 2) fields.refuse("outline", " has fewer than three corners");
     }
-    if (has_length(shape.kind)) {
+    if (traits.has_length()) {
         bounds.from = fields.number("from", false, true);
         bounds.to = fields.number("to", false, true);
         if (bounds.from > bounds.to) fields.refuse("from", " is greater than 'to'");
-        if (shape.kind == ShapeKind::cone && bounds.from < 0) fields.refuse("from", " is before the cone's apex");
+        if (traits.extent == ShapeExtent::length_from_apex && bounds.from < 0)
+            fields.refuse("from", std::string(" is before the ") + traits.name + "'s apex");
     }
-    if (!has_arc(shape.kind) || !fields.has("zero")) return bounds;
+    if (!traits.has_arc() || !fields.has("zero")) return bounds;
     bounds.zero = fields.vector("zero");
     bounds.begin = fields.number("begin", true);
     bounds.end = fields.number("end", true);

@@ -1,4 +1,5 @@
 #include "pcm/detect/detect.h"
+#include "pcm/cloud/numbers.h"
 
 #include "pcm/cad/dxf_file.h"
 #include "pcm/cad/primitive_files.h"
@@ -16,8 +17,6 @@
 
 namespace pcm::cli {
 namespace {
-
-constexpr double degree = pi / 180;
 
 struct Arguments {
     Common common;
@@ -49,10 +48,10 @@ std::string row_of(const Primitive& p)
     const ShapeTraits& traits = traits_of(fit.shape.kind);
     std::string text = std::string(traits.name) + " " + rounded_text(fit.shape.point, fit.errors.position) + " +- " +
                        brief(fit.errors.position);
-    if (traits.axis)
-        text += (fit.shape.kind == ShapeKind::plane ? ", normal " : ", axis ") +
-                rounded_text(fit.shape.axis, fit.errors.angle) + " +- " + brief(fit.errors.angle / degree) + " degrees";
-    if (traits.radius)
+    if (traits.has_axis())
+        text += std::string(", ") + traits.axis_name() + " " + rounded_text(fit.shape.axis, fit.errors.angle) + " +- " +
+                brief(fit.errors.angle / degree) + " degrees";
+    if (traits.has_radius())
         text += ", radius " + rounded_text(fit.shape.radius, fit.errors.radius) + " +- " + brief(fit.errors.radius);
     if (fit.verdict != FitVerdict::good) text += "  (" + std::string(name_of(fit.verdict)) + ")";
     return text;

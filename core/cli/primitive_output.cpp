@@ -1,6 +1,7 @@
 #include "pcm/cli/primitive_output.h"
 
 #include "pcm/cad/primitive_files.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/primitive_list.h"
 #include "pcm/system/error.h"
@@ -13,8 +14,6 @@
 namespace pcm::cli {
 namespace {
 
-constexpr double degree = pi / 180;
-
 void line(const char* name, const std::string& value) { std::printf("  %-11s %s\n", name, value.c_str()); }
 
 std::string with_error(double value, double error, const char* unit = "")
@@ -25,22 +24,21 @@ std::string with_error(double value, double error, const char* unit = "")
 // An end of a shape is known as well as its points are.
 void print_bounds(const Primitive& primitive)
 {
-    const Shape& shape = primitive.fit.shape;
+    const ShapeTraits& traits = traits_of(primitive.fit.shape.kind);
     const ShapeBounds& bounds = primitive.bounds;
     const double noise = primitive.fit.noise;
-    if (!bounds.known(shape.kind)) return;
-    if (shape.kind == ShapeKind::plane)
+    if (!bounds.known(traits.kind)) return;
+    if (traits.extent == ShapeExtent::outline)
         line("area", area_text(primitive) + ", " + std::to_string(bounds.outline.size()) + " corners");
     if (bounds.from < bounds.to) line("length", rounded_text(bounds.to - bounds.from, noise));
-    if (shape.kind == ShapeKind::cylinder || shape.kind == ShapeKind::cone || shape.kind == ShapeKind::torus)
-        line("arc", brief((bounds.end - bounds.begin) / degree) + " degrees");
+    if (traits.has_arc()) line("arc", brief((bounds.end - bounds.begin) / degree) + " degrees");
 }
 
 }  // namespace
 
 std::string area_text(const Primitive& primitive)
 {
-    const OutlineArea found = outline_area(primitive.bounds.outline, primitive.points);
+    const OutlineArea found = area_of(primitive);
     return (found.uncertainty > 0 ? with_error(found.area, found.uncertainty) : brief(found.area)) + " " +
            words_of(found.form);
 }
@@ -52,18 +50,15 @@ void print_primitive(const Primitive& primitive)
     std::printf("%s: %s%s\n", traits.label, name_of(fit.verdict),
                 fit.message.empty() ? "" : (" (" + fit.message + ")").c_str());
     if (!fit.has_shape()) return;
-    const bool is_plane = fit.shape.kind == ShapeKind::plane;
-    line(is_plane || fit.shape.kind == ShapeKind::cylinder ? "point"
-         : fit.shape.kind == ShapeKind::cone               ? "apex"
-                                                           : "centre",
-         rounded_text(fit.shape.point, fit.errors.position) + " +- " + brief(fit.errors.position));
-    if (traits.axis)
-        line(is_plane ? "normal" : "axis",
+    line(traits.place.name, rounded_text(fit.shape.point, fit.errors.position) + " +- " + brief(fit.errors.position));
+    if (traits.has_axis())
+        line(traits.axis_name(),
              rounded_text(fit.shape.axis, fit.errors.angle) + " +- " + brief(fit.errors.angle / degree) + " degrees");
-    if (traits.radius) line("radius", with_error(fit.shape.radius, fit.errors.radius));
-    if (fit.shape.kind == ShapeKind::cone)
-        line("half angle", with_error(fit.shape.second / degree, fit.errors.second / degree, " degrees"));
-    if (fit.shape.kind == ShapeKind::torus) line("tube", with_error(fit.shape.second, fit.errors.second));
+    for (const ShapeSize& size : traits.sizes) {
+        const double value = fit.shape.*size.value, error = fit.errors.*size.error;
+        line(size.name, size.unit == SizeUnit::angle ? with_error(value / degree, error / degree, " degrees")
+                                                     : with_error(value, error));
+    }
     print_bounds(primitive);
     line("noise",
          brief(fit.noise) + ", within " + brief(fit.threshold) + " of the surface; condition " + brief(fit.condition));
@@ -75,8 +70,7 @@ Json json_of(const Primitive& primitive)
 {
     if (primitive.fit.has_shape()) {
         Json json = Json::parse(pcm::json_of(std::vector<Primitive>{primitive}))["primitives"][0];
-        if (const OutlineArea found = outline_area(primitive.bounds.outline, primitive.points);
-            found.form != OutlineForm::none) {
+        if (const OutlineArea found = area_of(primitive); found.form != OutlineForm::none) {
             json["area"] = found.area;
             json["area_uncertainty"] = found.uncertainty > 0 ? Json(found.uncertainty) : Json();
             json["area_of"] = name_of(found.form);

@@ -1,4 +1,5 @@
 #include "pcm/cad/primitive_files.h"
+#include "pcm/cloud/numbers.h"
 
 #include "pcm/cad/dxf_file.h"
 #include "pcm/cli/common.h"
@@ -16,8 +17,6 @@
 
 namespace pcm::cli {
 namespace {
-
-constexpr double degree = pi / 180;
 
 struct Arguments {
     Common common;
@@ -43,10 +42,11 @@ void print(const Primitive& primitive, const std::string& unit)
     std::printf("  %s\n", place_text(fit).c_str());
     std::string sizes;
     const auto add = [&](const std::string& text) { sizes += (sizes.empty() ? "  " : ", ") + text; };
-    if (traits.radius) add(value_text("radius", fit.shape.radius, fit.errors.radius, unit));
-    if (fit.shape.kind == ShapeKind::torus) add(value_text("tube", fit.shape.second, fit.errors.second, unit));
-    if (fit.shape.kind == ShapeKind::cone)
-        add(value_text("half angle", fit.shape.second / degree, fit.errors.second / degree, "deg"));
+    for (const ShapeSize& size : traits.sizes) {
+        const double value = fit.shape.*size.value, error = fit.errors.*size.error;
+        add(size.unit == SizeUnit::angle ? value_text(size.name, value / degree, error / degree, "deg")
+                                         : value_text(size.name, value, error, unit));
+    }
     if (primitive.bounds.from < primitive.bounds.to)
         add("length " + brief(primitive.bounds.to - primitive.bounds.from) + (unit.empty() ? "" : " " + unit));
     if (!primitive.bounds.outline.empty())

@@ -327,32 +327,24 @@ AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
                              PointLabels* labels)
 {
-    std::atomic<bool> stopped{false};
-    AssignOptions heard = options;
-    heard.sample.check = [&] {
-        if (stopped) throw Error(ErrorCode::cancelled, {}, "cancelled");
-        if (options.sample.check) options.sample.check();
-    };
     PartNumbers numbers;
     BorderCells border;
     UnitParts parts(units.size());
     std::atomic<std::uint64_t> looked_at{0};
     for_each_index(
         units.size(), options.threads,
-        [&](std::size_t u) {
-            for_each_sample(points, units[u], heard.sample, [&](const Box3i& box, SurfaceSample sample) {
-                looked_at += UnitAssignment(points, box, std::move(sample), hypotheses, heard)
+        [&](std::size_t u, const Stop& stop) {
+            AssignOptions here = options;
+            here.sample.check = [&] {
+                stop.check();
+                if (options.sample.check) options.sample.check();
+            };
+            for_each_sample(points, units[u], here.sample, [&](const Box3i& box, SurfaceSample sample) {
+                looked_at += UnitAssignment(points, box, std::move(sample), hypotheses, here)
                                  .run(labels, numbers, border, u, parts);
             });
         },
-        [&](std::size_t begun) {
-            try {
-                options.progress(static_cast<double>(begun) / static_cast<double>(units.size()));
-            } catch (...) {
-                stopped = true;
-                throw;
-            }
-        });
+        [&](std::size_t begun) { options.progress(static_cast<double>(begun) / static_cast<double>(units.size())); });
     AssignedPoints assigned = parts.together(border, options.least_points, options.least_sampled);
     assigned.looked_at = looked_at;
     return assigned;

@@ -1,5 +1,6 @@
 #include "pcm/detect/cloud_survey.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/detect/local_surface.h"
 
 #include <algorithm>
@@ -49,7 +50,7 @@ double noise_at(const SurfaceSample& sample, const std::vector<std::uint32_t>& p
     double noise = -1;
     for (const std::size_t size : {24, 96, 384}) {
         if (points.size() < size) break;
-        const auto surface = fit_local_surface(sample, points.data(), size, std::numeric_limits<double>::infinity());
+        const auto surface = fit_local_surface(sample, points.data(), size, infinity);
         if (!surface) break;
         noise = surface->rms;
         if (surface->extent > 8 * noise) break;

@@ -21,6 +21,7 @@
 #include "pcm/detect/shape_search.h"
 #include "pcm/detect/surface_sample.h"
 #include "pcm/detect/wider_shapes.h"
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/knn/unit_plan.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -29,7 +30,6 @@
 #include "pcm/threads/watch.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -58,13 +58,23 @@ struct Resolution {
     std::vector<Box3i> units;
 };
 
+// "plane, cylinder or sphere", "planes, cylinders and spheres"
+std::string detected_names(const std::string& ending, const std::string& last)
+{
+    const std::vector<ShapeKind> kinds = detected_kinds();
+    std::string names;
+    for (std::size_t i = 0; i < kinds.size(); ++i)
+        names += (i == 0 ? "" : i + 1 < kinds.size() ? ", " : last) + (traits_of(kinds[i]).name + ending);
+    return names;
+}
+
 void check(const DetectOptions& options, const std::filesystem::path& tree)
 {
     const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::invalid_argument, tree, what); };
-    if (options.kinds.empty()) refuse("no kind of shape is to be detected; choose plane, cylinder or sphere");
+    if (options.kinds.empty()) refuse("no kind of shape is to be detected; choose " + detected_names("", " or "));
     for (const ShapeKind kind : options.kinds)
-        if (kind == ShapeKind::cone || kind == ShapeKind::torus)
-            refuse("detection finds planes, cylinders and spheres; a " + std::string(traits_of(kind).name) +
+        if (!model_of(kind).like)
+            refuse("detection finds " + detected_names("s", " and ") + "; a " + traits_of(kind).name +
                    " is found at a picked place (pcmlab fit)");
     const auto distance = [&](double value, const char* name) {
         if (!(value >= 0) || !std::isfinite(value))
@@ -245,7 +255,7 @@ private:
         for (;; cell *= coarser) {
             Resolution resolution;
             resolution.sample = {
-                level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, check_};
+                level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, {}};
             resolution.units = units_of(cell);
             all.push_back(std::move(resolution));
             if (all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
@@ -254,26 +264,17 @@ private:
         return all;
     }
 
-    // Runs work(i) by all threads; progress within a part of the whole.
-    template <class Work>
-    void run_all(std::size_t count, double begin, double end, const char* stage, const Work& work)
-    {
-        for_each_index(count, threads_, work, [&](std::size_t begun) {
-            try {
-                watch_.report(stage, begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(count));
-            } catch (...) {
-                stopped_ = true;
-                throw;
-            }
-        });
-    }
-
     void search(Resolution& resolution)
     {
         std::vector<std::vector<Hypothesis>> found(resolution.units.size());
         const double end = progress_ + 0.3 * (0.6 - progress_) + (resolution.units.size() > 1 ? 0.2 : 0);
-        run_all(found.size(), progress_, std::min(0.6, end), "Searching shapes",
-                [&](std::size_t u) { found[u] = search_unit(resolution, resolution.units[u]); });
+        const double part = (std::min(0.6, end) - progress_) / static_cast<double>(found.size());
+        for_each_index(
+            found.size(), threads_,
+            [&](std::size_t u, const Stop& stop) { found[u] = search_unit(resolution, resolution.units[u], stop); },
+            [&](std::size_t begun) {
+                watch_.report("Searching shapes", progress_ + part * static_cast<double>(begun));
+            });
         progress_ = std::min(0.6, end);
         for (std::vector<Hypothesis>& some : found)
             for (Hypothesis& one : some) hypotheses_.push_back(std::move(one));
@@ -320,15 +321,19 @@ private:
         hypotheses_ = with_wider_shapes(points_, std::move(hypotheses_), widen);
     }
 
-    std::vector<Hypothesis> search_unit(const Resolution& resolution, const Box3i& box) const
+    std::vector<Hypothesis> search_unit(const Resolution& resolution, const Box3i& box, const Stop& stop) const
     {
         std::vector<Hypothesis> found;
-        for_each_sample(points_, box, resolution.sample,
-                        [&](const Box3i&, const SurfaceSample& sample) { search_sample(resolution, sample, found); });
+        SampleSettings settings = resolution.sample;
+        settings.check = [&] { stop.check(); };
+        for_each_sample(points_, box, settings, [&](const Box3i&, const SurfaceSample& sample) {
+            search_sample(resolution, sample, settings.check, found);
+        });
         return found;
     }
 
-    void search_sample(const Resolution& resolution, const SurfaceSample& sample, std::vector<Hypothesis>& found) const
+    void search_sample(const Resolution& resolution, const SurfaceSample& sample, const std::function<void()>& check,
+                       std::vector<Hypothesis>& found) const
     {
         std::vector<std::uint8_t> taken(sample.size(), 0);
         mark_explained(sample, resolution.sample.cell, taken);
@@ -340,7 +345,7 @@ private:
         search.least = resolution.sample.cell > report_.sample
                            ? least_coarse
                            : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
-        search.check = check_;
+        search.check = check;
         for (const FoundShape& shape : search_shapes(sample, search, taken)) {
             Hypothesis one;
             one.shape = shape.shape;
@@ -402,16 +407,20 @@ private:
     const ChosenPoints points_;
     Watch watch_;
     unsigned threads_ = 1;
-    std::atomic<bool> stopped_{false};
-    const std::function<void()> check_ = [this] {
-        if (stopped_) throw Error(ErrorCode::cancelled, {}, "cancelled");
-    };
     double progress_ = 0.02;
     std::vector<Hypothesis> hypotheses_;
     DetectReport report_;
 };
 
 }  // namespace
+
+std::vector<ShapeKind> detected_kinds()
+{
+    std::vector<ShapeKind> kinds;
+    for (const ShapeTraits& row : shape_kinds())
+        if (model_of(row.kind).like) kinds.push_back(row.kind);
+    return kinds;
+}
 
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
 {

@@ -1,4 +1,4 @@
-// Finds all planes, cylinders and spheres of a cloud.
+// Finds all planes, cylinders and spheres of a cloud: the shapes of the kinds that detected_kinds() names.
 #pragma once
 
 #include "pcm/cloud/selection.h"
@@ -18,8 +18,11 @@ namespace pcm {
 
 class PointLabels;
 
+// Those whose shapes are found: the kinds whose models say what bends as they do (fit/models/shape_model.h).
+std::vector<ShapeKind> detected_kinds();
+
 struct DetectOptions {
-    std::vector<ShapeKind> kinds{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};  // no others
+    std::vector<ShapeKind> kinds = detected_kinds();  // no others
     double threshold = 0;              // largest distance of a point from its surface, source units; 0: from the noise
     std::uint64_t least_points = 500;  // of a primitive
     double normal_angle = 0.35;        // largest angle between a point's normal and the surface's, radians

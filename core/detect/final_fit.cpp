@@ -7,7 +7,6 @@
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <mutex>
@@ -145,23 +144,17 @@ private:
     void visit(double begin, double end, const See& see, const Done& done)
     {
         const std::size_t nodes = points_.tree().nodes().size();
-        std::atomic<bool> stopped{false};
         for_each_index(
             groups, options_.threads,
-            [&](std::size_t g) {
-                for (std::size_t n = g * nodes / groups; n < (g + 1) * nodes / groups && !stopped; ++n) {
+            [&](std::size_t g, const Stop& stop) {
+                for (std::size_t n = g * nodes / groups; n < (g + 1) * nodes / groups && !stop.asked(); ++n) {
                     const auto node = static_cast<NodeId>(n);
                     if (points_.tree().node(node).points > 0) see(g, node);
                 }
-                if (!stopped) done(g);
+                if (!stop.asked()) done(g);
             },
             [&](std::size_t begun) {
-                try {
-                    options_.progress(begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(groups));
-                } catch (...) {
-                    stopped = true;
-                    throw;
-                }
+                options_.progress(begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(groups));
             });
     }
 

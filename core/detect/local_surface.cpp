@@ -1,5 +1,8 @@
 #include "pcm/detect/local_surface.h"
 
+#include "pcm/cloud/numbers.h"
+#include "pcm/fit/models/shape_model.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
 
@@ -83,7 +86,7 @@ std::optional<LocalSurface> fit_local_surface(const SurfaceSample& sample, const
     if (!(size > 0) || !std::isfinite(size)) return std::nullopt;
     for (Vec3d& p : flat) p = p / size;
     std::size_t used = 0;
-    const auto first = solve(flat, Vector6::Zero(), std::numeric_limits<double>::infinity(), used);
+    const auto first = solve(flat, Vector6::Zero(), infinity, used);
     if (!first) return std::nullopt;
     const auto second = solve(flat, first->values, threshold / size, used);
     if (!second) return std::nullopt;
@@ -116,29 +119,20 @@ std::vector<Shape> shapes_like(const LocalSurface& surface, const std::vector<Sh
         std::swap(k1, k2);
         towards = angle;
     }
-    const double doubt = 4 * surface.curvature_error, slope = 1 + surface.c1 * surface.c1 + surface.c2 * surface.c2;
-    const bool curved = std::fabs(k1) > 0.5 * doubt && std::isfinite(1 / k1);
+    const Vec3d along = std::cos(towards) * surface.x + std::sin(towards) * surface.y;
+    SurfaceBend bend;
+    bend.place = top;
+    bend.up = up;
+    bend.straight = normalised(along - dot(along, up) * up);
+    bend.k1 = k1;
+    bend.k2 = k2;
+    bend.steepness = 1 + surface.c1 * surface.c1 + surface.c2 * surface.c2;
+    bend.doubt = 4 * surface.curvature_error;
     std::vector<Shape> shapes;
     for (const ShapeKind kind : kinds) {
         Shape shape;
-        shape.kind = kind;
-        shape.point = top;
-        shape.axis = up;
-        if (kind == ShapeKind::plane) {
-            shapes.push_back(shape);
-        } else if (kind == ShapeKind::cylinder && curved && std::fabs(k2) <= doubt + 0.4 * std::fabs(k1)) {
-            const Vec3d along = std::cos(towards) * surface.x + std::sin(towards) * surface.y;
-            const Vec3d across = along - dot(along, up) * up;
-            shape.axis = normalised(across);
-            shape.radius = std::sqrt(slope) / std::fabs(k1);
-            shape.point = top + std::copysign(shape.radius, k1) * up;
-            shapes.push_back(shape);
-        } else if (kind == ShapeKind::sphere && curved && std::fabs(k1 - k2) <= doubt + 0.5 * std::fabs(k1)) {
-            shape.radius = std::sqrt(slope) / std::fabs(0.5 * (k1 + k2));
-            if (!std::isfinite(shape.radius)) continue;
-            shape.point = top + std::copysign(shape.radius, k1) * up;
-            shapes.push_back(shape);
-        }
+        const auto like = model_of(kind).like;
+        if (like && like(bend, shape)) shapes.push_back(shape);
     }
     return shapes;
 }

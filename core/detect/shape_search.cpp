@@ -126,7 +126,7 @@ private:
         std::size_t plane = 0;
         for (const Shape& shape : shapes_like(*surface, options_.kinds)) {
             FoundShape grown = grow(shape, {points.begin(), points.begin() + static_cast<std::ptrdiff_t>(used)});
-            const bool flat = shape.kind == ShapeKind::plane;
+            const bool flat = traits_of(shape.kind).is_flat();
             if (flat) plane = grown.points.size();
             if (grown.points.size() < options_.least) continue;
             if (!flat && (static_cast<double>(grown.points.size()) < curved_gain * static_cast<double>(plane) ||

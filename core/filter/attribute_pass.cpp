@@ -1,6 +1,7 @@
 #include "pcm/filter/attribute_pass.h"
 
 #include "pcm/filter/two_surfaces.h"
+#include "pcm/system/seconds.h"
 #include "pcm/tree/point_size.h"
 
 #include <algorithm>
@@ -270,7 +271,7 @@ NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeO
     const auto start = std::chrono::steady_clock::now();
     if (clock)
         search.level_of_unit = [&](double done, std::size_t units) -> std::optional<std::uint16_t> {
-            const double passed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            const double passed = seconds_since(start);
             const std::size_t level = clock->next(passed, done, units);
             if (level + 1 >= cache.tree().info().levels) return {};
             return static_cast<std::uint16_t>(level);

@@ -71,7 +71,7 @@ double ChanceTest::share(const ShapeModel& model, const Shape& shape, double thr
 double ChanceTest::log_alarms(const ShapeModel& model, double share, double inliers) const
 {
     // Some points determine the shape.
-    const auto free = static_cast<double>(model.parameters);
+    const auto free = static_cast<double>(model.parameters());
     const double n = static_cast<double>(points_.size()) - free, near = inliers - free;
     if (!(n > 0) || !(near > 0)) return 0;
     const double part = std::min(near / n, 1.0);

@@ -11,8 +11,7 @@ namespace pcm {
 namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_parameters, most_parameters>;
-constexpr double infinite = std::numeric_limits<double>::infinity();
-// Limits for a curvature in units of its own error.
+// Of a curvature in units of its own error.
 constexpr double least_significance = 5, good_significance = 10;
 // How far the points are from a plane, in units of their noise: errors that many points share bend a plane as much.
 constexpr double least_bend = 0.25;
@@ -25,11 +24,7 @@ struct Numbers {
 
 Numbers numbers_of(const Shape& shape, const Vec3d& middle)
 {
-    Numbers numbers{shape.point, shape.axis, shape.radius, shape.second};
-    const Vec3d d = middle - shape.point;
-    if (shape.kind == ShapeKind::plane) numbers.place = middle - dot(d, shape.axis) * shape.axis;
-    if (shape.kind == ShapeKind::cylinder) numbers.place = shape.point + dot(d, shape.axis) * shape.axis;
-    return numbers;
+    return {traits_of(shape.kind).place_near(shape, middle), shape.axis, shape.radius, shape.second};
 }
 
 // Maximum standard deviation in any direction.
@@ -41,7 +36,7 @@ double largest(const Eigen::Matrix3d& covariance)
 ShapeErrors errors_of(const ShapeModel& model, const SurfacePatch& patch, const Matrix& covariance, const Vec3d& middle,
                       const double* unit)
 {
-    const auto p = static_cast<Eigen::Index>(model.parameters);
+    const auto p = static_cast<Eigen::Index>(model.parameters());
     Eigen::Matrix<double, 8, Eigen::Dynamic> by(8, p);
     for (Eigen::Index j = 0; j < p; ++j) {
         std::array<double, most_parameters> step{};
@@ -59,11 +54,13 @@ ShapeErrors errors_of(const ShapeModel& model, const SurfacePatch& patch, const 
     }
     const Eigen::Matrix<double, 8, 8> all = by * covariance * by.transpose();
     ShapeErrors errors;
-    const ShapeTraits& row = traits_of(model.kind);
+    const ShapeTraits& row = model.traits;
     errors.position = largest(all.block<3, 3>(0, 0));
-    if (row.axis) errors.angle = largest(all.block<3, 3>(3, 3));
-    if (row.radius) errors.radius = std::sqrt(std::max(0.0, all(6, 6)));
-    if (row.second) errors.second = std::sqrt(std::max(0.0, all(7, 7)));
+    if (row.has_axis()) errors.angle = largest(all.block<3, 3>(3, 3));
+    for (const ShapeSize& size : row.sizes) {
+        const int at = size.value == &Shape::radius ? 6 : 7;
+        errors.*size.error = std::sqrt(std::max(0.0, all(at, at)));
+    }
     return errors;
 }
 
@@ -90,34 +87,12 @@ void doubt(ShapeFit& fit, FitVerdict verdict, FitIssue issue, const std::string&
     fit.message = message;
 }
 
-// Sizes in units of their errors. `flat`: how far the points are from lying in a plane; `other`: how certain other
-// sizes are.
-struct Significance {
-    double flat = infinite, other = infinite;
-};
-
-Significance significance_of(const Shape& shape, const ShapeErrors& errors)
-{
-    switch (shape.kind) {
-        case ShapeKind::plane:
-            return {};
-        case ShapeKind::cylinder:
-        case ShapeKind::sphere:
-            return {shape.radius / errors.radius, infinite};
-        case ShapeKind::cone:
-            return {(pi / 2 - shape.second) / errors.second, shape.second / errors.second};
-        case ShapeKind::torus:
-            break;
-    }
-    return {shape.second / errors.second, shape.radius / errors.radius};
-}
-
 void judge_size(const Shape& shape, double used, ShapeFit& fit)
 {
-    const auto [flat, other] = significance_of(shape, fit.errors);
+    const auto [flat, other] = model_of(shape.kind).significance(shape, fit.errors);
     if (!(flat >= least_significance)) {
-        fit.errors.radius = shape.kind == ShapeKind::cone ? 0 : infinite;
-        fit.errors.position = infinite;
+        fit.errors.radius = traits_of(shape.kind).has_radius() ? infinity : 0;
+        fit.errors.position = infinity;
         doubt(fit, FitVerdict::refused, FitIssue::coplanar,
               "the points are a plane within their noise: fit a plane, or take points farther around the shape");
     } else if (!(std::min(flat, other) >= good_significance) || !(flat >= least_bend * std::sqrt(used))) {
@@ -137,30 +112,30 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
                 const Vec3d& middle, double extent, const double* scatter)
 {
     ShapeFit fit;
-    const auto p = static_cast<Eigen::Index>(model.parameters);
+    const auto p = static_cast<Eigen::Index>(model.parameters());
     fit.inliers = sums.inliers;
     fit.rms = sums.used > 0 ? std::sqrt(sums.squares / sums.used) : 0;
-    if (sums.inliers < model.parameters) {
+    if (sums.inliers < model.parameters()) {
         doubt(fit, FitVerdict::refused, FitIssue::too_few_points,
               "fewer points than determine the shape are within the threshold");
         return fit;
     }
-    const double freedom = sums.used / std::max(1.0, sums.used - static_cast<double>(model.parameters));
+    const double freedom = sums.used / std::max(1.0, sums.used - static_cast<double>(model.parameters()));
     fit.noise = noise * std::sqrt(freedom);
     Matrix a = Matrix::Zero(p, p);
     const auto unit = parameter_units(model, extent);
-    for (std::size_t j = 0; j < model.parameters; ++j)
-        for (std::size_t k = j; k < model.parameters; ++k) {
+    for (std::size_t j = 0; j < model.parameters(); ++j)
+        for (std::size_t k = j; k < model.parameters(); ++k) {
             const auto row = static_cast<Eigen::Index>(j), column = static_cast<Eigen::Index>(k);
             a(row, column) = a(column, row) = sums.products[j * most_parameters + k] * unit[j] * unit[k];
         }
     const Eigen::SelfAdjointEigenSolver<Matrix> system(a);
     const double least = system.eigenvalues()[0], most = system.eigenvalues()[p - 1];
-    fit.condition = least > 0 ? most / least : infinite;
+    fit.condition = least > 0 ? most / least : infinity;
     if (!(fit.condition < 1e15)) {
-        fit.condition = infinite;
-        fit.errors = {infinite, traits_of(model.kind).axis ? infinite : 0, traits_of(model.kind).radius ? infinite : 0,
-                      traits_of(model.kind).second ? infinite : 0};
+        fit.condition = infinity;
+        fit.errors = {infinity, model.traits.has_axis() ? infinity : 0, 0, 0};
+        for (const ShapeSize& size : model.traits.sizes) fit.errors.*size.error = infinity;
         doubt(fit, FitVerdict::doubtful, FitIssue::thin_arc,
               "the points cover too little of the shape to determine it: take points farther around it");
         return fit;
@@ -191,16 +166,16 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
 
 bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums)
 {
-    constexpr double min_curvature = 6;  // in units of the noise
-    const auto [flat, other] = significance_of(shape, fit.errors);
-    return fit.has_shape() && std::min(flat, other) < min_curvature * std::sqrt(sums.used);
+    constexpr double surely_curved = 6;  // by so much of the noise
+    const auto [flat, other] = model_of(shape.kind).significance(shape, fit.errors);
+    return fit.has_shape() && std::min(flat, other) < surely_curved * std::sqrt(sums.used);
 }
 
 void to_source_units(ShapeFit& fit, double unit)
 {
     fit.errors.position *= unit;
-    fit.errors.radius *= unit;
-    if (fit.shape.kind == ShapeKind::torus) fit.errors.second *= unit;
+    for (const ShapeSize& size : traits_of(fit.shape.kind).sizes)
+        if (size.unit == SizeUnit::length) fit.errors.*size.error *= unit;
     fit.threshold *= unit;
     fit.noise *= unit;
     fit.rms *= unit;

@@ -1,5 +1,7 @@
 #include "pcm/fit/least_squares.h"
 
+#include "pcm/cloud/numbers.h"
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -16,14 +18,14 @@ using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_par
 bool step_of(const ShapeModel& model, const PatchSums& sums, double extent, double damping,
              std::array<double, most_parameters>& step)
 {
-    const auto p = static_cast<Eigen::Index>(model.parameters);
+    const auto p = static_cast<Eigen::Index>(model.parameters());
     Matrix a = Matrix::Zero(p, p);
     Vector g = Vector::Zero(p);
     const auto scale = parameter_units(model, extent);
-    for (std::size_t j = 0; j < model.parameters; ++j) {
+    for (std::size_t j = 0; j < model.parameters(); ++j) {
         const auto row = static_cast<Eigen::Index>(j);
         g[row] = sums.gradient[j] * scale[j];
-        for (std::size_t k = j; k < model.parameters; ++k) {
+        for (std::size_t k = j; k < model.parameters(); ++k) {
             const auto column = static_cast<Eigen::Index>(k);
             a(row, column) = a(column, row) = sums.products[j * most_parameters + k] * scale[j] * scale[k];
         }
@@ -33,7 +35,7 @@ bool step_of(const ShapeModel& model, const PatchSums& sums, double extent, doub
     for (Eigen::Index j = 0; j < p; ++j) a(j, j) += damping * a(j, j) + least;
     const Vector x = a.ldlt().solve(-g);
     if (!x.allFinite()) return false;
-    for (std::size_t j = 0; j < model.parameters; ++j) step[j] = x[static_cast<Eigen::Index>(j)] * scale[j];
+    for (std::size_t j = 0; j < model.parameters(); ++j) step[j] = x[static_cast<Eigen::Index>(j)] * scale[j];
     return true;
 }
 
@@ -87,7 +89,7 @@ PolishedPatch descended(const ShapeModel& model, const SurfacePatch& start, cons
                 best.sums = sums_of(model, best.patch, points, band, mixture);
         }
         std::array<double, most_parameters> step{};
-        if (best.sums.inliers < model.parameters || !step_of(model, best.sums, extent, damping, step)) return best;
+        if (best.sums.inliers < model.parameters() || !step_of(model, best.sums, extent, damping, step)) return best;
         const double gain = gain_of(best.sums, step);
         // Weights fall with the distance, so that a step of full length goes about that much too short.
         if (weighted && damping == 0)
@@ -134,14 +136,14 @@ SurfacePatch improved(const ShapeModel& model, const SurfacePatch& start, const 
 BandFacts band_facts(const ShapeModel& model, const PolishedPatch& polished, const WorkingPoints& points,
                      double threshold)
 {
-    const auto p = static_cast<Eigen::Index>(model.parameters);
+    const auto p = static_cast<Eigen::Index>(model.parameters());
     Matrix a = Matrix::Zero(p, p);
     for (Eigen::Index j = 0; j < p; ++j)
         for (Eigen::Index k = j; k < p; ++k)
             a(j, k) = a(k, j) =
                 polished.sums.products[static_cast<std::size_t>(j) * most_parameters + static_cast<std::size_t>(k)];
     const Matrix inverse = a.ldlt().solve(Matrix::Identity(p, p));
-    if (!inverse.allFinite()) return {1, std::numeric_limits<double>::infinity()};
+    if (!inverse.allFinite()) return {1, infinity};
     return facts_of(model, polished.patch, points, threshold, inverse.data());
 }
 

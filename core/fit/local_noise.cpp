@@ -1,4 +1,5 @@
 // The threshold that points' own noise asks for.
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/near_tree.h"
 #include "pcm/fit/random_numbers.h"
 #include "pcm/fit/shape_fit.h"
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace pcm {
@@ -137,7 +137,7 @@ double mode_of(std::vector<double> values)
     std::sort(values.begin(), values.end());
     const std::size_t part = std::max<std::size_t>(1, values.size() / 3);
     std::size_t best = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     for (std::size_t i = 0; i + part <= values.size(); ++i) {
         const double ratio = values[i] > 0 ? values[i + part - 1] / values[i] : values[i + part - 1] > 0 ? least : 1;
         if (ratio < least) {

@@ -1,7 +1,8 @@
 #include "pcm/fit/near_tree.h"
 
+#include "pcm/cloud/numbers.h"
+
 #include <algorithm>
-#include <limits>
 
 namespace pcm {
 namespace {
@@ -57,7 +58,7 @@ void NearTree::nearest(const Vec3d& place, std::size_t count, std::vector<Near>&
     Waiting waiting[64];
     std::size_t many = 0;
     waiting[many++] = {0, 0};
-    double worst = std::numeric_limits<double>::infinity();
+    double worst = infinity;
     while (many > 0) {
         const Waiting next = waiting[--many];
         if (next.square > worst) continue;

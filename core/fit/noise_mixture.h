@@ -1,12 +1,12 @@
 // What the distances of the points near a surface are made of: Gaussian noise, and others that are anywhere.
 #pragma once
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/block_loops.h"
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 
 namespace pcm {
 
@@ -22,8 +22,7 @@ struct DistanceBins {
 class NoiseMixture {
 public:
     // `deviation`: as a mixture of about these points learned it; 0: not known.
-    explicit NoiseMixture(double threshold = std::numeric_limits<double>::infinity(), double share = 1,
-                          double deviation = 0);
+    explicit NoiseMixture(double threshold = infinity, double share = 1, double deviation = 0);
 
     // By expectation maximisation, from what is known before; nothing changes where that differs by less than can be
     // seen. Where points are few, or the threshold is within the noise, all count as if they belonged to the surface.

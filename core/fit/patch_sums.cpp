@@ -109,7 +109,7 @@ PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const Work
                   const PatchBand& band, const NoiseMixture* mixture, DistanceBins* bins)
 {
     PatchSums sums;
-    sums.parameters = model.parameters;
+    sums.parameters = model.parameters();
     const std::size_t n = std::min(points.size(), band.points);
     const BlockLoops& loops = block_loops();
     const bool counted = bins && mixture && mixture->needs_bins();
@@ -162,7 +162,7 @@ bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const Workin
                 }
                 if (!summed) continue;
                 filled[at] = true;
-                for (std::size_t j = 0; j < model.parameters; ++j)
+                for (std::size_t j = 0; j < model.parameters(); ++j)
                     pulls[at][j] += weights.weight[i] * block.distance[i] * block.by[j][i];
             }
         }
@@ -170,8 +170,8 @@ bool scatter_of(const ShapeModel& model, const SurfacePatch& patch, const Workin
     if (blocks < static_cast<double>(least_blocks)) return false;
     scatter.fill(0);
     for (const auto& pull : pulls)
-        for (std::size_t j = 0; j < model.parameters; ++j)
-            for (std::size_t k = 0; k < model.parameters; ++k)
+        for (std::size_t j = 0; j < model.parameters(); ++j)
+            for (std::size_t k = 0; k < model.parameters(); ++k)
                 scatter[j * most_parameters + k] += pull[j] * pull[k] * blocks / (blocks - 1);
     return true;
 }
@@ -184,7 +184,7 @@ BandFacts facts_of(const ShapeModel& model, const SurfacePatch& patch, const Wor
     for (std::size_t first = 0; first < points.size(); first += patch_block) {
         const std::size_t count = std::min(patch_block, points.size() - first);
         model.differentiate(patch, &points.x[first], &points.y[first], &points.z[first], count, block);
-        block_loops().facts(block, count, model.parameters, inverse, threshold, facts);
+        block_loops().facts(block, count, model.parameters(), inverse, threshold, facts);
     }
     if (!(facts.within > 0) || !(facts.sum > 0)) return {};
     return {std::min(1.0, facts.around / 2 / facts.within), facts.largest * facts.within / facts.sum};
@@ -193,7 +193,7 @@ BandFacts facts_of(const ShapeModel& model, const SurfacePatch& patch, const Wor
 std::array<double, most_parameters> parameter_units(const ShapeModel& model, double extent)
 {
     std::array<double, most_parameters> units{};
-    for (std::size_t j = 0; j < model.parameters; ++j) units[j] = std::pow(extent, model.dimension[j] - 1);
+    for (std::size_t j = 0; j < model.parameters(); ++j) units[j] = std::pow(extent, model.dimension[j] - 1);
     return units;
 }
 

@@ -1,6 +1,7 @@
 // The normal equations of points about a patch.
 #pragma once
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/noise_mixture.h"
 #include "pcm/fit/working_points.h"
@@ -12,8 +13,8 @@ namespace pcm {
 
 // Which points count.
 struct PatchBand {
-    double threshold = std::numeric_limits<double>::infinity();
-    double least_cosine = -1;  // minimum cosine of the angle between normals; below 0: not compared
+    double threshold = infinity;
+    double least_cosine = -1;  // of the angle between normals; below 0: not compared
     std::size_t points = std::numeric_limits<std::size_t>::max();  // the first of them
     const double* support = nullptr;                               // a factor of each point's weight; null: 1
     double share = 1;      // share of the points within the threshold that belong to the surface

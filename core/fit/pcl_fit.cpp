@@ -4,6 +4,7 @@
 #include "pcm/fit/pcl/pcl_module.h"
 #include "pcm/fit/shape_sums.h"
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 #include "pcm/system/shared_module.h"
 
 #include <algorithm>
@@ -22,8 +23,6 @@ const SharedModule& module()
     static const SharedModule loaded = load_shared_module(module_file, pcl_module_symbol, pcl_module_version);
     return loaded;
 }
-
-double elapsed_seconds(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
 
 struct Extent {
     Vec3d low{}, high{};
@@ -62,29 +61,6 @@ struct Stop {
     }
 };
 
-// PCL's coefficients about `middle`.
-Shape shape_of(ShapeKind kind, const double* c, const Vec3d& middle)
-{
-    Shape shape;
-    shape.kind = kind;
-    if (kind == ShapeKind::plane) {
-        const Vec3d n{c[0], c[1], c[2]};
-        shape.axis = normalised(n);
-        shape.point = middle + (-c[3] / length(n)) * shape.axis;
-        return shape;
-    }
-    shape.point = middle + Vec3d{c[0], c[1], c[2]};
-    if (kind == ShapeKind::sphere) {
-        shape.radius = c[3];
-        return shape;
-    }
-    shape.axis = normalised({c[3], c[4], c[5]});
-    // Between the axis and a line from the apex along the surface; PCL's distances have no other sign of the axis win.
-    if (kind == ShapeKind::cone) shape.second = c[6];
-    if (kind == ShapeKind::cylinder) shape.radius = std::fabs(c[6]);
-    return shape;
-}
-
 void refuse(ShapeFit& fit, FitIssue issue, std::string message)
 {
     fit.verdict = FitVerdict::refused;
@@ -116,7 +92,7 @@ bool has_pcl() { return has_shared_module(module_file); }
 
 std::string why_no_pcl() { return module().functions ? std::string() : module().missing; }
 
-bool pcl_has(ShapeKind kind) { return kind != ShapeKind::torus; }
+bool pcl_has(ShapeKind kind) { return model_of(kind).pcl; }
 
 PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, const PclOptions& pcl)
 {
@@ -128,11 +104,12 @@ PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, cons
         throw Error(ErrorCode::unsupported, {}, "the backend PCL has no " + std::string(traits_of(options.kind).name),
                     "choose another shape, or the backend own");
     PclRequest request{};
-    request.kind = options.kind;
+    const ShapeModel& model = model_of(options.kind);
+    request.model = model.pcl->model;
     request.estimator = options.estimator;
     Stop stop{options};
     if (points.size() == 0) return {};
-    const bool with_normals = options.kind == ShapeKind::cylinder || options.kind == ShapeKind::cone;
+    const bool with_normals = model.needs_normals;
     if (with_normals && !points.has_normals()) {
         FitPoints copy = points;
         estimate_normals(copy);
@@ -172,7 +149,7 @@ PclShape pcl_shape(const FitPoints& points, const ShapeFitOptions& options, cons
     PclShape result;
     result.samples = answer.samples;
     if (!found) return result;
-    result.shape = shape_of(options.kind, answer.coefficients, points.origin + middle);
+    result.shape = model.pcl->shape_of(answer.coefficients, points.origin + middle);
     result.found = is_proper(result.shape);
     return result;
 }
@@ -212,7 +189,7 @@ ShapeFit pcl_fit(const FitPoints& points, const ShapeFitOptions& options)
     fit.threshold = threshold;
     fit.inliers = inliers;
     fit.iterations = found.samples;
-    fit.seconds = elapsed_seconds(begin);
+    fit.seconds = seconds_since(begin);
     return fit;
 }
 

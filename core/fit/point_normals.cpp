@@ -1,11 +1,11 @@
 #include "pcm/fit/point_normals.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/shape_fit.h"
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
-#include <limits>
 
 namespace pcm {
 namespace {
@@ -47,7 +47,7 @@ double SampleNormals::unevenness(std::size_t i)
 {
     const PlaneNear plane =
         plane_near(tree(), points_.x, points_.y, points_.z, points_.at(i), sample_neighbours, near_);
-    return dot(plane.normal, plane.normal) > 0 ? plane.rms : std::numeric_limits<double>::infinity();
+    return dot(plane.normal, plane.normal) > 0 ? plane.rms : infinity;
 }
 
 Vec3d SampleNormals::at(std::size_t i)

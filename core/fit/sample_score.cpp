@@ -1,8 +1,9 @@
 #include "pcm/fit/sample_score.h"
 
+#include "pcm/cloud/numbers.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pcm {
 namespace {
@@ -57,8 +58,7 @@ std::size_t SampleScore::distances(const Shape& shape, std::size_t first)
     model_.distances(shape, &points_.x[first], &points_.y[first], &points_.z[first], count, distances_.data());
     if (least_cosine_ > 0)
         for (std::size_t i = 0; i < count; ++i)
-            if (std::fabs(distances_[i]) <= threshold_ && !fits_normal(shape, first + i))
-                distances_[i] = std::numeric_limits<double>::infinity();
+            if (std::fabs(distances_[i]) <= threshold_ && !fits_normal(shape, first + i)) distances_[i] = infinity;
     return count;
 }
 
@@ -82,7 +82,7 @@ SampleScore::Value SampleScore::summed(const Shape& shape, const Value& best)
         if (many && first + block == first_points) {
             value.of_first = value.score;
             if (value.score > best.of_first + chance * std::sqrt(static_cast<double>(first_points))) {
-                value.score = std::numeric_limits<double>::infinity();
+                value.score = infinity;
                 return value;
             }
         }

@@ -7,6 +7,7 @@
 #include "pcm/fit/shape_search.h"
 #include "pcm/fit/working_points.h"
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 
 #include <algorithm>
 #include <chrono>
@@ -26,8 +27,6 @@ constexpr double most_noise = 0.55, most_flat_chance = 0.15;
 constexpr double fine_tolerance = 1e-7;  // steps of a three-thousandth of the errors are the last ones
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 [[noreturn]] void refuse_options(const std::string& what) { throw Error(ErrorCode::invalid_argument, {}, what); }
 
@@ -182,7 +181,7 @@ ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchB
                                  ? polished_sample(model, start, working, used, most_steps)
                                  : polish(model, model.patch_at(start, {}), working, band, most_steps, fine_tolerance);
     ShapeFit fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
-    if (sample && model.kind == ShapeKind::cylinder && fit.issue != FitIssue::none) {
+    if (sample && model.flat_starts > 1 && fit.issue != FitIssue::none) {
         try_other_axes(model, working, used.band, most_steps, polished);
         fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1);
     }
@@ -191,7 +190,7 @@ ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchB
         doubt(fit, FitIssue::not_converged, "least squares did not converge: the errors may be larger");
     if (used.chance > most_chance)
         doubt(fit, FitIssue::no_consensus,
-              std::string("almost as many points are next to the ") + traits_of(model.kind).name +
+              std::string("almost as many points are beside the ") + model.traits.name +
                   " as on it, so it may be there by chance: raise the number of iterations, or the threshold where the "
                   "noise is larger");
     const Shape shape = model.shape_of(polished.patch);
@@ -204,8 +203,8 @@ ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchB
 
 bool radius_in_range(const Shape& shape, const ShapeFitOptions& options)
 {
-    const double radius = shape.kind == ShapeKind::torus ? shape.second : shape.radius;
-    return !traits_of(shape.kind).radius || (radius >= options.least_radius && radius <= options.largest_radius);
+    const double radius = narrowest_radius(shape);
+    return !traits_of(shape.kind).has_radius() || (radius >= options.least_radius && radius <= options.largest_radius);
 }
 
 double cosine_of(double normal_angle) { return normal_angle < pi / 2 ? std::cos(normal_angle) : -1; }
@@ -225,7 +224,7 @@ public:
         search_.threshold = threshold;
         const SearchResult found = search_shape(working_, search_);
         samples_ += found.samples;
-        return found.found ? refitted(found.shape, threshold) : refused(model_.kind, FitIssue::no_consensus);
+        return found.found ? refitted(found.shape, threshold) : refused(model_.kind(), FitIssue::no_consensus);
     }
 
     // Points that are few for their outliers show more than their noise, and a wide band finds no surface:
@@ -305,11 +304,10 @@ private:
     void judge(Found& found) const
     {
         if (!found.fit.has_shape()) return;
-        const std::string name = traits_of(model_.kind).name;
+        const std::string name = model_.traits.name;
         const bool even = found.fit.noise > even_noise * found.fit.threshold;
         // Surfaces with a direction may lie across the points: a strip of these is evenly within the band.
-        if (even && (found.share > max_share ||
-                     (traits_of(model_.kind).axis && found.log_false_alarms > log_false_alarm_limit)))
+        if (even && (found.share > surely_wide || (model_.traits.has_axis() && found.alarms > surely_many)))
             doubt(found.fit, FitIssue::no_consensus,
                   "the points within the automatic threshold are spread evenly over it, so the " + name +
                       " may lie across them: take more points or fewer outliers, or set the threshold");
@@ -357,7 +355,7 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const Clock::time_point start = Clock::now();
     const ShapeModel& model = model_of(options.kind);
     PointSpread spread;
-    const FitIssue issue = obvious_issue(points, options.kind, model.parameters, spread);
+    const FitIssue issue = obvious_issue(points, options.kind, model.parameters(), spread);
     if (issue != FitIssue::none) return refused(options.kind, issue);
     if (options.backend == FitBackend::pcl) return pcl_fit(points, options);
     const WorkingPoints working = working_points(points, spread, options.seed);
@@ -393,7 +391,7 @@ ShapeFit refine_shape(const FitPoints& points, const Shape& start, const RefineO
     if (!(options.threshold > 0)) refuse_options("the threshold is not above 0");
     const Clock::time_point begin = Clock::now();
     PointSpread spread;
-    const FitIssue issue = obvious_issue(points, start.kind, model_of(start.kind).parameters, spread);
+    const FitIssue issue = obvious_issue(points, start.kind, model_of(start.kind).parameters(), spread);
     if (issue != FitIssue::none) return refused(start.kind, issue);
     const WorkingPoints working = working_points(points, spread, 1);
     const PatchBand band{options.threshold / working.unit, cosine_of(options.normal_angle)};

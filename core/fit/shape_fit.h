@@ -8,6 +8,7 @@
 // points and to their extent.
 #pragma once
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/fit_points.h"
 #include "pcm/shapes/fitted_shape.h"
 #include "pcm/shapes/shape.h"
@@ -15,7 +16,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -58,8 +58,8 @@ struct ShapeFitOptions {
     double seconds = 0;                // time limit: ends the search with the best so far; 0: no limit
     std::uint64_t seed = 1;            // the same seed and points give the same result where time does not end it
     // Radii (of a torus: its tube's) outside are not considered, source units.
-    double least_radius = 0, largest_radius = std::numeric_limits<double>::infinity();
-    // Maximum angle between an inlier's normal and the surface's, radians; pi / 2 or more: normals are not compared.
+    double least_radius = 0, largest_radius = infinity;
+    // Largest angle between an inlier's normal and the surface's, radians; pi / 2 or more: normals are not compared.
     double normal_angle = 4;
     FitBackend backend = FitBackend::own;
     ProgressFunction progress;  // may cancel: Error(cancelled)
@@ -71,8 +71,8 @@ struct ShapeFitOptions {
 ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options);
 
 struct RefineOptions {
-    // Points farther than this are ignored (decided again in each step); infinite: all count.
-    double threshold = std::numeric_limits<double>::infinity();
+    // Points farther than this take no part (decided again in each step); infinite: all take part.
+    double threshold = infinity;
     double normal_angle = 4;  // as in ShapeFitOptions
     unsigned most_steps = 50;
 };

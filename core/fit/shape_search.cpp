@@ -1,5 +1,6 @@
 #include "pcm/fit/shape_search.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/least_squares.h"
 #include "pcm/fit/point_normals.h"
 #include "pcm/fit/sample_draw.h"
@@ -46,7 +47,7 @@ public:
           least_cosine_(options.fit.normal_angle < pi / 2 ? std::cos(options.fit.normal_angle) : -1),
           score_(points, model_, parts_.scoring, options.threshold, least_cosine_)
     {
-        best_.score = best_.of_first = std::numeric_limits<double>::infinity();
+        best_.score = best_.of_first = infinity;
     }
 
     SearchResult run()
@@ -71,7 +72,7 @@ public:
                 near_loosely_ = std::max(near_loosely_, score_.roughly_near(result_.shape, rough_normals));
             enough = std::min<double>(options_.fit.iterations, samples_needed());
         }
-        if (model_.kind == ShapeKind::cylinder || model_.kind == ShapeKind::sphere) try_flat();
+        if (model_.flat_starts > 0) try_flat();
         return result_;
     }
 
@@ -82,7 +83,7 @@ private:
     {
         const ShapeModel& plane_model = model_of(ShapeKind::plane);
         SampleScore score(points_, plane_model, SampleScoring::count, options_.threshold, least_cosine_);
-        SampleScore::Value best{std::numeric_limits<double>::infinity(), 0, std::numeric_limits<double>::infinity()};
+        SampleScore::Value best{infinity, 0, infinity};
         // Only planes with half of the points at least.
         if (result_.found) best.score = best.of_first = static_cast<double>(points_.size() - best_.inliers / 2);
         Shape plane;
@@ -102,7 +103,7 @@ private:
         if (!found) return;
         PatchBand band{2 * options_.threshold, least_cosine_, improved_points};
         const SurfacePatch flat = improved(plane_model, plane_model.patch_at(plane, {}), points_, band, 4, 0.01);
-        for (unsigned k = 0; k < (traits_of(model_.kind).axis ? 4u : 1u); ++k) {
+        for (unsigned k = 0; k < model_.flat_starts; ++k) {
             SurfacePatch patch = models::patch_with_axis(flat.place, flat.a, flat.n);
             models::turn(patch, (k * pi / 4) * patch.n);
             patch.curvature = 1e-3;
@@ -125,9 +126,9 @@ private:
 
     bool in_range(const Shape& shape) const
     {
-        const double radius = shape.kind == ShapeKind::torus ? shape.second : shape.radius;
         if (!is_proper(shape)) return false;
-        if (!traits_of(shape.kind).radius) return true;
+        if (!traits_of(shape.kind).has_radius()) return true;
+        const double radius = narrowest_radius(shape);
         return radius >= options_.fit.least_radius && radius <= options_.fit.largest_radius && shape.radius < 1e7;
     }
 

@@ -1,5 +1,6 @@
 #include "pcm/fit/shape_sums.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/least_squares.h"
 
 #include <cmath>
@@ -11,7 +12,7 @@ ShapeSums::ShapeSums(const Shape& shape, const Vec3d& middle, double extent)
 {
     check(shape);
     patch_ = model_of(shape.kind).patch_at(scaled(shape, middle_, extent_), {});
-    sums_.parameters = model_of(shape.kind).parameters;
+    sums_.parameters = model_of(shape.kind).parameters();
 }
 
 void ShapeSums::add(const Vec3d& p)
@@ -30,7 +31,7 @@ std::optional<Shape> ShapeSums::step(double part) const
 {
     const ShapeModel& model = model_of(shape_.kind);
     std::array<double, most_parameters> step{};
-    if (sums_.inliers < model.parameters || !step_of(model, sums_, 1, 0, step)) return {};
+    if (sums_.inliers < model.parameters() || !step_of(model, sums_, 1, 0, step)) return {};
     for (double& by : step) by *= part;
     const Shape moved = model.shape_of(model.moved(patch_, step.data()));
     if (!is_proper(moved)) return {};
@@ -40,7 +41,7 @@ std::optional<Shape> ShapeSums::step(double part) const
 ShapeFit ShapeSums::result(double threshold) const
 {
     // What the cut at the threshold takes away.
-    const double cut = threshold > 0 ? threshold / extent_ : std::numeric_limits<double>::infinity();
+    const double cut = threshold > 0 ? threshold / extent_ : infinity;
     const double noise = deviation_of_cut(rms() / extent_, cut);
     PatchSums sums = sums_;
     sums.slope -= density_at_cut(noise, cut, static_cast<double>(sums.inliers));

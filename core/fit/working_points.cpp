@@ -57,16 +57,16 @@ bool all_finite(const std::vector<double>& column)
 Shape unscaled(Shape shape, const Vec3d& middle, double unit)
 {
     shape.point = middle + unit * shape.point;
-    shape.radius *= unit;
-    if (shape.kind == ShapeKind::torus) shape.second *= unit;
+    for (const ShapeSize& size : traits_of(shape.kind).sizes)
+        if (size.unit == SizeUnit::length) shape.*size.value *= unit;
     return shape;
 }
 
 Shape scaled(Shape shape, const Vec3d& middle, double unit)
 {
     shape.point = (shape.point - middle) / unit;
-    shape.radius /= unit;
-    if (shape.kind == ShapeKind::torus) shape.second /= unit;
+    for (const ShapeSize& size : traits_of(shape.kind).sizes)
+        if (size.unit == SizeUnit::length) shape.*size.value /= unit;
     return shape;
 }
 
@@ -81,7 +81,7 @@ FitIssue obvious_issue(const FitPoints& points, ShapeKind kind, std::size_t para
     const auto none = [&](double across) { return across * spread.extent <= digits || across <= 1e-7; };
     if (spread.extent <= digits) return FitIssue::coincident;
     if (none(spread.across[1])) return FitIssue::collinear;
-    if (kind != ShapeKind::plane && none(spread.across[0])) return FitIssue::coplanar;
+    if (!traits_of(kind).is_flat() && none(spread.across[0])) return FitIssue::coplanar;
     return FitIssue::none;
 }
 

@@ -1,5 +1,6 @@
 #include "pcm/knn/unit_worker.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/knn/unit_plan.h"
 #include "pcm/system/error.h"
 
@@ -9,8 +10,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // The value below which a share of the values lie, which are reordered.
 double quantile(std::vector<double>& values, double share)

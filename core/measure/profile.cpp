@@ -6,6 +6,7 @@
 #include "pcm/measure/placed_cloud.h"
 #include "pcm/measure/refuse.h"
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 
 #include <algorithm>
 #include <chrono>
@@ -138,7 +139,7 @@ Outcome visit_profile(PointCloud& cloud, const ProfileOptions& options, const Pr
             }
         outcome.points_in += cursor.statistics().points_read;
     }
-    outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    outcome.seconds = seconds_since(start);
     return outcome;
 }
 

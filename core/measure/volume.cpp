@@ -9,6 +9,7 @@
 #include "pcm/measure/refuse.h"
 #include "pcm/measure/volume_sums.h"
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/watch.h"
 
@@ -242,7 +243,7 @@ VolumeReport Volume::run()
     report_.outcome.points_out = report_.points[0] + report_.points[1];
     report_.outcome.error = report_.values()[0].uncertainty;
     report_.outcome.error_meaning = "uncertainty of the net volume (one standard deviation), source units cubed";
-    report_.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report_.outcome.seconds = seconds_since(start);
     return report_;
 }
 

@@ -1,5 +1,6 @@
 #include "pcm/pick/point_picker.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/pick/pick_cone.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -10,7 +11,6 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <memory>
 #include <queue>
 #include <tuple>
@@ -18,8 +18,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 

@@ -1,8 +1,9 @@
 #include "pcm/place/best_kind.h"
 
+#include "pcm/fit/models/shape_model.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pcm {
 namespace {
@@ -16,44 +17,7 @@ constexpr double most_radius = 200;   // of the other kind, in the noise: what i
 constexpr std::size_t enough = 3000;  // points to compare kinds
 const double gain_on_plane = std::log(2.0), gain_on_curved = std::log(1.2);  // per inlier, of a kind of higher rank
 
-int rank_of(ShapeKind kind)
-{
-    return kind == ShapeKind::plane ? 0 : kind == ShapeKind::cylinder || kind == ShapeKind::sphere ? 1 : 2;
-}
-
-std::size_t sample_of(ShapeKind kind)
-{
-    switch (kind) {
-        case ShapeKind::plane:
-            return 3;
-        case ShapeKind::sphere:
-            return 4;
-        case ShapeKind::cylinder:
-            return 5;
-        case ShapeKind::cone:
-            return 6;
-        case ShapeKind::torus:
-            return 7;
-    }
-    return 0;
-}
-
-// Of a shape's bend near a place; infinite for a plane.
-double radius_at(const Shape& shape, const Vec3d& place)
-{
-    switch (shape.kind) {
-        case ShapeKind::plane:
-            break;
-        case ShapeKind::cylinder:
-        case ShapeKind::sphere:
-            return shape.radius;
-        case ShapeKind::cone:
-            return length(cross(place - shape.point, shape.axis)) / std::cos(shape.second);
-        case ShapeKind::torus:
-            return shape.second;
-    }
-    return std::numeric_limits<double>::infinity();
-}
+int rank_of(const ShapeFit& fit) { return model_of(fit.shape.kind).rank; }
 
 }  // namespace
 
@@ -72,7 +36,8 @@ double chance_of(const ShapeFit& fit, const FitPoints& points, double depth)
     const double distance = fit.noise > 0 ? std::min(fit.threshold, inlier_noises * fit.noise) : fit.threshold;
     std::size_t inliers = 0;
     for (std::size_t i = 0; i < points.size(); ++i) inliers += distance_to(fit.shape, points.source(i)) <= distance;
-    return log_false_alarms(points.size(), inliers, sample_of(fit.shape.kind), depth > 0 ? distance / depth : 1);
+    return log_false_alarms(points.size(), inliers, model_of(fit.shape.kind).parameters(),
+                            depth > 0 ? distance / depth : 1);
 }
 
 bool is_determined(const ShapeFit& fit)
@@ -85,12 +50,14 @@ std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitP
     const bool any_good = std::any_of(fits.begin(), fits.end(), is_determined);
     std::optional<std::size_t> best;
     double least = 0;
-    for (int rank = 0; rank <= 2; ++rank) {
+    int highest = 0;
+    for (const ShapeFit& fit : fits) highest = std::max(highest, rank_of(fit));
+    for (int rank = 0; rank <= highest; ++rank) {
         std::optional<std::size_t> of_rank;
         double least_of_rank = 0;
         for (std::size_t k = 0; k < fits.size(); ++k) {
             const bool takes_part = any_good ? is_determined(fits[k]) : fits[k].has_shape();
-            if (!takes_part || rank_of(fits[k].shape.kind) != rank) continue;
+            if (!takes_part || rank_of(fits[k]) != rank) continue;
             const double chance = chance_of(fits[k], points, depth);
             if (of_rank && chance >= least_of_rank) continue;
             of_rank = k;
@@ -98,7 +65,7 @@ std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitP
         }
         if (!of_rank) continue;
         if (best) {
-            const double gain = rank_of(fits[*best].shape.kind) == 0 ? gain_on_plane : gain_on_curved;
+            const double gain = rank_of(fits[*best]) == 0 ? gain_on_plane : gain_on_curved;
             if (!(least_of_rank + gain * static_cast<double>(fits[*of_rank].inliers) < least)) continue;
         }
         best = of_rank;
@@ -130,8 +97,8 @@ std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3
             static_cast<double>(other.inliers) < least_share * static_cast<double>(some.size()) ||
             !(other.noise < least))
             continue;
-        if (fit.shape.kind == ShapeKind::plane && !(radius_at(other.shape, some.front()) < most_radius * fit.noise))
-            continue;
+        const double radius = row.bend_radius(other.shape, some.front());
+        if (traits_of(fit.shape.kind).is_flat() && !(radius < most_radius * fit.noise)) continue;
         best = row.kind;
         least = other.noise;
     }

@@ -15,21 +15,21 @@ void ExtremePoints::Ends::add(double value, const Vec3d& p)
 }
 
 ExtremePoints::ExtremePoints(const Shape& shape, const Vec3d& middle)
-    : kind_(shape.kind), point_(shape.point), middle_(middle), frame_(shape.axis)
+    : traits_(&traits_of(shape.kind)), point_(shape.point), middle_(middle), frame_(shape.axis)
 {
-    if (kind_ == ShapeKind::cylinder) around_.resize(sectors);
+    if (traits_->has_arc()) around_.resize(sectors);
 }
 
 void ExtremePoints::add(const Vec3d& p)
 {
-    if (kind_ == ShapeKind::plane) {
+    if (traits_->extent == ShapeExtent::outline) {
         hull_.push_back(p);
         if (hull_.size() >= most_) keep_hull();
         return;
     }
     const Vec3d d = p - point_;
-    along_.add(kind_ == ShapeKind::cylinder ? dot(frame_.axis, d) : 0, p);  // a sphere's bounds need one point
-    if (kind_ != ShapeKind::cylinder) return;
+    along_.add(traits_->has_length() ? dot(frame_.axis, d) : 0, p);  // a closed shape's bounds need one point
+    if (!traits_->has_arc()) return;
     const double angle = frame_.angle_of(d);
     const auto sector = static_cast<std::size_t>(std::max(0.0, (angle + pi) / (2 * pi) * sectors));
     around_[std::min(sector, sectors - 1)].add(angle, p);
@@ -53,7 +53,7 @@ void ExtremePoints::keep_hull()
 
 std::vector<Vec3d> ExtremePoints::points() const
 {
-    if (kind_ == ShapeKind::plane) {
+    if (traits_->extent == ShapeExtent::outline) {
         ExtremePoints hull = *this;
         if (!hull.hull_.empty()) hull.keep_hull();
         return hull.hull_;

@@ -1,23 +1,23 @@
 // Those of a shape's points that its bounds depend on, while the others are streamed past.
 #pragma once
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/shapes/axis_frame.h"
 #include "pcm/shapes/shape.h"
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <vector>
 
 namespace pcm {
 
 // bounds_of() the kept points is bounds_of() all points that were added, to a billionth of their extent: of a plane the
-// corners of the convex hull, of a cylinder the ends and, for each 5 degrees about its axis, the first and the last
-// point. A concave outline is none of theirs. One object by one thread.
+// corners of the convex hull, of what has a length the ends and, for each 5 degrees about an axis, the first and the
+// last point. A concave outline is none of theirs. One object by one thread.
 class ExtremePoints {
 public:
-    // `shape` must be a plane, cylinder or sphere; `middle`: a place near the points, source coordinates.
+    // `shape` must not have an apex; `middle`: a place near the points, source coordinates.
     ExtremePoints(const Shape& shape, const Vec3d& middle);
 
     void add(const Vec3d& p);              // source coordinates
@@ -26,7 +26,6 @@ public:
 
 private:
     static constexpr std::size_t sectors = 72;
-    static constexpr double infinity = std::numeric_limits<double>::infinity();
     // The points of least and largest value.
     struct Ends {
         double least = infinity, largest = -infinity;
@@ -35,7 +34,7 @@ private:
     };
     void keep_hull();
 
-    ShapeKind kind_;
+    const ShapeTraits* traits_;
     Vec3d point_{}, middle_{};
     AxisFrame frame_;
     std::vector<Vec3d> hull_;  // and points since it was computed

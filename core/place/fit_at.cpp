@@ -1,6 +1,7 @@
 #include "pcm/place/fit_at.h"
 
 #include "pcm/cloud/coordinates.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/local_fit.h"
@@ -9,12 +10,12 @@
 #include "pcm/place/surface_beyond.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -78,7 +79,7 @@ public:
                                                       part_of(options_.progress, 0.9, 1), most),
                                          options_.outline, tree_->info().bounds());
         }
-        primitive.fit.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        primitive.fit.seconds = seconds_since(start);
         return result;
     }
 
@@ -214,8 +215,7 @@ private:
     // less than half of its width.
     static double step_for(const Shape& shape, double step)
     {
-        const double width = shape.kind == ShapeKind::torus ? shape.second : shape.radius;
-        return std::max(step, std::min(4 * step, width / 2));
+        return std::max(step, std::min(4 * step, narrowest_radius(shape) / 2));
     }
 
     void take(GrownShape grown, bool is_narrow, FittedPrimitive& result) const
@@ -358,7 +358,7 @@ private:
     bool passes_places(const ShapeFit& fit, const NearPoints& near) const
     {
         return std::all_of(places_.begin(), places_.end(), [&](const Vec3d& place) {
-            double to_cloud = std::numeric_limits<double>::infinity();
+            double to_cloud = infinity;
             for (std::size_t i = 0; i < near.ids.size(); ++i)
                 to_cloud = std::min(to_cloud, length(near.points.source(i) - place));
             return distance_to(fit.shape, place) <= to_cloud + farthest_place(fit);
@@ -413,7 +413,7 @@ double automatic_step(const std::vector<Vec3d>& inliers)
         std::size_t from, to;
     };
     if (count < 2) return 0;
-    std::vector<Edge> nearest(count, {std::numeric_limits<double>::infinity(), 0, 0}), edges;
+    std::vector<Edge> nearest(count, {infinity, 0, 0}), edges;
     std::vector<bool> joined(count, false);
     for (std::size_t last = 0;;) {
         joined[last] = true;

@@ -1,5 +1,6 @@
 #include "pcm/place/local_fit.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/pcl_fit.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/even_noise.h"
@@ -10,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -279,11 +279,9 @@ private:
         if (!holds_noise(before)) return false;
         if (!holds_noise(fit) && !evidence_of(fit, near).has_shared_errors()) return true;
         if (fit.shape.kind == before.shape.kind) return false;
-        const bool has_more = sizes_of(fit.shape.kind) > sizes_of(before.shape.kind);
+        const bool has_more = traits_of(fit.shape.kind).sizes.size() > traits_of(before.shape.kind).sizes.size();
         return fit.noise > (has_more ? most_noise_wider : most_noise_raised) * before.noise;
     }
-
-    static int sizes_of(ShapeKind kind) { return int(traits_of(kind).radius) + int(traits_of(kind).second); }
 
     // Half of the former inliers are still near.
     static bool follows(const ShapeFit& fit, const LocalFit& best)
@@ -315,7 +313,7 @@ private:
     void leave_out_noisier(const NearPoints& near, std::vector<ShapeFit>& fits) const
     {
         if (options_.fit.threshold > 0) return;
-        double least = std::numeric_limits<double>::infinity();
+        double least = infinity;
         for (const ShapeFit& fit : fits)
             if (is_determined(fit) && holds_noise(fit) && share_of(fit, near) >= least_share && passes(fit, near))
                 least = std::min(least, fit.noise);

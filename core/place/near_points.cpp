@@ -3,6 +3,7 @@
 #include "pcm/bpc/chunk.h"
 #include "pcm/cloud/box_distance.h"
 #include "pcm/cloud/coordinates.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/place/normal_column.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -12,7 +13,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 #include <numeric>
 #include <queue>
 #include <tuple>
@@ -21,7 +21,6 @@
 namespace pcm {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr std::size_t most_asked = 10000000;
 constexpr std::size_t spacing_sample = 256;
 

@@ -14,7 +14,7 @@ constexpr int most_halvings = 7;
 // Half the way that the distance from the surface changes by in the box, at most.
 double half_change(const Shape& shape, const Box3d& box)
 {
-    if (shape.kind != ShapeKind::plane) return box.diagonal() / 2;
+    if (!traits_of(shape.kind).is_flat()) return box.diagonal() / 2;
     double sum = 0;
     for (std::size_t a = 0; a < 3; ++a) sum += std::fabs(shape.axis[a]) * box.extent(a) / 2;
     return sum;
@@ -62,8 +62,10 @@ void NearShape::narrow(const Chunk& chunk, const std::vector<Vec3d>& positions, 
 // Of what distances in the box, and of the box's own numbers.
 double NearShape::rounding_at(const Box3d& box) const
 {
-    return 1e-14 * (std::max(largest_magnitude(box.min), largest_magnitude(box.max)) + largest_magnitude(shape_.point) +
-                    shape_.radius + (shape_.kind == ShapeKind::torus ? shape_.second : 0.0));
+    double sum = std::max(largest_magnitude(box.min), largest_magnitude(box.max)) + largest_magnitude(shape_.point);
+    for (const ShapeSize& size : traits_of(shape_.kind).sizes)
+        if (size.unit == SizeUnit::length) sum += shape_.*size.value;
+    return 1e-14 * sum;
 }
 
 BoxRelation NearShape::relation_by_distance(const Box3d& box, int halvings) const
@@ -71,7 +73,7 @@ BoxRelation NearShape::relation_by_distance(const Box3d& box, int halvings) cons
     const double distance = distance_to(shape_, box.centre()), half = half_change(shape_, box) + rounding_at(box);
     if (distance > threshold_ + half) return BoxRelation::outside;
     if (distance + half <= threshold_) return least_cosine_ ? BoxRelation::crosses : BoxRelation::inside;
-    if (halvings == 0 || shape_.kind == ShapeKind::plane) return BoxRelation::crosses;
+    if (halvings == 0 || traits_of(shape_.kind).is_flat()) return BoxRelation::crosses;
     std::size_t widest = 0;
     for (std::size_t a = 1; a < 3; ++a)
         if (box.extent(a) > box.extent(widest)) widest = a;

@@ -139,15 +139,8 @@ private:
 
 double quotient(double change, double error)
 {
-    if (!(change > 0) || error == std::numeric_limits<double>::infinity()) return 0;
+    if (!(change > 0) || error == infinity) return 0;
     return change / error;
-}
-
-// Of the axis nearest to the place; of what has no axis, the centre.
-Vec3d nearest_on_axis(const Shape& shape, const Vec3d& place)
-{
-    if (shape.kind != ShapeKind::cylinder) return shape.point;
-    return shape.point + dot(shape.axis, place - shape.point) * shape.axis;
 }
 
 }  // namespace
@@ -155,14 +148,15 @@ Vec3d nearest_on_axis(const Shape& shape, const Vec3d& place)
 double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle)
 {
     const double side = dot(from.axis, to.axis) < 0 ? -1 : 1;  // a plane's normal has any sign
-    const double moved = from.kind == ShapeKind::plane
+    const ShapeTraits& traits = traits_of(from.kind);
+    const double moved = traits.is_flat()
                              ? std::fabs(signed_distance(from, middle) - side * signed_distance(to, middle))
-                             : length(nearest_on_axis(from, middle) - nearest_on_axis(to, middle));
+                             : length(traits.place_near(from, middle) - traits_of(to.kind).place_near(to, middle));
     double most = quotient(moved, errors.position);
-    if (traits_of(from.kind).axis)
+    if (traits.has_axis())
         most = std::max(most, quotient(std::asin(std::min(1.0, length(cross(from.axis, to.axis)))), errors.angle));
-    if (traits_of(from.kind).radius) most = std::max(most, quotient(std::fabs(from.radius - to.radius), errors.radius));
-    if (traits_of(from.kind).second) most = std::max(most, quotient(std::fabs(from.second - to.second), errors.second));
+    for (const ShapeSize& size : traits.sizes)
+        most = std::max(most, quotient(std::fabs(from.*size.value - to.*size.value), errors.*size.error));
     return most;
 }
 

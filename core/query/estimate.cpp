@@ -3,6 +3,7 @@
 #include "pcm/bpc/chunk_header.h"
 #include "pcm/query/chunk_stream.h"
 #include "pcm/query/read_rates.h"
+#include "pcm/system/seconds.h"
 #include "pcm/tree/selected_nodes.h"
 #include "pcm/tree/tree_index.h"
 
@@ -174,7 +175,7 @@ Estimate make_estimate(L2Cache& cache, const ReadRates& rates, const Query& quer
 {
     const auto start = std::chrono::steady_clock::now();
     Estimate estimate = Estimator(cache, query, columns, precision).run(rates);
-    estimate.own_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    estimate.own_seconds = seconds_since(start);
     return estimate;
 }
 

@@ -3,6 +3,7 @@
 #include "pcm/cloud/box_distance.h"
 #include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/morton.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/knn/point_search.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -22,8 +23,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 double seconds_now()
 {

@@ -1,6 +1,7 @@
 #include "pcm/select/grow.h"
 
 #include "pcm/knn/unit_plan.h"
+#include "pcm/select/box_tree.h"
 #include "pcm/select/flood.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/select/surroundings_test.h"
@@ -52,7 +53,6 @@ bool on_border(const Box3d& box, const Vec3d& p)
 struct Unit {
     Box3d box, reach;  // reach: grown by the distance
     bool queued = false, visited = false, complete = false;
-    std::vector<std::size_t> neighbours;  // units whose `reach` touches the box
 };
 
 class Growth {
@@ -110,9 +110,9 @@ private:
             unit.reach = grown(unit.box, distance_);
             units_.push_back(std::move(unit));
         }
-        for (Unit& unit : units_)
-            for (std::size_t v = 0; v < units_.size(); ++v)
-                if (&units_[v] != &unit && units_[v].reach.intersects(unit.box)) unit.neighbours.push_back(v);
+        std::vector<Box3d> reaches;
+        for (const Unit& unit : units_) reaches.push_back(unit.reach);
+        reaches_ = BoxTree(std::move(reaches));
     }
 
     // A scan for positions by the thread of one unit: of points that pass the test, or of the set. Either may be null.
@@ -139,10 +139,10 @@ private:
                 positions.push_back(position(found, i));
                 box.extend(positions.back());
             }
+            const std::vector<std::uint32_t> near = units_near(box, positions);
             const std::lock_guard lock(mutex_);
             seeds.set(found.node, found.numbers);
-            for (Unit& unit : units_)
-                if (unit.reach.intersects(box)) queue(unit, positions);
+            for (const std::uint32_t u : near) units_[u].queued = true;
         });
         if (options_.surroundings) narrow_seeds(seeds);
         reached_ = std::move(seeds);
@@ -194,11 +194,16 @@ private:
         return rounding_(tree_.info().grid.to_source(found.part.chunk.positions->grid(index)));
     }
 
-    // Held: mutex_.
-    static void queue(Unit& unit, const std::vector<Vec3d>& reached)
+    // Those that have some of the positions, all of which lie in the box, within reach. Boxes of units do not change.
+    std::vector<std::uint32_t> units_near(const Box3d& box, const std::vector<Vec3d>& positions) const
     {
-        const auto near = [&](const Vec3d& p) { return unit.reach.contains(p); };
-        unit.queued = unit.queued || std::any_of(reached.begin(), reached.end(), near);
+        std::vector<std::uint32_t> near = positions.empty() ? std::vector<std::uint32_t>() : reaches_.touching(box);
+        const auto is_far = [&](std::uint32_t u) {
+            const auto reaches = [&](const Vec3d& p) { return units_[u].reach.contains(p); };
+            return std::none_of(positions.begin(), positions.end(), reaches);
+        };
+        near.erase(std::remove_if(near.begin(), near.end(), is_far), near.end());
+        return near;
     }
 
     void visit(Unit& unit)
@@ -284,9 +289,11 @@ private:
                 by_node[places[i].node].push_back(places[i].number);
                 positions.push_back(flood.point(i));
             }
+        const std::vector<std::uint32_t> near = units_near(unit.box, positions);
         const std::lock_guard lock(mutex_);
         for (const auto& [node, numbers] : by_node) reached_.combine(SetOperation::add, node, numbers);
-        for (const std::size_t v : unit.neighbours) queue(units_[v], positions);
+        for (const std::uint32_t u : near)
+            if (&units_[u] != &unit) units_[u].queued = true;
         return positions.size();
     }
 
@@ -299,6 +306,7 @@ private:
     std::mutex mutex_;  // guards reached_ and the flags of units_
     PointSet reached_;
     std::vector<Unit> units_;
+    BoxTree reaches_;  // of units_
 };
 
 }  // namespace

@@ -34,8 +34,8 @@ struct ShapeBounds {
 
     bool known(ShapeKind kind) const
     {
-        return kind == ShapeKind::plane ? !outline.empty()
-                                        : kind == ShapeKind::sphere || kind == ShapeKind::torus || from < to;
+        const ShapeExtent extent = traits_of(kind).extent;
+        return extent == ShapeExtent::outline ? !outline.empty() : extent == ShapeExtent::closed || from < to;
     }
 };
 

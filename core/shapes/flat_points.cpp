@@ -1,15 +1,15 @@
 #include "pcm/shapes/flat_points.h"
 
+#include "pcm/cloud/numbers.h"
+
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace pcm {
 namespace {
 
 std::vector<Vec2d> rectangle_along(const Vec2d& d, const std::vector<Vec2d>& points)
 {
-    constexpr double infinity = std::numeric_limits<double>::infinity();
     Vec2d low{infinity, infinity}, high{-infinity, -infinity};
     for (const Vec2d& p : points) {
         const Vec2d turned{p[0] * d[0] + p[1] * d[1], p[1] * d[0] - p[0] * d[1]};
@@ -84,7 +84,7 @@ std::vector<Vec2d> least_rectangle(const std::vector<Vec2d>& hull)
         return i;
     };
     Vec2d best{1, 0};
-    double least = std::numeric_limits<double>::infinity();
+    double least = infinity;
     std::size_t right = 0, top = 0, left = 0;
     for (std::size_t i = 0; i < count; ++i) {
         const Vec2d &a = hull[i], &b = hull[(i + 1) % count];

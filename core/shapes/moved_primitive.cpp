@@ -39,7 +39,7 @@ Primitive moved(Primitive primitive, const Affine& map)
     };
     Shape& shape = primitive.fit.shape;
     shape.point = motion(shape.point);
-    if (traits_of(shape.kind).axis) shape.axis = normalised(turned(shape.axis));
+    if (traits_of(shape.kind).has_axis()) shape.axis = normalised(turned(shape.axis));
     for (Vec3d& corner : primitive.bounds.outline) corner = motion(corner);
     if (primitive.bounds.zero != Vec3d{}) primitive.bounds.zero = normalised(turned(primitive.bounds.zero));
     return primitive;

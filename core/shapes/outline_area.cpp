@@ -1,5 +1,7 @@
 #include "pcm/shapes/outline_area.h"
 
+#include "pcm/shapes/primitive.h"
+
 #include <cmath>
 
 namespace pcm {
@@ -58,6 +60,11 @@ OutlineArea outline_area(const std::vector<Vec3d>& corners, std::uint64_t points
     }
     if (points > 0) found.uncertainty = perimeter * std::sqrt(found.area / static_cast<double>(points)) / 2;
     return found;
+}
+
+OutlineArea area_of(const Primitive& primitive)
+{
+    return traits_of(primitive.fit.shape.kind).area(primitive.bounds, primitive.points);
 }
 
 std::string words_of(OutlineForm form)

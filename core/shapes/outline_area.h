@@ -30,6 +30,12 @@ struct OutlineArea {
 // to 1e-6. Any thread.
 OutlineArea outline_area(const std::vector<Vec3d>& corners, std::uint64_t points);
 
+struct Primitive;
+OutlineArea area_of(const Primitive& primitive);  // by the row of its kind
+
+struct ShapeBounds;
+inline OutlineArea no_area(const ShapeBounds&, std::uint64_t) { return {}; }  // of a kind that has no outline
+
 // "in the rectangle around its points", "in the convex outline of its points", ...; empty for none.
 std::string words_of(OutlineForm form);
 

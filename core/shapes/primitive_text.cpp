@@ -7,12 +7,9 @@ namespace pcm {
 std::string place_text(const ShapeFit& fit)
 {
     const ShapeTraits& traits = traits_of(fit.shape.kind);
-    const bool is_plane = fit.shape.kind == ShapeKind::plane, is_cylinder = fit.shape.kind == ShapeKind::cylinder;
-    const char* place = is_plane || is_cylinder             ? " through "
-                        : fit.shape.kind == ShapeKind::cone ? " with its apex at "
-                                                            : " about ";
-    std::string text = traits.name + (place + rounded_text(fit.shape.point, fit.errors.position));
-    if (traits.axis) text += (is_plane ? ", normal " : ", axis ") + rounded_text(fit.shape.axis, fit.errors.angle);
+    std::string text = traits.name + (traits.place.in + rounded_text(fit.shape.point, fit.errors.position));
+    if (traits.has_axis())
+        text += std::string(", ") + traits.axis_name() + " " + rounded_text(fit.shape.axis, fit.errors.angle);
     return text;
 }
 

@@ -21,8 +21,7 @@ struct MeshOptions {
 // The faces of a cylinder, cone, sphere or torus, in source coordinates, all corners on its surface. Closed, with caps:
 // neighbours share corners to the bit. A torus whose arc is not a whole circle ends there with caps. None where the
 // length is not known, and of a plane. Throws Error(invalid_argument) for more than 1,000,000 faces.
-void mesh_shape(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options,
-                const std::function<void(const MeshFace&)>& visit);
+void mesh_shape(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options, const FaceVisitor& visit);
 
 // Lines in space that show a shape without its faces: rims and straight lines of a cylinder or cone, three great
 // circles of a sphere, circles of a torus. All corners are on the surface. Circles across the z axis are not among

@@ -1,6 +1,7 @@
 #include "pcm/tree/verify.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 #include "pcm/threads/crew.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
@@ -214,7 +215,7 @@ VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, co
     std::sort(report.notes.begin(), report.notes.end());
     report.outcome.error = info.position_error;
     report.outcome.error_meaning = "largest position error, source units";
-    report.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    report.outcome.seconds = seconds_since(start);
     return report;
 }
 

@@ -1,5 +1,6 @@
 #include "pcm/tree/verify_levels.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/threads/crew.h"
 #include "pcm/threads/thread_count.h"
@@ -14,7 +15,6 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t tile_points = 1'000'000;  // chosen points that are measured together
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // A box of the cloud at one level.
 struct Tile {

@@ -1,4 +1,5 @@
 // Detect Primitives: all planes, cylinders and spheres of a cloud.
+#include "pcm/cloud/numbers.h"
 #include "pcm/detect/detect.h"
 
 #include "pcm/shapes/primitive_text.h"
@@ -24,7 +25,6 @@ namespace pcm::host {
 
 namespace {
 
-constexpr double degree = pi / 180;
 constexpr std::array<std::array<std::uint8_t, 3>, 3> colours{{{90, 190, 255}, {255, 200, 0}, {120, 220, 90}}};
 
 void add_parameters(RichParameterList& parameters)
@@ -90,7 +90,7 @@ DetectOptions options_of(const FilterRun& run, const PrimitiveCloud& cloud)
 // ", radius 0.2000"
 std::string radius_text(const ShapeFit& fit)
 {
-    if (!traits_of(fit.shape.kind).radius) return {};
+    if (!traits_of(fit.shape.kind).has_radius()) return {};
     return ", radius " + rounded_text(fit.shape.radius, fit.errors.radius);
 }
 

@@ -1,4 +1,5 @@
 // Fit Primitive: a shape at given places of a cloud, followed through it.
+#include "pcm/cloud/numbers.h"
 #include "pcm/place/fit_at.h"
 
 #include "pcm/filter/set_points.h"
@@ -22,8 +23,6 @@
 namespace pcm::host {
 
 namespace {
-
-constexpr double degree = pi / 180;
 
 void add_shape_parameters(RichParameterList& parameters)
 {

@@ -29,7 +29,7 @@ QString text_with(double value, double uncertainty, const char* dimension, const
 // "area" is that of the points' outline; a rectangle around them is called one.
 void add_area(const Primitive& primitive, const std::string& unit, Lines& lines)
 {
-    const OutlineArea found = outline_area(primitive.bounds.outline, primitive.points);
+    const OutlineArea found = area_of(primitive);
     lines.emplace_back(found.form == OutlineForm::rectangle ? "rectangle" : "area",
                        text_with(found.area, found.uncertainty, "^2", unit));
 }
@@ -40,34 +40,29 @@ void add_sizes(const Primitive& primitive, const std::string& unit, Lines& lines
     const ShapeErrors& errors = primitive.fit.errors;
     const ShapeBounds& bounds = primitive.bounds;
     const ShapeTraits& traits = traits_of(shape.kind);
-    if (traits.radius) lines.emplace_back("radius", text_with(shape.radius, errors.radius, "", unit));
-    if (shape.kind == ShapeKind::cone)
-        lines.emplace_back("half angle", text_with(shape.second * degrees, errors.second * degrees, "deg", unit));
-    if (shape.kind == ShapeKind::torus)
-        lines.emplace_back("tube's radius", text_with(shape.second, errors.second, "", unit));
+    for (const ShapeSize& size : traits.sizes) {
+        const double value = shape.*size.value, error = errors.*size.error;
+        lines.emplace_back(size.label, size.unit == SizeUnit::angle
+                                           ? text_with(value * degrees, error * degrees, "deg", unit)
+                                           : text_with(value, error, "", unit));
+    }
     if (!bounds.known(shape.kind)) return;
-    if (shape.kind == ShapeKind::plane) add_area(primitive, unit, lines);
+    if (traits.extent == ShapeExtent::outline) add_area(primitive, unit, lines);
     if (bounds.from < bounds.to) lines.emplace_back("length", text_with(bounds.to - bounds.from, 0, "", unit));
-    if (traits.axis && shape.kind != ShapeKind::plane)
-        lines.emplace_back("arc", text_with((bounds.end - bounds.begin) * degrees, 0, "deg", unit));
+    if (traits.has_arc()) lines.emplace_back("arc", text_with((bounds.end - bounds.begin) * degrees, 0, "deg", unit));
 }
 
 void add_place(const Primitive& primitive, const std::string& unit, Lines& lines)
 {
     const Shape& shape = primitive.fit.shape;
     const ShapeErrors& errors = primitive.fit.errors;
-    const bool centred = shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::torus;
-    lines.emplace_back(centred                             ? "centre"
-                       : shape.kind == ShapeKind::cone     ? "apex"
-                       : shape.kind == ShapeKind::cylinder ? "point of the axis"
-                                                           : "point",
-                       QString::fromStdString(rounded_text(shape.point, errors.position)));
+    const ShapeTraits& traits = traits_of(shape.kind);
+    lines.emplace_back(traits.place.label, QString::fromStdString(rounded_text(shape.point, errors.position)));
     lines.emplace_back("σ of the place", text_with(errors.position, 0, "", unit));
-    if (!traits_of(shape.kind).axis) return;
+    if (!traits.has_axis()) return;
     const double tilt = std::acos(std::clamp(std::fabs(shape.axis[2]), 0.0, 1.0)) * degrees;
-    lines.emplace_back(shape.kind == ShapeKind::plane ? "normal" : "axis",
-                       QString::fromStdString(rounded_text(shape.axis, errors.angle)));
-    lines.emplace_back(shape.kind == ShapeKind::plane ? "slope" : "from the vertical",
+    lines.emplace_back(traits.axis_name(), QString::fromStdString(rounded_text(shape.axis, errors.angle)));
+    lines.emplace_back(traits.is_flat() ? "slope" : "from the vertical",
                        text_with(tilt, errors.angle * degrees, "deg", unit));
 }
 
@@ -91,7 +86,7 @@ std::vector<Annotation> drawn_primitive(const Primitive& primitive, const std::o
         for (const Vec3d& p : annotation.line) box.extend(p);
         annotation.closed = line.closed;
         annotation.colour = style.colour;
-        const bool outline = primitive.fit.shape.kind == ShapeKind::plane && !line.is_axis;
+        const bool outline = traits_of(primitive.fit.shape.kind).extent == ShapeExtent::outline && !line.is_axis;
         annotation.width_px = (outline ? 2 : 1) + (style.strong ? 1 : 0);
         annotation.on_top = style.strong;
         drawn.push_back(std::move(annotation));

@@ -56,9 +56,9 @@ void expect_equal(const Primitive& a, const Primitive& b)
     const ShapeTraits& traits = traits_of(a.fit.shape.kind);
     EXPECT_EQ(a.fit.shape.kind, b.fit.shape.kind);
     EXPECT_EQ(a.fit.shape.point, b.fit.shape.point);
-    if (traits.axis) EXPECT_EQ(a.fit.shape.axis, b.fit.shape.axis);
-    if (traits.radius) EXPECT_EQ(a.fit.shape.radius, b.fit.shape.radius);
-    if (traits.second) EXPECT_EQ(a.fit.shape.second, b.fit.shape.second);
+    if (traits.has_axis()) EXPECT_EQ(a.fit.shape.axis, b.fit.shape.axis);
+    if (traits.has_radius()) EXPECT_EQ(a.fit.shape.radius, b.fit.shape.radius);
+    if (traits.has_size(&Shape::second)) EXPECT_EQ(a.fit.shape.second, b.fit.shape.second);
     EXPECT_EQ(a.fit.verdict, b.fit.verdict);
     EXPECT_EQ(a.fit.issue, b.fit.issue);
     EXPECT_EQ(a.fit.message, b.fit.message);

@@ -99,8 +99,9 @@ protected:
             EXPECT_LE(std::fabs(dot(d, truth.axis)), sigmas * fit.errors.position);
         else
             EXPECT_LE(length(d - dot(d, truth.axis) * truth.axis), sigmas * fit.errors.position);
-        if (traits_of(truth.kind).axis) EXPECT_LE(length(cross(fit.shape.axis, truth.axis)), sigmas * fit.errors.angle);
-        if (traits_of(truth.kind).radius)
+        if (traits_of(truth.kind).has_axis())
+            EXPECT_LE(length(cross(fit.shape.axis, truth.axis)), sigmas * fit.errors.angle);
+        if (traits_of(truth.kind).has_radius())
             EXPECT_LE(std::fabs(fit.shape.radius - truth.radius), sigmas * fit.errors.radius);
     }
 
@@ -150,6 +151,7 @@ TEST_F(Detect, PCM_NOT_UNDER_THREAD(OnlyTheKindsAskedForAndInsideOfTheSelection)
 {
     make(scene, 0.002);
     DetectOptions options;
+    EXPECT_EQ(options.kinds, (std::vector<ShapeKind>{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere}));
     options.kinds = {ShapeKind::sphere};
     DetectReport report = detect(options);
     ASSERT_GE(report.primitives.size(), 1u);
@@ -294,18 +296,22 @@ TEST_F(Detect, PrimitivesBelowTheLeastNumberOfPointsAreLeftOut)
 TEST_F(Detect, RefusesOptionsOutOfRange)
 {
     make({corner});
+    std::string message;
     const auto refused = [&](const std::function<void(DetectOptions&)>& change) {
         DetectOptions options;
         change(options);
         try {
             detect_primitives(tree_, options);
         } catch (const Error& error) {
+            message = error.what();
             return error.code() == ErrorCode::invalid_argument;
         }
         return false;
     };
     EXPECT_TRUE(refused([](DetectOptions& o) { o.kinds.clear(); }));
+    EXPECT_NE(message.find("choose plane, cylinder or sphere"), std::string::npos) << message;
     EXPECT_TRUE(refused([](DetectOptions& o) { o.kinds = {ShapeKind::cone}; }));
+    EXPECT_NE(message.find("finds planes, cylinders and spheres; a cone is found at"), std::string::npos);
     EXPECT_TRUE(refused([](DetectOptions& o) { o.threshold = -1; }));
     EXPECT_TRUE(refused([](DetectOptions& o) { o.threshold = std::nan(""); }));
     EXPECT_TRUE(refused([](DetectOptions& o) { o.step = std::numeric_limits<double>::infinity(); }));

@@ -48,12 +48,12 @@ TEST(ChanceBounds, BoundsTheBinomialTail)
 {
     for (const ShapeKind kind : {ShapeKind::plane, ShapeKind::sphere, ShapeKind::cylinder}) {
         const ShapeModel& model = model_of(kind);
-        const auto free = double(model.parameters);
+        const auto free = double(model.parameters());
         std::size_t below = 0, none = 0;
         for (const std::size_t size : {30u, 200u, 1000u}) {
             const WorkingPoints points = points_in({1, 1, 1}, size);
             const ChanceTest test(points);
-            const std::size_t n = size - model.parameters;
+            const std::size_t n = size - model.parameters();
             for (const double share : {0.01, 0.08, 0.3, 0.5, 0.9})
                 for (std::size_t near = 1; near <= n; near += 1 + n / 37) {
                     const double alarms = test.log_alarms(model, share, double(near) + free);
@@ -78,12 +78,12 @@ TEST(ChanceBounds, BoundsTheBinomialTail)
 TEST(ChanceBounds, NeedsMorePointsThanParameters)
 {
     const ShapeModel& model = model_of(ShapeKind::plane);
-    const WorkingPoints few = points_in({1, 1, 1}, model.parameters), more = points_in({1, 1, 1}, 100);
+    const WorkingPoints few = points_in({1, 1, 1}, model.parameters()), more = points_in({1, 1, 1}, 100);
     EXPECT_EQ(ChanceTest(few).log_alarms(model, 1e-6, double(few.size())), 0);
-    EXPECT_EQ(ChanceTest(more).log_alarms(model, 1e-6, double(model.parameters)), 0);
-    EXPECT_LT(ChanceTest(more).log_alarms(model, 1e-6, double(model.parameters) + 8), 0);
+    EXPECT_EQ(ChanceTest(more).log_alarms(model, 1e-6, double(model.parameters())), 0);
+    EXPECT_LT(ChanceTest(more).log_alarms(model, 1e-6, double(model.parameters()) + 8), 0);
     // All of them: the tail is the share to the power of their number.
-    const double all = ChanceTest(more).log_alarms(model, 0.01, 100), free = double(model.parameters);
+    const double all = ChanceTest(more).log_alarms(model, 0.01, 100), free = double(model.parameters());
     EXPECT_NEAR(all, 0.8 * free * std::log(100) + (100 - free) * std::log(0.01), 1e-9);
 }
 

@@ -22,7 +22,7 @@ const Shape torus{ShapeKind::torus, {0.3, 0.1, 0.2}, axis, 0.5, 0.15};
 // The radius where there is one, else the distance of the true place, else the angle.
 double size_error(const Shape& shape, const Shape& truth)
 {
-    if (traits_of(truth.kind).radius) return shape.radius - truth.radius;
+    if (traits_of(truth.kind).has_radius()) return shape.radius - truth.radius;
     return truth.kind == ShapeKind::plane ? signed_distance(shape, truth.point) : shape.second - truth.second;
 }
 double angle_error(const Shape& shape, const Shape& truth)
@@ -66,9 +66,9 @@ Trial trial_of(const Shape& shape, SceneOptions scene_options, ShapeFitOptions o
         if (!fit.has_shape()) continue;
         trial.size.push_back(size_error(fit.shape, scene.truth));
         trial.angle.push_back(angle_error(fit.shape, scene.truth));
-        const double error = traits_of(shape.kind).radius     ? fit.errors.radius
-                             : shape.kind == ShapeKind::plane ? fit.errors.position
-                                                              : fit.errors.second;
+        const double error = traits_of(shape.kind).has_radius() ? fit.errors.radius
+                             : shape.kind == ShapeKind::plane   ? fit.errors.position
+                                                                : fit.errors.second;
         trial.pulls.push_back(trial.size.back() / error);
     }
     return trial;

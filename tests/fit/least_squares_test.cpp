@@ -13,7 +13,7 @@ using namespace scenes;
 WorkingPoints working_of(const FitPoints& points, ShapeKind kind)
 {
     PointSpread spread;
-    EXPECT_EQ(obvious_issue(points, kind, model_of(kind).parameters, spread), FitIssue::none);
+    EXPECT_EQ(obvious_issue(points, kind, model_of(kind).parameters(), spread), FitIssue::none);
     return working_points(points, spread, 1);
 }
 
@@ -45,7 +45,7 @@ TEST(LeastSquares, EndsWhereStepsWouldChangeNothing)
                 const SurfacePatch start = model.patch_at(from, {});
                 const PolishedPatch last = polish(model, start, points, band, 200, 1e-15);
                 // Of the error of each parameter: to first order a distance's is noise * sqrt(parameters / points).
-                const double error = last.noise() * std::sqrt(static_cast<double>(model.parameters) / last.sums.used);
+                const double error = last.noise() * std::sqrt(static_cast<double>(model.parameters()) / last.sums.used);
                 for (const double enough : {1e-2, 1e-7}) {
                     const PolishedPatch found = polish(model, start, points, band, 50, enough);
                     EXPECT_TRUE(found.converged) << traits_of(shape.kind).name;

@@ -15,16 +15,16 @@ void expect_own_numbers(const Shape& shape, ShapeKind kind)
 {
     const ShapeTraits& row = traits_of(kind);
     EXPECT_EQ(shape.kind, kind);
-    if (!row.radius) EXPECT_EQ(shape.radius, 0) << row.name;
-    if (!row.second) EXPECT_EQ(shape.second, 0) << row.name;
+    if (!row.has_radius()) EXPECT_EQ(shape.radius, 0) << row.name;
+    if (!row.has_size(&Shape::second)) EXPECT_EQ(shape.second, 0) << row.name;
 }
 
 TEST(ShapeModels, OneRowPerKindWithConsistentNumbers)
 {
     for (const ShapeTraits& row : shape_kinds()) {
         const ShapeModel& model = model_of(row.kind);
-        EXPECT_EQ(model.kind, row.kind);
-        EXPECT_LE(model.parameters, most_parameters);
+        EXPECT_EQ(model.kind(), row.kind);
+        EXPECT_LE(model.parameters(), most_parameters);
         EXPECT_LE(model.sampled, most_sampled);
     }
 }
@@ -87,7 +87,7 @@ TEST(ShapeModels, DerivativesAreThoseOfMoves)
                 return block;
             };
             const PatchBlock block = distances(patch);
-            for (std::size_t j = 0; j < model.parameters; ++j) {
+            for (std::size_t j = 0; j < model.parameters(); ++j) {
                 std::array<double, most_parameters> step{};
                 const double small = 1e-5;
                 step[j] = small;

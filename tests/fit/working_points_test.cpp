@@ -76,7 +76,9 @@ TEST(WorkingPoints, AShapeGoesThereAndBack)
         const Shape working = scaled(shape, {2, 4, 6}, 4);
         EXPECT_EQ(working.point, (Vec3d{2, 4, 6}));
         EXPECT_EQ(working.axis, shape.axis);
-        EXPECT_EQ(working.radius, 1.5);
+        for (const ShapeSize& size : traits.sizes)
+            EXPECT_EQ(working.*size.value, shape.*size.value / (size.unit == SizeUnit::length ? 4 : 1)) << size.key;
+        EXPECT_EQ(traits.has_radius(), working.radius == 1.5);
         EXPECT_EQ(working.second, traits.kind == ShapeKind::torus ? 0.5 : shape.second) << "angles stay";
         const Shape back = unscaled(working, {2, 4, 6}, 4);
         EXPECT_EQ(back.point, shape.point);

@@ -8,10 +8,13 @@ namespace {
 
 TEST(Shapes, TheTableIsInTheOrderOfTheKinds)
 {
-    for (std::size_t i = 0; i < shape_kinds().size(); ++i) {
-        EXPECT_EQ(static_cast<std::size_t>(shape_kinds()[i].kind), i);
-        EXPECT_EQ(shape_kind(shape_kinds()[i].name), shape_kinds()[i].kind);
+    std::size_t place = 0;
+    for (const ShapeTraits& row : shape_kinds()) {
+        EXPECT_EQ(static_cast<std::size_t>(row.kind), place++);
+        EXPECT_EQ(shape_kind(row.name), row.kind);
+        EXPECT_EQ(&traits_of(row.kind), &row);
     }
+    EXPECT_EQ(place, 5u);
     EXPECT_FALSE(shape_kind("cube"));
 }
 

@@ -8,6 +8,7 @@
 #include "pcm/offscreen/scene.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
+#include "pcm/system/seconds.h"
 #include "pcm/threads/thread_count.h"
 
 #include <algorithm>
@@ -21,8 +22,6 @@ namespace pcm::cli {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 struct Drawn {
     FrameReport report;

@@ -2,6 +2,7 @@
 // `second` is the angle by which it widens along `a`, and of f, the distance from the cylinder, and h along `a`, the
 // distance is f cos - h sin. So a cone that is almost a cylinder is well scaled.
 #include "pcm/fit/models/shape_models.h"
+#include "pcm/fit/pcl/pcl_module.h"
 
 #include <Eigen/LU>
 
@@ -109,12 +110,26 @@ SurfacePatch moved(const SurfacePatch& patch, const double* step)
     return result;
 }
 
+Significance significance(const Shape& shape, const ShapeErrors& errors)
+{
+    return {(pi / 2 - shape.second) / errors.second, shape.second / errors.second};
+}
+
+// Between the axis and a line from the apex along the surface; PCL's distances have no other sign of the axis win.
+Shape shape_of_pcl(const double* c, const Vec3d& middle)
+{
+    return {ShapeKind::cone, middle + Vec3d{c[0], c[1], c[2]}, normalised({c[3], c[4], c[5]}), 0, c[6]};
+}
+
+constexpr PclForm pcl{PclModel::cone, shape_of_pcl};
+
 }  // namespace
 
 const ShapeModel& cone_model()
 {
     static const ShapeModel model{
-        ShapeKind::cone, 6, 3, true, {1, 0, 0, 0, -1, 0}, solve, distances, patch_at, shape_of, differentiate, moved};
+        cone_shape,   3,     true,      2,        0,        {1, 0, 0, 0, -1, 0}, &pcl, nullptr,
+        significance, solve, distances, patch_at, shape_of, differentiate,       moved};
     return model;
 }
 

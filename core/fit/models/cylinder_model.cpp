@@ -1,5 +1,6 @@
 // A cylinder: two points with normals; moved along the normal of its patch, turned about three directions, curved.
 #include "pcm/fit/models/shape_models.h"
+#include "pcm/fit/pcl/pcl_module.h"
 
 namespace pcm {
 namespace {
@@ -55,12 +56,40 @@ SurfacePatch moved(const SurfacePatch& patch, const double* step)
     return result;
 }
 
+bool like(const SurfaceBend& bend, Shape& shape)
+{
+    if (!bend.is_curved() || !(std::fabs(bend.k2) <= bend.doubt + 0.4 * std::fabs(bend.k1))) return false;
+    const double radius = bend.radius(bend.k1);
+    shape = {ShapeKind::cylinder, bend.place + std::copysign(radius, bend.k1) * bend.up, bend.straight, radius, 0};
+    return true;
+}
+
+Shape shape_of_pcl(const double* c, const Vec3d& middle)
+{
+    return {ShapeKind::cylinder, middle + Vec3d{c[0], c[1], c[2]}, normalised({c[3], c[4], c[5]}), std::fabs(c[6]), 0};
+}
+
+constexpr PclForm pcl{PclModel::cylinder, shape_of_pcl};
+
 }  // namespace
 
 const ShapeModel& cylinder_model()
 {
-    static const ShapeModel model{
-        ShapeKind::cylinder, 5, 2, true, {1, 0, 0, 0, -1}, solve, distances, patch_at, shape_of, differentiate, moved};
+    static const ShapeModel model{cylinder_shape,
+                                  2,
+                                  true,
+                                  1,
+                                  4,
+                                  {1, 0, 0, 0, -1},
+                                  &pcl,
+                                  like,
+                                  models::radius_significance,
+                                  solve,
+                                  distances,
+                                  patch_at,
+                                  shape_of,
+                                  differentiate,
+                                  moved};
     return model;
 }
 

@@ -1,5 +1,6 @@
 // A plane: three points; moved along its normal and turned about two directions.
 #include "pcm/fit/models/shape_models.h"
+#include "pcm/fit/pcl/pcl_module.h"
 
 namespace pcm {
 namespace {
@@ -39,12 +40,28 @@ SurfacePatch moved(const SurfacePatch& patch, const double* step)
     return result;
 }
 
+Significance no_significance(const Shape&, const ShapeErrors&) { return {}; }
+
+bool like(const SurfaceBend& bend, Shape& shape)
+{
+    shape = {ShapeKind::plane, bend.place, bend.up, 0, 0};
+    return true;
+}
+
+Shape shape_of_pcl(const double* c, const Vec3d& middle)
+{
+    const Vec3d n{c[0], c[1], c[2]}, unit = normalised(n);
+    return {ShapeKind::plane, middle + (-c[3] / length(n)) * unit, unit, 0, 0};
+}
+
+constexpr PclForm pcl{PclModel::plane, shape_of_pcl};
+
 }  // namespace
 
 const ShapeModel& plane_model()
 {
-    static const ShapeModel model{ShapeKind::plane, 3,        3,        false,         {1, 0, 0}, solve,
-                                  distances,        patch_at, shape_of, differentiate, moved};
+    static const ShapeModel model{plane_shape,     3,     false,     0,        0,        {1, 0, 0},     &pcl, like,
+                                  no_significance, solve, distances, patch_at, shape_of, differentiate, moved};
     return model;
 }
 

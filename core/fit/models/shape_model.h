@@ -1,12 +1,15 @@
-// What fitting knows of a kind of shape: samples, distances, derivatives. One file per kind, one row in
-// shape_models.cpp. All in working coordinates: relative to the points' middle, their extent about 1.
+// What fitting knows of a kind of shape: samples, distances, derivatives. One file per kind, with its row. All in
+// working coordinates: relative to the points' middle, their extent about 1.
 #pragma once
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/shape_fit.h"
 #include "pcm/fit/surface_patch.h"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace pcm {
 
@@ -17,34 +20,70 @@ struct SampledPoint {
     Vec3d place{}, normal{};
 };
 
+// How a surface bends at a place, as few points around it show.
+struct SurfaceBend {
+    Vec3d place{}, up{};    // on the surface, and its unit normal there
+    Vec3d straight{};       // unit, across the normal: the direction of the lesser curvature
+    double k1 = 0, k2 = 0;  // principal curvatures of the height over a plane through the place, |k1| >= |k2|
+    double steepness = 1;   // 1 + the square of the slope of the surface to that plane
+    double doubt = 0;       // of a curvature: what its error may make of none
+
+    bool is_curved() const { return std::fabs(k1) > 0.5 * doubt && std::isfinite(1 / k1); }
+    double radius(double curvature) const { return std::sqrt(steepness) / std::fabs(curvature); }
+};
+
+// Sizes in units of their errors.
+struct Significance {
+    double flat = infinity;   // how far the points are from lying in a plane
+    double other = infinity;  // how certain the other sizes are
+};
+
+// The model of the Point Cloud Library: fit/pcl_fit.h.
+enum class PclModel : std::uint8_t;
+struct PclForm {
+    PclModel model;
+    Shape (&shape_of)(const double* coefficients, const Vec3d& middle);  // coefficients are relative to `middle`
+};
+
+// A row. No column has a default, and the last ones are references: a row that lacks a column does not compile.
 struct ShapeModel {
-    ShapeKind kind;
-    std::size_t parameters;
+    const ShapeTraits& traits;
     std::size_t sampled;  // points of a minimal sample
-    bool needs_normals;   // whether sampled points need normals
+    bool needs_normals;   // of sampled points
+    int rank;             // of kinds that fit alike the one of the lowest rank is the best
+    // Least squares also starts from a plane through the points, with the axis turned to this number of directions in
+    // it: for surfaces of which a thin arc is almost a plane. 0: never.
+    unsigned flat_starts;
     // The unit of each parameter is length to this power (angles: 0).
     std::array<int, most_parameters> dimension;
+    const PclForm* pcl;  // null: PCL has no such model
+    // A shape that bends as the surface does; false where none does. Null: detection does not look for the kind.
+    bool (*like)(const SurfaceBend& bend, Shape& shape);
 
+    Significance (&significance)(const Shape& shape, const ShapeErrors& errors);
     // Shapes through a sample; returns how many, at most most_solutions.
-    std::size_t (*solve)(const SampledPoint* sample, Shape* solutions);
+    std::size_t (&solve)(const SampledPoint* sample, Shape* solutions);
     // Signed distances as pcm::signed_distance(), by plain formulas.
-    void (*distances)(const Shape& shape, const double* x, const double* y, const double* z, std::size_t count,
+    void (&distances)(const Shape& shape, const double* x, const double* y, const double* z, std::size_t count,
                       double* out);
-    SurfacePatch (*patch_at)(const Shape& shape, const Vec3d& middle);
-    Shape (*shape_of)(const SurfacePatch& patch);  // numbers may be out of range: is_proper()
+    SurfacePatch (&patch_at)(const Shape& shape, const Vec3d& middle);
+    Shape (&shape_of)(const SurfacePatch& patch);  // numbers may be out of range: is_proper()
     // At most patch_block points.
-    void (*differentiate)(const SurfacePatch& patch, const double* x, const double* y, const double* z,
+    void (&differentiate)(const SurfacePatch& patch, const double* x, const double* y, const double* z,
                           std::size_t count, PatchBlock& out);
-    SurfacePatch (*moved)(const SurfacePatch& patch, const double* step);
+    SurfacePatch (&moved)(const SurfacePatch& patch, const double* step);
+
+    ShapeKind kind() const { return traits.kind; }
+    std::size_t parameters() const { return traits.parameters; }
 };
 
 const ShapeModel& model_of(ShapeKind kind);
 
-// What check() accepts.
-bool is_proper(const Shape& shape);
-
 // For the models.
 namespace models {
+
+// Of a size that bends the surface in one direction, or in all alike.
+Significance radius_significance(const Shape& shape, const ShapeErrors& errors);
 
 // As the loops take them.
 ShapeNumbers numbers_of(const Shape& shape);

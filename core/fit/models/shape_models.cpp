@@ -6,21 +6,18 @@ namespace pcm {
 
 const ShapeModel& model_of(ShapeKind kind)
 {
-    static const std::array<const ShapeModel*, 5> rows{&plane_model(), &cylinder_model(), &sphere_model(),
-                                                       &cone_model(), &torus_model()};
+#define PCM_SHAPE_MODEL(name) &name##_model(),
+    static const std::array rows{PCM_SHAPE_KINDS(PCM_SHAPE_MODEL)};
+#undef PCM_SHAPE_MODEL
     return *rows[static_cast<std::size_t>(kind)];
 }
 
-bool is_proper(const Shape& shape)
-{
-    const ShapeTraits& row = traits_of(shape.kind);
-    if (!is_finite(shape.point) || (row.axis && !is_finite(shape.axis))) return false;
-    if (row.radius && !(std::isfinite(shape.radius) && shape.radius > 0)) return false;
-    if (shape.kind == ShapeKind::cone) return shape.second > 0 && shape.second < pi / 2;
-    return shape.kind != ShapeKind::torus || (shape.second > 0 && shape.second < shape.radius);
-}
-
 namespace models {
+
+Significance radius_significance(const Shape& shape, const ShapeErrors& errors)
+{
+    return {shape.radius / errors.radius, infinity};
+}
 
 ShapeNumbers numbers_of(const Shape& shape)
 {

@@ -1,14 +1,12 @@
-// The models; a row of shape_models.cpp each.
+// The models: a row for each kind of shapes/shape_kinds.h.
 #pragma once
 
 #include "pcm/fit/models/shape_model.h"
 
 namespace pcm {
 
-const ShapeModel& plane_model();
-const ShapeModel& cylinder_model();
-const ShapeModel& sphere_model();
-const ShapeModel& cone_model();
-const ShapeModel& torus_model();
+#define PCM_SHAPE_MODEL(name) const ShapeModel& name##_model();
+PCM_SHAPE_KINDS(PCM_SHAPE_MODEL)
+#undef PCM_SHAPE_MODEL
 
 }  // namespace pcm

@@ -1,5 +1,6 @@
 // A sphere: four points; moved along the normal of its patch, turned about two directions, curved.
 #include "pcm/fit/models/shape_models.h"
+#include "pcm/fit/pcl/pcl_module.h"
 
 #include <Eigen/LU>
 
@@ -59,12 +60,40 @@ SurfacePatch moved(const SurfacePatch& patch, const double* step)
     return result;
 }
 
+bool like(const SurfaceBend& bend, Shape& shape)
+{
+    if (!bend.is_curved() || !(std::fabs(bend.k1 - bend.k2) <= bend.doubt + 0.5 * std::fabs(bend.k1))) return false;
+    const double radius = bend.radius(0.5 * (bend.k1 + bend.k2));
+    shape = {ShapeKind::sphere, bend.place + std::copysign(radius, bend.k1) * bend.up, bend.up, radius, 0};
+    return std::isfinite(radius);
+}
+
+Shape shape_of_pcl(const double* c, const Vec3d& middle)
+{
+    return {ShapeKind::sphere, middle + Vec3d{c[0], c[1], c[2]}, {0, 0, 1}, c[3], 0};
+}
+
+constexpr PclForm pcl{PclModel::sphere, shape_of_pcl};
+
 }  // namespace
 
 const ShapeModel& sphere_model()
 {
-    static const ShapeModel model{ShapeKind::sphere, 4,        4,        false,         {1, 0, 0, -1}, solve,
-                                  distances,         patch_at, shape_of, differentiate, moved};
+    static const ShapeModel model{sphere_shape,
+                                  4,
+                                  false,
+                                  1,
+                                  1,
+                                  {1, 0, 0, -1},
+                                  &pcl,
+                                  like,
+                                  models::radius_significance,
+                                  solve,
+                                  distances,
+                                  patch_at,
+                                  shape_of,
+                                  differentiate,
+                                  moved};
     return model;
 }
 

@@ -127,13 +127,18 @@ SurfacePatch moved(const SurfacePatch& patch, const double* step)
     return result;
 }
 
+Significance significance(const Shape& shape, const ShapeErrors& errors)
+{
+    return {shape.second / errors.second, shape.radius / errors.radius};
+}
+
 }  // namespace
 
 const ShapeModel& torus_model()
 {
     static const ShapeModel model{
-        ShapeKind::torus, 7,    4, true, {1, 1, 0, 0, 0, -1, -1}, solve, distances, patch_at, shape_of,
-        differentiate,    moved};
+        torus_shape,  4,     true,      2,        0,        {1, 1, 0, 0, 0, -1, -1}, nullptr, nullptr,
+        significance, solve, distances, patch_at, shape_of, differentiate,           moved};
     return model;
 }
 

@@ -132,15 +132,14 @@ Model::Ptr make_model(const PclRequest& request, Samples& samples)
     for (const float* p = request.xyz; p != request.xyz + 3 * request.points; p += 3)
         cloud->push_back(Point(p[0], p[1], p[2]));
     const pcl::PointCloud<Point>::ConstPtr points = cloud;
-    switch (request.kind) {
-        case ShapeKind::plane:
+    switch (request.model) {
+        case PclModel::plane:
             return pcl::make_shared<BoundedModel<pcl::SampleConsensusModelPlane<Point>>>(points, samples);
-        case ShapeKind::sphere:
+        case PclModel::sphere:
             return pcl::make_shared<BoundedModel<pcl::SampleConsensusModelSphere<Point>>>(points, samples);
-        case ShapeKind::cylinder:
+        case PclModel::cylinder:
             return make_with_normals<pcl::SampleConsensusModelCylinder<Point, pcl::Normal>>(points, request, samples);
-        case ShapeKind::cone:
-        case ShapeKind::torus:
+        case PclModel::cone:
             break;
     }
     return make_with_normals<pcl::SampleConsensusModelCone<Point, pcl::Normal>>(points, request, samples);

@@ -9,8 +9,10 @@
 
 namespace pcm {
 
+enum class PclModel : std::uint8_t { plane, cylinder, sphere, cone };
+
 struct PclRequest {
-    ShapeKind kind;  // not the torus
+    PclModel model;
     Estimator estimator;
     const float* xyz;      // three coordinates per point, all finite, near 0
     const float* normals;  // three per point; null: none, which cylinders and cones refuse

@@ -1,6 +1,7 @@
 #include "pcm/gl/compute/gpu_radii.h"
 
 #include "pcm/cloud/attribute_length.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/gl/compute/chunk_boxes.h"
 #include "pcm/gl/compute/gpu_cursor.h"
 #include "pcm/gl/compute/radius_search.h"
@@ -16,8 +17,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double infinity = std::numeric_limits<double>::infinity();
 
 // Points of one node that a workgroup computes.
 struct QueryBlock {

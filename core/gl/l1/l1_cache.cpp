@@ -3,6 +3,7 @@
 #include "pcm/gl/base/gl_state.h"
 #include "pcm/gl/l1/l1_read_back.h"
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 
 #include <GL/glew.h>
 
@@ -17,8 +18,6 @@ namespace pcm {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
 template <class T>
 double largest(const PageVector<T>& values)

@@ -1,5 +1,6 @@
 #include "pcm/io/crs/crs_units.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/io/file_text.h"
 
 #include <cmath>
@@ -13,8 +14,6 @@ struct KnownUnit {
     double per_unit;
     bool angular;
 };
-
-constexpr double degree = 0.017453292519943295;
 
 // The EPSG register's units that surveys use.
 constexpr KnownUnit known_units[] = {

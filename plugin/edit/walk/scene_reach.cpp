@@ -1,6 +1,7 @@
 #include "plugin/edit/walk/scene_reach.h"
 
 #include "pcm/cloud/box_distance.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/view/clearance.h"
 #include "pcm/view/ground.h"
@@ -16,7 +17,6 @@
 namespace pcm::host {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
 // Range of the distance, as fractions of the document's diagonal. Below it, walking would stop; above it, a step would
 // pass the whole scene.
 constexpr double least_share = 1.0 / 5000, most_share = 2;

@@ -1,0 +1,34 @@
+// Which of many boxes touch a box.
+#pragma once
+
+#include "pcm/cloud/geometry.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// A tree of boxes around boxes. Immutable: any number of threads. O(n log n) to make, 64 bytes per box.
+class BoxTree {
+public:
+    BoxTree() = default;
+    explicit BoxTree(std::vector<Box3d> boxes);
+
+    // Indices of the boxes that intersect `box`, ascending.
+    std::vector<std::uint32_t> touching(const Box3d& box) const;
+
+private:
+    struct Node {
+        Box3d around;
+        std::uint32_t first = 0, last = 0;  // of order_
+        std::uint32_t right = 0;            // the left child is the next node; 0: a leaf
+    };
+    void build(std::uint32_t first, std::uint32_t last);
+
+    std::vector<Box3d> boxes_;
+    std::vector<std::uint32_t> order_;
+    std::vector<Node> nodes_;
+};
+
+}  // namespace pcm

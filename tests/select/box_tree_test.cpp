@@ -1,0 +1,75 @@
+#include "pcm/select/box_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+namespace pcm {
+namespace {
+
+std::vector<std::uint32_t> touching_one_by_one(const std::vector<Box3d>& boxes, const Box3d& box)
+{
+    std::vector<std::uint32_t> found;
+    for (std::size_t i = 0; i < boxes.size(); ++i)
+        if (boxes[i].intersects(box)) found.push_back(static_cast<std::uint32_t>(i));
+    return found;
+}
+
+Box3d box_at(std::mt19937& random, double room, double size)
+{
+    std::uniform_real_distribution<double> place(0, room), side(0, size);
+    Box3d box;
+    for (std::size_t a = 0; a < 3; ++a) {
+        box.min[a] = place(random);
+        box.max[a] = box.min[a] + side(random);
+    }
+    return box;
+}
+
+TEST(BoxTree, FindsTheBoxesThatAreFoundOneByOne)
+{
+    std::mt19937 random(7);
+    for (const std::size_t count : {1u, 2u, 8u, 9u, 100u, 3000u})
+        for (const double size : {0.0, 0.1, 30.0}) {
+            std::vector<Box3d> boxes;
+            for (std::size_t i = 0; i < count; ++i) boxes.push_back(box_at(random, 10, size));
+            const BoxTree tree(boxes);
+            for (int k = 0; k < 40; ++k) {
+                const Box3d box = k % 4 == 0 ? boxes[random() % count] : box_at(random, 10, 2);
+                EXPECT_EQ(tree.touching(box), touching_one_by_one(boxes, box)) << count << " " << size;
+            }
+        }
+}
+
+// As units are: shared faces touch, also of boxes at one place.
+TEST(BoxTree, FacesAndBoxesAtOnePlaceTouch)
+{
+    std::vector<Box3d> boxes;
+    for (int x = 0; x < 6; ++x)
+        for (int y = 0; y < 6; ++y) {
+            Box3d box;
+            box.min = {double(x), double(y), 0};
+            box.max = {x + 1.0, y + 1.0, 0};
+            boxes.insert(boxes.end(), 3, box);
+        }
+    const BoxTree tree(boxes);
+    for (const Box3d& box : boxes) EXPECT_EQ(tree.touching(box), touching_one_by_one(boxes, box));
+    EXPECT_TRUE(BoxTree().touching(boxes.front()).empty());
+    EXPECT_TRUE(tree.touching(Box3d()).empty());
+}
+
+// Far fewer boxes are looked at than there are: a lookup of a hundred thousand small ones takes microseconds.
+TEST(BoxTree, ALookupVisitsFewNodes)
+{
+    std::mt19937 random(3);
+    std::vector<Box3d> boxes;
+    for (int i = 0; i < 100000; ++i) boxes.push_back(box_at(random, 100, 0.5));
+    const BoxTree tree(boxes);
+    std::size_t found = 0;
+    for (const Box3d& box : boxes) found += tree.touching(box).size();  // 10^10 tests one by one: minutes
+    EXPECT_GE(found, boxes.size());
+}
+
+}  // namespace
+}  // namespace pcm
