@@ -112,7 +112,7 @@ public:
     std::string option_names() const;  // "-k,--neighbours"
     std::string script_name() const;   // "RadiusNeighbours"
     std::string default_text() const;  // "16", "512M", "off", "statistical"; empty: none
-    // The help with unit and default, as the end of an option's line: "Number of neighbours (default 16)".
+    // The help with unit and default: "Number of neighbours (default 16)".
     std::string command_help() const;
 
     // ---- Values. Each throws ArgumentError for what is not allowed, naming `name`.
