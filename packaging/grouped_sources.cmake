@@ -1,15 +1,20 @@
-# Sources compiled in groups: a header or a template that four of them use is compiled once for all four. With the
+# Sources compiled in groups: a header or a template that several of them use is compiled once for all. With the
 # precompiled header below it takes half the processor seconds off a build from nothing.
 #
 # PCM_GROUP_SOURCES: the presets that packaging/run and packaging/test build switch it on. The preset dev has neither groups
 # nor precompiled headers: there each source shows that it includes what it uses.
-option(PCM_GROUP_SOURCES "Compile the sources of a folder in groups of up to four" OFF)
+option(PCM_GROUP_SOURCES "Compile the sources of a folder in groups" OFF)
 
-# pcm_group_sources(TARGET SOURCE...): groups of sources that lie next to each other in one folder, by the alphabet. Names in
-# the unnamed namespaces of a folder's sources must therefore differ. A source that has options of its own, or the property
+# pcm_group_sources(TARGET [SIZE 4] SOURCE...): groups of sources that lie next to each other in one folder, by the alphabet. Names
+# in the unnamed namespaces of a folder's sources must therefore differ. A source that has options of its own, or the property
 # SKIP_UNITY_BUILD_INCLUSION or SKIP_PRECOMPILE_HEADERS, is compiled alone.
 function(pcm_group_sources target)
-  foreach(source ${ARGN})
+  cmake_parse_arguments(PARSE_ARGV 1 group "" SIZE "")
+  if(NOT group_SIZE)
+    set(group_SIZE 4)
+  endif()
+  set(sources ${group_UNPARSED_ARGUMENTS})
+  foreach(source ${sources})
     get_source_file_property(options ${source} COMPILE_OPTIONS)
     if(options)
       set_source_files_properties(${source} PROPERTIES SKIP_PRECOMPILE_HEADERS ON)  # it is made with other options
@@ -18,7 +23,7 @@ function(pcm_group_sources target)
   if(NOT PCM_GROUP_SOURCES)
     return()
   endif()
-  foreach(source ${ARGN})
+  foreach(source ${sources})
     get_source_file_property(options ${source} COMPILE_OPTIONS)
     get_source_file_property(alone ${source} SKIP_UNITY_BUILD_INCLUSION)
     get_source_file_property(own_headers ${source} SKIP_PRECOMPILE_HEADERS)
@@ -30,7 +35,7 @@ function(pcm_group_sources target)
     string(REPLACE "/" "_" folder "${folder}")
     list(APPEND sources_of_${folder} ${source})
     list(LENGTH sources_of_${folder} n)
-    math(EXPR group "(${n} - 1) / 4")
+    math(EXPR group "(${n} - 1) / ${group_SIZE}")
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${folder}_${group})
   endforeach()
   set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
