@@ -2,8 +2,8 @@
 // level, each in Morton order), all in one Morton order, and that in batches of 128 points which are shuffled (Schütz
 // et al., arXiv 2104.07526). Prints a table; see README.md.
 #include "pcm/cloud/morton.h"
-#include "pcm/gl/l1_cache.h"
-#include "pcm/gl/splat_pass.h"
+#include "pcm/gl/draw/splat_pass.h"
+#include "pcm/gl/l1/l1_cache.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"

@@ -17,10 +17,10 @@ set(public_headers
   tree/tree.h tree/tree_reader.h tree/verify.h tree/verify_levels.h bpc/bpc_array.h
   io/reader.h io/writer.h io/pipe/grid_choice.h io/pipe/selected_reader.h io/pipe/transformed_reader.h
   pick/pick_ray.h pick/point_picker.h pick/describe_point.h align/rigid_fit.h
-  fit/primitive.h fit/shape.h fit/shape_fit.h fit/bounds.h fit/fit_points.h cad/primitive_files.h primitives/primitive_list.h
-  primitives/fit_at.h primitives/reached_from.h primitives/detect.h
+  shapes/primitive.h shapes/shape.h shapes/fitted_shape.h fit/shape_fit.h shapes/bounds.h fit/fit_points.h cad/primitive_files.h shapes/primitive_list.h
+  place/fit_at.h place/reached_from.h detect/detect.h
   measure/measure.h measure/measure_list.h measure/measure_export.h measure/profile.h measure/volume.h measure/snap.h
-  select/select_points.h select/front_points.h select/grow.h select/set_changes.h select/set_points.h
+  select/select_points.h select/front_points.h select/grow.h filter/set_changes.h filter/set_points.h
   cloud/affine.h cloud/attribute.h cloud/clip.h cloud/condition.h cloud/geometry.h cloud/metadata.h cloud/point_batch.h cloud/region.h
   cloud/selection.h cloud/vector.h
   system/error.h system/progress.h
@@ -29,11 +29,11 @@ set(reachable_headers
   bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h cache/chunk_store.h
   cache/load_times.h cloud/matrix.h cloud/nearest_float.h cloud/polygon.h io/crs/coordinate_system.h view/point_shapes.h view/point_sizes.h filter/filter_report.h filter/normal_orientation.h
   filter/point_values.h filter/result_tree.h filter/voxel_lattice.h knn/held_chunks.h knn/point_blocks.h knn/point_search.h
-  primitives/grow_shape.h primitives/near_points.h
+  place/grow_shape.h place/near_points.h
   io/text/text_layout.h system/file.h system/page_allocator.h
-  system/tree_folder.h system/undo_list.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
-set(public_gl_headers gl/renderer.h gl/splat_style.h gl/gpu_cursor.h gl/gpu_radii.h gl/l1_cache.h)
-set(reachable_gl_headers gl/colour_modes.h gl/l1_table.h gl/splat_modes.h gl/vertex_format.h gl/vertex_groups.h view/colour_ramps.h
+  system/tree_folder.h lists/undo_list.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
+set(public_gl_headers gl/draw/renderer.h gl/style/splat_style.h gl/compute/gpu_cursor.h gl/compute/gpu_radii.h gl/l1/l1_cache.h)
+set(reachable_gl_headers gl/style/colour_modes.h gl/l1/l1_table.h gl/style/splat_modes.h gl/l1/vertex_format.h gl/l1/vertex_groups.h view/colour_ramps.h
   view/point_colours.h view/value_range.h)
 set(public_offscreen_headers offscreen/image.h offscreen/offscreen.h offscreen/scene.h)
 

@@ -2,7 +2,7 @@
 #include "bench/caches/modes.h"
 #include "bench/caches/storage.h"
 
-#include "pcm/gl/renderer.h"
+#include "pcm/gl/draw/renderer.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/view/camera_path.h"
 

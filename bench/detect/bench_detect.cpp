@@ -4,10 +4,10 @@
 // A found primitive is the true one (of its kind) that most of its points come from. A true one is found when a found
 // one is it, and has at least half of its points; a found one is false when most of its points come from the site, but
 // not from a primitive of its kind. Primitives in the ground and in trees are counted by themselves.
-#include "pcm/primitives/detect.h"
+#include "pcm/detect/detect.h"
 
 #include "bench/detect/truth.h"
-#include "pcm/primitives/point_labels.h"
+#include "pcm/detect/point_labels.h"
 #include "pcm/system/peak_memory.h"
 #include "pcm/tree/tree.h"
 

@@ -1,8 +1,8 @@
 // The exact truth of a generated site, and what a detection found of it.
 #pragma once
 
-#include "pcm/fit/primitive.h"
-#include "pcm/fit/shape.h"
+#include "pcm/shapes/primitive.h"
+#include "pcm/shapes/shape.h"
 
 #include <cstdint>
 #include <filesystem>

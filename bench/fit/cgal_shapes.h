@@ -3,7 +3,7 @@
 
 #define CGAL_DISABLE_GMP 1
 #define CGAL_DISABLE_MPFR 1
-#include "pcm/fit/shape.h"
+#include "pcm/shapes/shape.h"
 
 #include <CGAL/Shape_detection/Efficient_RANSAC.h>
 #include <CGAL/Simple_cartesian.h>

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pcm/fit/fit_points.h"
-#include "pcm/fit/shape.h"
+#include "pcm/shapes/shape.h"
 
 #include <cstdint>
 #include <vector>

@@ -1,7 +1,7 @@
 // Radii of all points of a tree on the processor and by compute shaders: time of each, and how far they are apart. The
 // tree on disk is not changed.
 //   bench_gpu_radii TREE --neighbours 16 --rounds 3
-#include "pcm/gl/gpu_radii.h"
+#include "pcm/gl/compute/gpu_radii.h"
 #include "pcm/knn/neighbourhoods.h"
 #include "pcm/offscreen/offscreen.h"
 

@@ -2,7 +2,7 @@
 #include "pcm/cad/drawing_list.h"
 #include "pcm/cad/dxf_file.h"
 #include "pcm/cad/layer_names.h"
-#include "pcm/cad/shape_mesh.h"
+#include "pcm/shapes/shape_mesh.h"
 
 #include <cmath>
 

@@ -2,7 +2,7 @@
 
 #include "pcm/cad/drawing_list.h"
 #include "pcm/cad/dxf_file.h"
-#include "pcm/fit/outline_area.h"
+#include "pcm/shapes/outline_area.h"
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/output_file.h"

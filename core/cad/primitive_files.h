@@ -1,7 +1,7 @@
 // Primitives as drawings for CAD programs, as tables, and as a list that reads back.
 #pragma once
 
-#include "pcm/fit/primitive.h"
+#include "pcm/shapes/primitive.h"
 
 #include <filesystem>
 #include <optional>

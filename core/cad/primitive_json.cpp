@@ -1,9 +1,9 @@
 // Lists of primitives as JSON. Angles are in radians here, so that every number reads back as the same double.
-#include "pcm/cad/json_fields.h"
 #include "pcm/cad/primitive_files.h"
+#include "pcm/lists/json_fields.h"
+#include "pcm/lists/undo_list.h"
 #include "pcm/system/bounded_json.h"
 #include "pcm/system/error.h"
-#include "pcm/system/undo_list.h"
 
 #include <cmath>
 #include <limits>

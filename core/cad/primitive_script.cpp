@@ -6,7 +6,7 @@
 // the primitive first, then turned.
 #include "pcm/cad/drawing_list.h"
 #include "pcm/cad/layer_names.h"
-#include "pcm/fit/axis_frame.h"
+#include "pcm/shapes/axis_frame.h"
 #include "pcm/system/output_file.h"
 
 #include <charconv>

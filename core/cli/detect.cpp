@@ -1,4 +1,4 @@
-#include "pcm/primitives/detect.h"
+#include "pcm/detect/detect.h"
 
 #include "pcm/cad/dxf_file.h"
 #include "pcm/cad/primitive_files.h"

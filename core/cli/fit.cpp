@@ -3,8 +3,8 @@
 #include "pcm/cli/region_options.h"
 #include "pcm/cli/set_actions.h"
 #include "pcm/fit/pcl_fit.h"
+#include "pcm/place/fit_at.h"
 #include "pcm/point_cloud.h"
-#include "pcm/primitives/fit_at.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 

@@ -1,8 +1,8 @@
 #include "pcm/cli/primitive_output.h"
 
 #include "pcm/cad/primitive_files.h"
-#include "pcm/fit/outline_area.h"
-#include "pcm/primitives/primitive_list.h"
+#include "pcm/shapes/outline_area.h"
+#include "pcm/shapes/primitive_list.h"
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/rounded_text.h"

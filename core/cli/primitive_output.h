@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pcm/cli/common.h"
-#include "pcm/fit/primitive.h"
+#include "pcm/shapes/primitive.h"
 
 #include <filesystem>
 #include <string>

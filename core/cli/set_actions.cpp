@@ -1,7 +1,7 @@
 #include "pcm/cli/set_actions.h"
 
 #include "pcm/cloud/las_class.h"
-#include "pcm/select/set_changes.h"
+#include "pcm/filter/set_changes.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>

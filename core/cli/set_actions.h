@@ -3,7 +3,7 @@
 
 #include "pcm/cli/attribute_options.h"
 #include "pcm/cli/common.h"
-#include "pcm/select/set_points.h"
+#include "pcm/filter/set_points.h"
 
 #include <cstdint>
 #include <optional>
@@ -29,7 +29,7 @@ public:
     void add_to(Options& options, const char* group);
     // Throws UsageError for options that do not go together.
     void check(const std::string& tree) const;
-    // Throws what select/set_changes.h and select/set_points.h throw, and Error(invalid_argument) for a class that is
+    // Throws what filter/set_changes.h and filter/set_points.h throw, and Error(invalid_argument) for a class that is
     // neither an integer nor the name of one.
     SetDone run(const PointSet& set, const Common& common, std::uint64_t memory, unsigned threads) const;
 

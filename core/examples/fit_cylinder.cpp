@@ -1,7 +1,7 @@
 // The cylinder at a place of a tree, followed through the whole cloud, as a drawing:
 //   fit_cylinder plant.pct 500042.95 4800020 96 tank.dxf
 #include "pcm/cad/primitive_files.h"
-#include "pcm/primitives/fit_at.h"
+#include "pcm/place/fit_at.h"
 
 #include <cstdio>
 #include <string>

@@ -3,7 +3,7 @@
 //   height_above_plane city.pct  500000 4800000 90  0 0.1 1  256 64
 #include "compute_program.h"
 
-#include "pcm/gl/gpu_cursor.h"
+#include "pcm/gl/compute/gpu_cursor.h"
 #include "pcm/offscreen/offscreen.h"
 
 #include <algorithm>

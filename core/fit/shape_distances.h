@@ -1,7 +1,7 @@
 // Distances of many points from a shape: for growth, detection and scores.
 #pragma once
 
-#include "pcm/fit/shape.h"
+#include "pcm/shapes/shape.h"
 
 #include <cstddef>
 

@@ -348,20 +348,6 @@ std::optional<Estimator> estimator_of(const std::string& name)
     return {};
 }
 
-const char* name_of(FitIssue issue)
-{
-    static constexpr const char* names[] = {"none",         "too few points", "not finite",   "coincident",
-                                            "collinear",    "coplanar",       "thin arc",     "no consensus",
-                                            "out of range", "not converged",  "other surface"};
-    return names[static_cast<std::size_t>(issue)];
-}
-
-const char* name_of(FitVerdict verdict)
-{
-    static constexpr const char* names[] = {"good", "doubtful", "refused"};
-    return names[static_cast<std::size_t>(verdict)];
-}
-
 ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
 {
     check(options);

@@ -9,7 +9,8 @@
 #pragma once
 
 #include "pcm/fit/fit_points.h"
-#include "pcm/fit/shape.h"
+#include "pcm/shapes/fitted_shape.h"
+#include "pcm/shapes/shape.h"
 #include "pcm/system/progress.h"
 
 #include <cstddef>
@@ -62,60 +63,6 @@ struct ShapeFitOptions {
     double normal_angle = 4;
     FitBackend backend = FitBackend::own;
     ProgressFunction progress;  // may cancel: Error(cancelled)
-};
-
-enum class FitVerdict : std::uint8_t {
-    good,
-    doubtful,  // there is a result, and a reason to doubt it: `issue` and `message`; its errors say how far
-    refused,   // there is none
-};
-
-// Why a fit is doubtful or refused.
-enum class FitIssue : std::uint8_t {
-    none,
-    too_few_points,
-    not_finite,    // a coordinate is NaN or infinite
-    coincident,    // all points at one place
-    collinear,     // all points on one line
-    coplanar,      // all points in one plane, where a curved surface was asked for
-    thin_arc,      // the points cover too little of the surface for their noise, or for errors that neighbours share
-    no_consensus,  // no sample has enough inliers; doubtful: almost as many points are beside the surface as on it, or
-                   // as many would be near some surface by chance
-    out_of_range,  // of the asked radii
-    not_converged,
-    other_surface,  // the points are those of another surface: a ring or strip of it, or of a kind that fits far better
-};
-const char* name_of(FitIssue issue);      // "thin arc"
-const char* name_of(FitVerdict verdict);  // "good"
-
-// Standard deviations, to first order in independent errors of the inliers along the normal; infinite where the points
-// do not determine it, 0 where the shape has no such number. Of shapes that are almost planes errors are larger where
-// those of neighbouring points are alike.
-struct ShapeErrors {
-    double position = 0;  // of the plane along its normal and of an axis across it, at the inliers' middle; of the
-                          // centre of sphere and torus and of the cone's apex; in the direction where it is largest;
-                          // source units
-    double angle = 0;     // of the normal or axis about its least certain direction, radians
-    double radius = 0;    // source units
-    double second = 0;    // radians (cone) or source units (torus)
-};
-
-struct ShapeFit {
-    FitVerdict verdict = FitVerdict::refused;
-    FitIssue issue = FitIssue::none;
-    std::string message;  // a sentence for people: what, and what to do; empty when good
-    Shape shape;          // source coordinates
-    ShapeErrors errors;
-    double condition = 0;  // of the normal equations, each parameter in units of the shape's extent
-    double threshold = 0;  // that was used, source units
-    double noise = 0;      // standard deviation of one inlier's distance: rms with the degrees of freedom
-    double rms = 0;        // of the inliers' distances
-    std::uint64_t inliers = 0;
-    std::vector<std::uint8_t> is_inlier;  // a byte per point, 1 or 0; empty without points in memory
-    std::uint64_t iterations = 0;         // samples drawn
-    double seconds = 0;                   // wall time
-
-    bool has_shape() const { return verdict != FitVerdict::refused; }
 };
 
 // The shape of most points. Never throws because of what the points are: see FitVerdict. Throws Error(invalid_argument)

@@ -8,7 +8,7 @@
 #pragma once
 
 #include "pcm/cloud/geometry.h"
-#include "pcm/fit/shape.h"
+#include "pcm/shapes/shape.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -41,7 +41,7 @@ enum class MeasureKind : std::uint8_t {
     plane,
     volume,   // a polygon: the volume of a cloud against a level or another cloud in it (measure/volume.h); "plan area"
     profile,  // a line of two or more points and a width (measure/profile.h); "length" in plan
-    surface,  // one point: its "distance", never negative, to a shape given by numbers (fit/shape.h)
+    surface,  // one point: its "distance", never negative, to a shape given by numbers (shapes/shape.h)
 };
 inline constexpr std::size_t measure_kinds = 9;
 

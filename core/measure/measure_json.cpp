@@ -1,5 +1,5 @@
 // Lists of measures as JSON.
-#include "pcm/cad/json_fields.h"
+#include "pcm/lists/json_fields.h"
 #include "pcm/measure/measure_list.h"
 #include "pcm/system/bounded_json.h"
 #include "pcm/system/error.h"

@@ -3,8 +3,8 @@
 // Files of a list are written by measure/measure_export.h.
 #pragma once
 
+#include "pcm/lists/undo_list.h"
 #include "pcm/measure/measure.h"
-#include "pcm/system/undo_list.h"
 
 #include <cstddef>
 #include <filesystem>

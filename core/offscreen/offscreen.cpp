@@ -1,6 +1,6 @@
 #include "pcm/offscreen/offscreen.h"
 
-#include "pcm/gl/gl_state.h"
+#include "pcm/gl/base/gl_state.h"
 #include "pcm/system/error.h"
 
 #include <GL/glew.h>

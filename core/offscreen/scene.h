@@ -15,7 +15,7 @@
 // GL thread only. The caller provides the framebuffer, and the context that must be current during its lifetime.
 #pragma once
 
-#include "pcm/gl/renderer.h"
+#include "pcm/gl/draw/renderer.h"
 #include "pcm/view/camera_path.h"
 
 #include <chrono>

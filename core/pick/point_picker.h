@@ -1,9 +1,9 @@
 // The point of a cloud that a user sees at a pixel, exactly: of all points, not of those that a picture had time for.
 //
-// A picture at full resolution shows each point as a splat whose depth grows from its centre on (gl/splat_pass.h), and
-// where several cover a pixel the one that is nearest there. This is the same for one ray, but that splats are spheres
-// to it: on a surface seen at a graze it picks a point up to a radius before the one whose disc is seen. For a point p,
-// with o the ray's start and u its direction,
+// A picture at full resolution shows each point as a splat whose depth grows from its centre on (gl/draw/splat_pass.h),
+// and where several cover a pixel the one that is nearest there. This is the same for one ray, but that splats are
+// spheres to it: on a surface seen at a graze it picks a point up to a radius before the one whose disc is seen. For a
+// point p, with o the ray's start and u its direction,
 //     t = u . (p - o)                                 how far along the ray
 //     s = |(p - o) - t u|                             how far beside it
 //     R = clamp(size_scale r, tolerance_px pixel(t), largest_px pixel(t))
@@ -36,7 +36,7 @@
 
 namespace pcm {
 
-// Radii of splats for sizes of points, as views draw them at first; of paraboloids: gl/splat_pass.h.
+// Radii of splats for sizes of points, as views draw them at first; of paraboloids: gl/draw/splat_pass.h.
 inline constexpr double picked_size_scale = 1;
 
 struct PickOptions {

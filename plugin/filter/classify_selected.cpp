@@ -1,6 +1,6 @@
 // Selected Points: Classify.
 #include "pcm/cloud/las_class.h"
-#include "pcm/select/set_changes.h"
+#include "pcm/filter/set_changes.h"
 
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"

@@ -1,7 +1,7 @@
 // Detect Primitives: all planes, cylinders and spheres of a cloud.
-#include "pcm/primitives/detect.h"
+#include "pcm/detect/detect.h"
 
-#include "pcm/fit/primitive_text.h"
+#include "pcm/shapes/primitive_text.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_group.h"
 #include "pcm/system/rounded_text.h"

@@ -1,5 +1,5 @@
 // Selected Points: Extract, to a tree or a file.
-#include "pcm/select/set_points.h"
+#include "pcm/filter/set_points.h"
 
 #include "pcm/io/writer.h"
 #include "pcm/system/error.h"

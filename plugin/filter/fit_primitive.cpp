@@ -1,9 +1,9 @@
 // Fit Primitive: a shape at given places of a cloud, followed through it.
-#include "pcm/primitives/fit_at.h"
+#include "pcm/place/fit_at.h"
 
+#include "pcm/filter/set_points.h"
 #include "pcm/fit/pcl_fit.h"
 #include "pcm/io/writer.h"
-#include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/measure_parameters.h"

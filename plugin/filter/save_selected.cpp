@@ -1,5 +1,5 @@
 // Selected Points: Save as Attribute.
-#include "pcm/select/set_changes.h"
+#include "pcm/filter/set_changes.h"
 
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"

@@ -1,8 +1,8 @@
 // What the filters that work on selected points have in common.
 #pragma once
 
+#include "pcm/filter/set_changes.h"
 #include "pcm/query/point_set.h"
-#include "pcm/select/set_changes.h"
 #include "plugin/filter/filter.h"
 #include "plugin/host/registry.h"
 

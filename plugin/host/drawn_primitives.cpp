@@ -1,8 +1,8 @@
 #include "plugin/host/drawn_primitives.h"
 
-#include "pcm/fit/outline_area.h"
-#include "pcm/fit/shape_lines.h"
 #include "pcm/measure/measure.h"
+#include "pcm/shapes/outline_area.h"
+#include "pcm/shapes/shape_lines.h"
 #include "pcm/system/rounded_text.h"
 #include "pcm/system/text.h"
 

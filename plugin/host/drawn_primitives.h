@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pcm/cloud/affine.h"
-#include "pcm/fit/primitive.h"
+#include "pcm/shapes/primitive.h"
 #include "plugin/host/annotations.h"
 
 #include <QColor>

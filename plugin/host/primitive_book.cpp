@@ -1,7 +1,7 @@
 #include "plugin/host/primitive_book.h"
 
 #include "pcm/cad/primitive_files.h"
-#include "pcm/fit/moved_primitive.h"
+#include "pcm/shapes/moved_primitive.h"
 #include "pcm/system/error.h"
 #include "plugin/host/annotations.h"
 #include "plugin/host/drawn_primitives.h"

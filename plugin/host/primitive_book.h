@@ -5,9 +5,9 @@
 #pragma once
 
 #include "pcm/cloud/affine.h"
-#include "pcm/primitives/primitive_list.h"
-#include "pcm/primitives/reached_from.h"
+#include "pcm/place/reached_from.h"
 #include "pcm/query/point_set.h"
+#include "pcm/shapes/primitive_list.h"
 #include "plugin/host/registry.h"
 
 #include <common/interfaces.h>

@@ -1,7 +1,7 @@
 // How the points of primitives were reached, as the text that project files keep.
 #pragma once
 
-#include "pcm/primitives/reached_from.h"
+#include "pcm/place/reached_from.h"
 
 #include <QString>
 

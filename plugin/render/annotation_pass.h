@@ -2,7 +2,7 @@
 // them, and labels.
 #pragma once
 
-#include "pcm/gl/line_pass.h"
+#include "pcm/gl/draw/line_pass.h"
 #include "pcm/view/camera.h"
 #include "plugin/host/annotations.h"
 #include "plugin/render/label_places.h"

@@ -1,6 +1,6 @@
 #include "plugin/render/clip_count.h"
 
-#include "pcm/gl/view_clips.h"
+#include "pcm/gl/draw/view_clips.h"
 
 #include <algorithm>
 #include <utility>

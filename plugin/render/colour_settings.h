@@ -1,7 +1,7 @@
 // Settings of what the colours of points show, and of which points are shown, as MeshLab's parameters.
 #pragma once
 
-#include "pcm/gl/splat_style.h"
+#include "pcm/gl/style/splat_style.h"
 
 #include <common/interfaces.h>
 

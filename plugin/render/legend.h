@@ -1,7 +1,7 @@
 // The legends of the layers of a view, as a picture. No OpenGL here.
 #pragma once
 
-#include "pcm/gl/legend.h"
+#include "pcm/gl/draw/legend.h"
 
 #include <QImage>
 #include <QRect>

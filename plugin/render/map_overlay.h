@@ -1,7 +1,7 @@
 // Draws the scale bar, the arrow to north and the grid of coordinates (map_marks.h) over a view.
 #pragma once
 
-#include "pcm/gl/line_pass.h"
+#include "pcm/gl/draw/line_pass.h"
 #include "pcm/view/camera.h"
 #include "plugin/render/settings.h"
 #include "plugin/render/snapshot_tile.h"

@@ -1,7 +1,7 @@
 // What a view says about the clouds in its picture: the text of MeshLab's box "Point Cloud", one for all layers.
 #pragma once
 
-#include "pcm/gl/renderer.h"
+#include "pcm/gl/draw/renderer.h"
 
 #include <QString>
 

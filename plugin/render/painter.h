@@ -4,7 +4,7 @@
 // projects share nothing. GUI thread only, except that loader threads wake the views.
 #pragma once
 
-#include "pcm/gl/renderer.h"
+#include "pcm/gl/draw/renderer.h"
 
 #include <QObject>
 #include <QPointer>

@@ -5,7 +5,7 @@
 // the cloud's points after a question. Anything else is named in red until the sample is restored. GUI thread.
 #pragma once
 
-#include "pcm/gl/renderer.h"
+#include "pcm/gl/draw/renderer.h"
 #include "plugin/host/registry.h"
 
 #include <QPointer>

@@ -1,8 +1,8 @@
 // Settings of the drawing of point clouds, as MeshLab's parameters.
 #pragma once
 
-#include "pcm/gl/renderer.h"
-#include "pcm/gl/splat_style.h"
+#include "pcm/gl/draw/renderer.h"
+#include "pcm/gl/style/splat_style.h"
 #include "plugin/render/colour_settings.h"
 
 #include <common/interfaces.h>

@@ -1,7 +1,7 @@
 #include "plugin/render/view.h"
 
 #include "pcm/cloud/vector.h"
-#include "pcm/gl/splat_pass.h"
+#include "pcm/gl/draw/splat_pass.h"
 #include "pcm/io/crs/height_unit.h"
 #include "plugin/host/scene_state.h"
 #include "plugin/host/selected_colour.h"

@@ -1,7 +1,7 @@
 #include "pcm/cad/primitive_files.h"
 
 #include "pcm/cad/dxf_file.h"
-#include "pcm/fit/axis_frame.h"
+#include "pcm/shapes/axis_frame.h"
 #include "pcm/system/error.h"
 #include "tests/support.h"
 

@@ -1,5 +1,5 @@
 #include "pcm/cad/primitive_files.h"
-#include "pcm/fit/axis_frame.h"
+#include "pcm/shapes/axis_frame.h"
 #include "pcm/system/error.h"
 #include "tests/support.h"
 

@@ -3,7 +3,7 @@
 #include "pcm/system/cpu.h"
 #include "tests/cli/command.h"
 #include "tests/faults.h"
-#include "tests/primitives/shape_cloud.h"
+#include "tests/place/shape_cloud.h"
 
 #include <fstream>
 #include <regex>

@@ -2,7 +2,7 @@
 // what lies behind their last point must not matter.
 #include "pcm/fit/block_loops.h"
 
-#include "pcm/fit/shape.h"
+#include "pcm/shapes/shape.h"
 #include "pcm/system/cpu.h"
 
 #include <gtest/gtest.h>

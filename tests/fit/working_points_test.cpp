@@ -1,8 +1,8 @@
 // Points as fits compute with them, the draw of samples, and hulls, each against plain sums over all points.
 #include "pcm/fit/working_points.h"
 
-#include "pcm/fit/flat_points.h"
 #include "pcm/fit/sample_draw.h"
+#include "pcm/shapes/flat_points.h"
 #include "tests/support.h"
 
 #include <algorithm>

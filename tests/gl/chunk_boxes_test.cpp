@@ -1,5 +1,5 @@
 // Boxes of runs of points against all points.
-#include "pcm/gl/chunk_boxes.h"
+#include "pcm/gl/compute/chunk_boxes.h"
 
 #include "tests/support.h"
 

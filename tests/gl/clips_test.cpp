@@ -3,7 +3,7 @@
 
 #include "pcm/build/builder.h"
 #include "pcm/cloud/condition.h"
-#include "pcm/gl/view_clips.h"
+#include "pcm/gl/draw/view_clips.h"
 
 #include <gtest/gtest.h>
 

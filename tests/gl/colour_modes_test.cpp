@@ -1,7 +1,7 @@
-#include "pcm/gl/colour_modes.h"
+#include "pcm/gl/style/colour_modes.h"
 
-#include "pcm/gl/chunk_look.h"
-#include "pcm/gl/splat_style.h"
+#include "pcm/gl/style/chunk_look.h"
+#include "pcm/gl/style/splat_style.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "pcm/gl/frame_budget.h"
+#include "pcm/gl/draw/frame_budget.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Frames are timed, in order, with queries and by waiting.
 #include "tests/gl/gl_support.h"
 
-#include "pcm/gl/frame_clock.h"
-#include "pcm/gl/gl_state.h"
+#include "pcm/gl/base/gl_state.h"
+#include "pcm/gl/draw/frame_clock.h"
 
 #include <algorithm>
 #include <chrono>

@@ -5,7 +5,7 @@
 #include "tests/offscreen_support.h"
 #include "tests/support.h"
 
-#include "pcm/gl/renderer.h"
+#include "pcm/gl/draw/renderer.h"
 
 #include <GL/glew.h>
 

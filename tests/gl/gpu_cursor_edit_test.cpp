@@ -3,7 +3,7 @@
 #include "tests/gl/gpu_support.h"
 
 #include "pcm/build/builder.h"
-#include "pcm/gl/gpu_cursor.h"
+#include "pcm/gl/compute/gpu_cursor.h"
 #include "pcm/system/error.h"
 
 #include <cstring>

@@ -4,8 +4,8 @@
 #include "tests/sanitizers.h"
 
 #include "pcm/build/builder.h"
-#include "pcm/gl/gl_state.h"
-#include "pcm/gl/gpu_radii.h"
+#include "pcm/gl/base/gl_state.h"
+#include "pcm/gl/compute/gpu_radii.h"
 #include "pcm/io/reader.h"
 #include "pcm/tree/verify.h"
 #include "pcm/update/append.h"

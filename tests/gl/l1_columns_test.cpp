@@ -1,7 +1,7 @@
 // Columns in L1: the cache against a naive model, and changed columns read back.
 #include "tests/gl/gl_support.h"
 
-#include "pcm/gl/l1_cache.h"
+#include "pcm/gl/l1/l1_cache.h"
 #include "pcm/system/error.h"
 
 #include "tests/gl/l1_settings.h"

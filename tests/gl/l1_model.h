@@ -1,7 +1,7 @@
-// The rules of gl/l1_table.h, word for word, by linear search.
+// The rules of gl/l1/l1_table.h, word for word, by linear search.
 #pragma once
 
-#include "pcm/gl/l1_table.h"
+#include "pcm/gl/l1/l1_table.h"
 
 #include <algorithm>
 #include <functional>

@@ -1,7 +1,7 @@
 // Settings of an L1 for parametrised tests, and the naive model with the same settings.
 #pragma once
 
-#include "pcm/gl/l1_cache.h"
+#include "pcm/gl/l1/l1_cache.h"
 
 #include "tests/gl/l1_model.h"
 

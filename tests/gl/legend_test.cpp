@@ -1,5 +1,5 @@
 // Legends of what was drawn. No OpenGL.
-#include "pcm/gl/legend.h"
+#include "pcm/gl/draw/legend.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,8 @@
 // Lines and crosses over a picture: where they are, how wide, what hides them, and what they leave behind.
 #include "tests/gl/gl_support.h"
 
-#include "pcm/gl/gl_state.h"
-#include "pcm/gl/line_pass.h"
+#include "pcm/gl/base/gl_state.h"
+#include "pcm/gl/draw/line_pass.h"
 #include "pcm/view/screen_map.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // What a moving view draws when there is no time for it.
 #include "tests/gl/gl_support.h"
 
-#include "pcm/gl/frame_budget.h"
+#include "pcm/gl/draw/frame_budget.h"
 
 using namespace pcm;
 using namespace pcm::test;

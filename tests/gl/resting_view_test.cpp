@@ -1,5 +1,5 @@
 // Adaptive splats from the moving to the resting view.
-#include "pcm/gl/frame.h"
+#include "pcm/gl/draw/frame.h"
 #include "pcm/update/tree_changes.h"
 #include "tests/gl/gl_support.h"
 

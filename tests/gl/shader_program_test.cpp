@@ -1,7 +1,7 @@
 #include "tests/gl/gl_support.h"
 
-#include "pcm/gl/shader_program.h"
-#include "pcm/gl/splat_program.h"
+#include "pcm/gl/base/shader_program.h"
+#include "pcm/gl/draw/splat_program.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>

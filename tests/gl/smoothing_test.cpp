@@ -1,5 +1,5 @@
 // A resting view as the mean of frames at sub-pixel offsets.
-#include "pcm/gl/smoothing.h"
+#include "pcm/gl/draw/smoothing.h"
 #include "pcm/view/pixel_offset.h"
 #include "tests/gl/gl_support.h"
 

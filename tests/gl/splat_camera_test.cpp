@@ -1,5 +1,5 @@
 // The numbers of a view that splats' shaders take, against projection by plain matrix products.
-#include "pcm/gl/splat_camera.h"
+#include "pcm/gl/draw/splat_camera.h"
 
 #include "tests/support.h"
 #include "tests/view/random_views.h"

@@ -1,6 +1,6 @@
-#include "pcm/gl/splat_modes.h"
+#include "pcm/gl/style/splat_modes.h"
 
-#include "pcm/gl/splat_style.h"
+#include "pcm/gl/style/splat_style.h"
 
 #include <gtest/gtest.h>
 

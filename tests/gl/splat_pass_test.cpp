@@ -2,7 +2,7 @@
 #include "tests/gl/splat_scene.h"
 
 #include "pcm/cloud/vector.h"
-#include "pcm/gl/gl_state.h"
+#include "pcm/gl/base/gl_state.h"
 
 #include <gtest/gtest.h>
 

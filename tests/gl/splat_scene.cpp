@@ -1,6 +1,6 @@
 #include "tests/gl/splat_scene.h"
 
-#include "pcm/gl/gl_state.h"
+#include "pcm/gl/base/gl_state.h"
 #include "pcm/view/vertex_discs.h"
 
 #include <algorithm>

@@ -4,7 +4,7 @@
 #include "tests/gl/gl_support.h"
 #include "tests/oracle/disc_oracle.h"
 
-#include "pcm/gl/splat_pass.h"
+#include "pcm/gl/draw/splat_pass.h"
 #include "pcm/view/point_shapes.h"
 
 #include <memory>

@@ -1,7 +1,7 @@
-#include "pcm/gl/vertex_format.h"
+#include "pcm/gl/l1/vertex_format.h"
 #include "pcm/view/vertex_discs.h"
 
-#include "pcm/gl/l1_cache.h"
+#include "pcm/gl/l1/l1_cache.h"
 #include "tests/columns.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 // Groups of a few points with boxes: culled groups are never visible.
 #include "tests/gl/splat_scene.h"
 
-#include "pcm/gl/vertex_groups.h"
+#include "pcm/gl/l1/vertex_groups.h"
 #include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>

@@ -10,7 +10,7 @@ import subprocess
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SOURCES = (".h", ".cpp")
-LIST_BEGINS = "```arrows"
+LIST_BEGINS = "```floors"
 
 # Files over 500 lines and functions over 60, each with the reason why it is not divided.
 LONG_FILES: dict[str, str] = {}
@@ -27,7 +27,7 @@ FUNCTION_LINES = 60
 
 # Headers of other packages and the rooms that may use them; a pattern, then rooms.
 PACKAGES = {
-    r"<(GL|EGL)/": {"gl", "offscreen", "tests", "bench", "plugin/render", "examples"},
+    r"<(GL|EGL)/": {"gl/base", "gl/l1", "gl/compute", "gl/draw", "offscreen", "tests", "bench", "plugin/render", "examples"},
     r"<png.h>": {"offscreen"},
     r"<dxflib/": {"cad"},
     r"<CLI/": {"cli", "bench"},
@@ -53,19 +53,34 @@ class Tree:
                     read_arrows((root / "core" / "README.md").read_text(encoding="utf-8")))
 
 
+class Arrows(dict):
+    """Room -> set of rooms that it may include: all rooms of lower floors, and those named in its line, of its own floor."""
+
+    def __init__(self):
+        super().__init__()
+        self.floors = {}  # room -> name of its floor
+        self.named = {}   # room -> the rooms that its line names
+
+
 def read_arrows(text):
-    """The block of core/README.md: ROOM: ROOM... in each line. Returns room -> set of rooms that it may include."""
+    """The block of core/README.md: names of floors, lowest first, and below each, indented, its rooms: ROOM: ROOM..."""
     if LIST_BEGINS not in text:
         raise ValueError(f"core/README.md has no block {LIST_BEGINS}")
     block = text.split(LIST_BEGINS, 1)[1].split("```", 1)[0]
-    arrows = {}
+    arrows, floor, below = Arrows(), None, set()
     for line in block.strip().splitlines():
+        if not line.startswith(" "):
+            floor, below = line.strip(), set(arrows)
+            continue
         room, _, rooms = line.partition(":")
-        arrows[room.strip()] = set(rooms.split())
-    for room, rooms in arrows.items():
+        room = room.strip()
+        arrows.floors[room] = floor
+        arrows.named[room] = set(rooms.split())
+        arrows[room] = below | arrows.named[room]
+    for room, rooms in arrows.named.items():
         for other in rooms:
             if other not in arrows:
-                raise ValueError(f"core/README.md: {room} may use {other}, which is no room of the list")
+                raise ValueError(f"core/README.md: {room} may use {other}, which is not a room of the list")
     return arrows
 
 
@@ -131,12 +146,14 @@ def check_formats(tree):
 
 
 def check_list(tree):
-    """The list itself: one way only, and no arrow that nothing uses."""
+    """The list itself: lines name rooms of the same floor that stand above them, and every arrow is used."""
     complaints = []
     order = list(tree.arrows)
     for place, room in enumerate(order):
-        for other in tree.arrows[room]:
-            if order.index(other) >= place:
+        for other in sorted(tree.arrows.named[room]):
+            if tree.arrows.floors[other] != tree.arrows.floors[room]:
+                complaints.append(f"the list names {other} for {room}, which is on another floor: lower floors need no name")
+            elif order.index(other) >= place:
                 complaints.append(f"the list has {room} use {other}, which does not stand above it")
     used = {room: set() for room in order}
     for name, text in tree.sources.items():
@@ -146,7 +163,7 @@ def check_list(tree):
                 path = include[1:-1]
                 used[room].add(room_of("core/" + path[4:] if path.startswith("pcm/") else path, tree.arrows))
     for room in order:
-        for other in sorted(tree.arrows[room] - used[room]):
+        for other in sorted(tree.arrows.named[room] - used[room]):
             complaints.append(f"the list lets {room} use {other}, and nothing does")
     return complaints
 

@@ -10,12 +10,15 @@ import unittest
 import house
 
 LIST = """
-```arrows
-system:
-cloud: system
-tree: cloud system
-build: tree cloud
-gl: tree
+```floors
+vocabulary
+    system
+    cloud: system
+trees
+    tree
+    build: tree
+drawing
+    gl/base
 ```
 """
 
@@ -80,19 +83,28 @@ class Checks(unittest.TestCase):
         self.assertEqual(len(house.check_arrows(small({"core/tree/a.h": '#include "tree/b.h"\n'}))), 1)
 
     def test_a_package_in_the_wrong_room(self):
-        sources = {"core/gl/a.h": "#include <GL/glew.h>\n"}
+        sources = {"core/gl/base/a.h": "#include <GL/glew.h>\n"}
         self.assertEqual(house.check_arrows(small(sources)), [])
         self.assertEqual(len(house.check_arrows(small({"core/tree/a.h": "#include <GL/glew.h>\n"}))), 1)
         self.assertEqual(len(house.check_arrows(small({"core/tree/a.h": "#include <QString>\n"}))), 1)
 
+    def test_a_room_of_a_higher_floor(self):
+        self.assertEqual(house.check_arrows(small({"core/gl/base/a.h": '#include "pcm/cloud/b.h"\n'})), [])
+        self.assertEqual(len(house.check_arrows(small({"core/cloud/a.h": '#include "pcm/gl/base/b.h"\n'}))), 1)
+        self.assertEqual(len(house.check_arrows(small({"core/system/a.h": '#include "pcm/cloud/b.h"\n'}))), 1)
+
     def test_a_list_that_goes_back(self):
         with self.assertRaises(ValueError):
-            house.read_arrows("```arrows\na: b\n```")
-        tree = house.Tree({}, house.read_arrows("```arrows\na: b\nb:\n```"))
+            house.read_arrows("```floors\nlow\n    a: b\n```")
+        tree = house.Tree({}, house.read_arrows("```floors\nlow\n    a: b\n    b\n```"))
         self.assertIn("the list has a use b, which does not stand above it", house.check_list(tree))
 
+    def test_a_name_of_another_floor(self):
+        tree = house.Tree({"core/b/x.h": '#include "pcm/a/y.h"\n'}, house.read_arrows("```floors\nlow\n    a\nhigh\n    b: a\n```"))
+        self.assertEqual(house.check_list(tree), ["the list names a for b, which is on another floor: lower floors need no name"])
+
     def test_an_arrow_that_nothing_uses(self):
-        tree = house.Tree({"core/b/x.h": ""}, house.read_arrows("```arrows\na:\nb: a\n```"))
+        tree = house.Tree({"core/b/x.h": ""}, house.read_arrows("```floors\nlow\n    a\n    b: a\n```"))
         self.assertEqual(house.check_list(tree), ["the list lets b use a, and nothing does"])
 
     def test_a_format_that_reads_another(self):

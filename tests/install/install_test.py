@@ -151,7 +151,7 @@ def check_readme(cmake, source, pcm, work, options):
             "find_package(pcm 0.1 REQUIRED COMPONENTS core)\n")
     for i, block in enumerate(blocks):
         (project / f"block{i}.cpp").write_text(f'#include "pcm/cad/primitive_files.h"\n#include "pcm/point_cloud.h"\n'
-                                               f'#include "pcm/primitives/fit_at.h"\n\n#include <cstdio>\n\n'
+                                               f'#include "pcm/place/fit_at.h"\n\n#include <cstdio>\n\n'
                                                f"int main()\n{{\n{block}}}\n")
         text += f"add_executable(block{i} block{i}.cpp)\ntarget_link_libraries(block{i} PRIVATE pcm::core)\n"
     (project / "CMakeLists.txt").write_text(text)

@@ -1,7 +1,7 @@
 // Which shapes of a list count as the same as a new one.
 #include "plugin/edit/fit/same_shape.h"
 
-#include "pcm/fit/shape.h"
+#include "pcm/shapes/shape.h"
 
 #include <gtest/gtest.h>
 

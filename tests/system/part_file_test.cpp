@@ -1,11 +1,11 @@
 // Working names, and small things of outputs: renamed errors, fields, extensions, names of list entries, pages.
 #include "pcm/system/part_file.h"
 
+#include "pcm/lists/undo_list.h"
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/page_allocator.h"
 #include "pcm/system/renamed_error.h"
-#include "pcm/system/undo_list.h"
 #include "tests/support.h"
 
 #include <unistd.h>

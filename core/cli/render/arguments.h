@@ -3,7 +3,7 @@
 
 #include "pcm/cli/camera_options.h"
 #include "pcm/cli/common.h"
-#include "pcm/gl/renderer.h"
+#include "pcm/gl/draw/renderer.h"
 #include "pcm/view/camera_path.h"
 
 #include <array>

@@ -1,7 +1,7 @@
 // Writes legends into a picture, in its upper right corner.
 #pragma once
 
-#include "pcm/gl/legend.h"
+#include "pcm/gl/draw/legend.h"
 #include "pcm/offscreen/image.h"
 
 #include <vector>

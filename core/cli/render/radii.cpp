@@ -2,8 +2,8 @@
 
 #include "pcm/cli/render.h"
 #include "pcm/cli/target_options.h"
-#include "pcm/gl/gpu_cursor.h"
-#include "pcm/gl/gpu_radii.h"
+#include "pcm/gl/compute/gpu_cursor.h"
+#include "pcm/gl/compute/gpu_radii.h"
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/peak_memory.h"

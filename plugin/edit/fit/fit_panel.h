@@ -2,7 +2,7 @@
 // given and reports what a user does; the tool decides. GUI thread.
 #pragma once
 
-#include "pcm/primitives/primitive_list.h"
+#include "pcm/shapes/primitive_list.h"
 #include "plugin/edit/fit/fit_settings.h"
 
 #include <QDockWidget>

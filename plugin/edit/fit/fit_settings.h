@@ -1,7 +1,7 @@
 // How the tool Fit Primitives fits, as its panel has it and the user's settings keep it.
 #pragma once
 
-#include "pcm/primitives/fit_at.h"
+#include "pcm/place/fit_at.h"
 
 #include <QString>
 

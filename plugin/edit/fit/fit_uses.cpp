@@ -1,9 +1,9 @@
 // What the tool Fit Primitives does with primitives of the list: files, colours, their points.
 #include "pcm/cad/dxf_file.h"
 #include "pcm/cad/primitive_files.h"
-#include "pcm/fit/shape_lines.h"
-#include "pcm/primitives/grow_shape.h"
-#include "pcm/primitives/reached_from.h"
+#include "pcm/place/grow_shape.h"
+#include "pcm/place/reached_from.h"
+#include "pcm/shapes/shape_lines.h"
 #include "pcm/system/error.h"
 #include "plugin/edit/fit/fit_tool.h"
 #include "plugin/edit/measure/length_unit.h"

@@ -1,7 +1,7 @@
 // Whether a shape was fitted already. Any thread.
 #pragma once
 
-#include "pcm/primitives/primitive_list.h"
+#include "pcm/shapes/primitive_list.h"
 
 #include <cstddef>
 #include <optional>

@@ -2,7 +2,7 @@
 #include "plugin/edit/select/select_tool.h"
 
 #include "pcm/cloud/condition.h"
-#include "pcm/select/set_points.h"
+#include "pcm/filter/set_points.h"
 #include "pcm/system/error.h"
 #include "plugin/edit/tidy_numbers.h"
 #include "plugin/host/scene_state.h"

@@ -1,9 +1,9 @@
 #include "plugin/edit/select/selection_uses.h"
 
 #include "pcm/cloud/las_class.h"
+#include "pcm/filter/set_changes.h"
+#include "pcm/filter/set_points.h"
 #include "pcm/select/select_points.h"
-#include "pcm/select/set_changes.h"
-#include "pcm/select/set_points.h"
 #include "pcm/system/error.h"
 #include "plugin/host/layer_matrix.h"
 #include "plugin/host/operation.h"

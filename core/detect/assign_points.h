@@ -1,0 +1,65 @@
+// Gives each point of a cloud to the surface that it lies on.
+#pragma once
+
+#include "pcm/detect/hypotheses.h"
+#include "pcm/detect/point_labels.h"
+#include "pcm/detect/surface_sample.h"
+
+#include <cstdint>
+#include <functional>
+#include <utility>
+#include <vector>
+
+namespace pcm {
+
+// Connected points of one surface.
+struct SurfacePart {
+    std::uint32_t hypothesis = 0;
+    std::uint64_t points = 0;
+    std::uint64_t sampled = 0;    // of the sample's points
+    std::uint64_t edge = 0;       // of these, those with a neighbour that is not of the part
+    std::uint64_t continued = 0;  // of these, those beside which the surface continues smoothly, but not on the shape
+    // Sums over the sample's other points, inside: of squared distances from the shape, and of squared means of the
+    // distances of a point and its neighbours, which are what noise leaves over.
+    double squares = 0, smooth_squares = 0;
+    Box3d box;
+    std::vector<Vec3d> some;  // with AssignOptions::keep_some, of the sample's points; source coordinates
+};
+
+// Whether the part is a piece of a surface that bends away from the shape: its edge is often where the surface
+// continues, and its distances from the shape fill the threshold, neighbours' alike.
+bool is_piece(const SurfacePart& part, double threshold);
+
+struct AssignOptions {
+    SampleSettings sample;
+    double normal_angle = 0, reach = 0;  // reach: how far beyond a hypothesis' box its points may lie
+    std::uint64_t least_points = 0;      // parts with fewer are of no interest
+    std::uint64_t least_sampled = 0;     // nor those with fewer of the sample's points
+    bool keep_some = false;              // up to 256 points of each unit's parts
+    unsigned threads = 1;
+    std::function<void(double)> progress;  // 0 to 1; may throw
+};
+
+inline constexpr std::uint32_t interior_label = 0x80000000u;  // set where all neighbours have the same label
+
+struct AssignedPoints {
+    std::vector<SurfacePart> parts;
+    // Labels less 1, ascending, and which of the parts their points have: of parts of interest only.
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> numbers;
+    std::uint64_t looked_at = 0;  // points; only with labels
+    static constexpr std::uint32_t no_part = 0xffffffffu;
+    // The place in `parts` of a label above 0, the bit interior_label taken off, or no_part.
+    std::uint32_t part_of(std::uint32_t label) const;
+};
+
+// Of the surfaces within whose threshold it is and whose normal agrees, a point belongs to the nearest, in units of
+// their thresholds; connected by the edges of
+// the samples of the units. The parts do not depend on threads, the labels do; `labels` may be null. Memory: a sample
+// per thread, and per part of interest or at the border of a unit 32 bytes, per part of interest of all units some 150
+// more, with keep_some up to 100 KB; the rest lies in scratch files. Throws what reading and `labels` throw, what
+// options.progress throws, soon, and Error(unsupported) where there are more than 2^31 parts.
+AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
+                             const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
+                             PointLabels* labels);
+
+}  // namespace pcm

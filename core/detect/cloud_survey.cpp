@@ -1,0 +1,93 @@
+#include "pcm/detect/cloud_survey.h"
+
+#include "pcm/detect/local_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t patches_per_place = 200;
+// Noise varies with the distance and the angle that a scanner sees a surface at, and patches of trees are no surfaces:
+// the larger part of the noise of surfaces is estimated by the lesser of two quantiles, times what they are apart where
+// all patches are surfaces.
+constexpr double lower_share = 0.35, upper_share = 0.5, lower_factor = 1.5, upper_factor = 1.25;
+
+// Patches of a sample.
+class Patches {
+public:
+    explicit Patches(const SurfaceSample& sample) : sample_(sample), seen_(sample.size(), 0) {}
+
+    // Up to `most` points around the seed, in the order of edges.
+    std::vector<std::uint32_t> around(std::uint32_t seed, std::size_t most)
+    {
+        ++stamp_;
+        std::vector<std::uint32_t> points{seed};
+        seen_[seed] = stamp_;
+        for (std::size_t next = 0; next < points.size() && points.size() < most; ++next) {
+            const std::uint32_t* const near = sample_.neighbours(points[next]);
+            for (std::size_t k = 0; k < SurfaceSample::most_neighbours && points.size() < most; ++k) {
+                if (seen_[near[k]] == stamp_) continue;
+                seen_[near[k]] = stamp_;
+                points.push_back(near[k]);
+            }
+        }
+        return points;
+    }
+
+private:
+    const SurfaceSample& sample_;
+    std::vector<std::uint32_t> seen_;
+    std::uint32_t stamp_ = 0;
+};
+
+// Standard deviation across a paraboloid: of a patch that is wide beside it, so that the noise does not choose the
+// patch's points.
+double noise_at(const SurfaceSample& sample, const std::vector<std::uint32_t>& points)
+{
+    double noise = -1;
+    for (const std::size_t size : {24, 96, 384}) {
+        if (points.size() < size) break;
+        const auto surface = fit_local_surface(sample, points.data(), size, std::numeric_limits<double>::infinity());
+        if (!surface) break;
+        noise = surface->rms;
+        if (surface->extent > 8 * noise) break;
+    }
+    return noise;
+}
+
+double quantile(std::vector<double>& values, double share)
+{
+    if (values.empty()) return 0;
+    const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+}
+
+}  // namespace
+
+CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& places,
+                         const std::function<void()>& check)
+{
+    std::vector<double> spacings, noises;
+    SampleSettings settings;
+    settings.level = points.tree().info().levels;
+    for (const Box3i& place : places) {
+        check();
+        const SurfaceSample sample = sample_surface(points, place, settings);
+        Patches patches(sample);
+        const std::size_t step = std::max<std::size_t>(1, sample.size() / patches_per_place);
+        for (std::size_t i = 0; i < sample.size(); i += step) {
+            if (sample.spacing[i] > 0) spacings.push_back(sample.spacing[i] / 1.2);
+            const double noise = noise_at(sample, patches.around(static_cast<std::uint32_t>(i), 384));
+            if (noise >= 0) noises.push_back(noise);
+        }
+    }
+    CloudSurvey survey;
+    survey.spacing = quantile(spacings, 0.5);
+    survey.noise = std::min(lower_factor * quantile(noises, lower_share), upper_factor * quantile(noises, upper_share));
+    return survey;
+}
+
+}  // namespace pcm

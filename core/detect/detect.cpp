@@ -1,0 +1,421 @@
+// How primitives are found in a cloud that is larger than memory:
+//
+// 1. Survey (cloud_survey.h): spacing and noise at a few places. From them come the threshold, and the size of the
+//    cells of which one point each is looked at: shapes need many points, but none nearer than their noise is wide.
+// 2. Search, from coarse to fine: at each resolution the cloud is divided into boxes of about as many sample points,
+//    which are searched by all threads (shape_search.h), without points that coarser shapes explain. So a large shape
+//    is found in one piece, and a small one at the density that shows it. Shapes of different boxes that are one
+//    surface are brought together (hypotheses.h).
+//    Pieces cut out of surfaces that are rougher than the cloud's noise get wider thresholds (wider_shapes.h).
+// 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
+//    parts are found in each box and joined across borders. So surfaces that are one plane, but not connected, are two.
+// 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
+//    left out. Labels of points that are not within the threshold of the final shape are taken back.
+#include "pcm/detect/detect.h"
+
+#include "pcm/detect/assign_points.h"
+#include "pcm/detect/cloud_survey.h"
+#include "pcm/detect/final_fit.h"
+#include "pcm/detect/hypotheses.h"
+#include "pcm/detect/point_labels.h"
+#include "pcm/detect/shape_search.h"
+#include "pcm/detect/surface_sample.h"
+#include "pcm/detect/wider_shapes.h"
+#include "pcm/knn/unit_plan.h"
+#include "pcm/system/error.h"
+#include "pcm/system/text.h"
+#include "pcm/threads/for_each_index.h"
+#include "pcm/threads/thread_count.h"
+#include "pcm/threads/watch.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::uint64_t unit_points = 200000;  // of a sample, as far as numbers of points of nodes say
+constexpr std::size_t most_unit_points = 220000;
+constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // that a thread needs for them
+constexpr std::uint64_t survey_points = 20000;
+constexpr std::size_t survey_places = 24;
+constexpr double threshold_of_noise = 4;
+constexpr double cell_of_noise = 5, cell_of_spacing = 0.5;
+// Of the samples in which larger thresholds are tried, in cells of the finest one.
+constexpr double widen_cells = 3, coarse_widen_cells = 9;
+constexpr double most_step_cells = 128;  // of the sample, in a step: all within a step of a unit is in memory
+constexpr double coarser = 4;            // cells of one resolution, in cells of the next
+constexpr double margin_cells = 8;
+// How far a shape may reach beyond where it was found: in cells of the resolution at which it was found, at edges of
+// which the samples have no normals, and in cells of the present one.
+constexpr double edge_cells = 4, reach_cells = 20;
+constexpr std::size_t least_coarse = 60;  // sample points of a shape at all resolutions but the finest
+
+struct Resolution {
+    SampleSettings sample;
+    std::vector<Box3i> units;
+};
+
+void check(const DetectOptions& options, const std::filesystem::path& tree)
+{
+    const auto refuse = [&](const std::string& what) { throw Error(ErrorCode::invalid_argument, tree, what); };
+    if (options.kinds.empty()) refuse("no kind of shape is to be detected; choose plane, cylinder or sphere");
+    for (const ShapeKind kind : options.kinds)
+        if (kind == ShapeKind::cone || kind == ShapeKind::torus)
+            refuse("detection finds planes, cylinders and spheres; a " + std::string(traits_of(kind).name) +
+                   " is found at a picked place (pcmlab fit)");
+    const auto distance = [&](double value, const char* name) {
+        if (!(value >= 0) || !std::isfinite(value))
+            refuse("the " + std::string(name) + " is " + exact(value) +
+                   "; it is a positive number of source units, or 0 to be found");
+    };
+    distance(options.threshold, "threshold");
+    distance(options.step, "step");
+    if (!(options.normal_angle > 0) || !std::isfinite(options.normal_angle))
+        refuse("the largest angle of normals is " + exact(options.normal_angle) + "; it is above 0, in radians");
+    if (options.least_points < 20)
+        refuse("primitives of " + std::to_string(options.least_points) +
+               " points cannot be detected; 20 are the least");
+}
+
+class Detection {
+public:
+    Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
+        : tree_(tree), options_(options), points_(tree, options.limit), watch_(options.progress)
+    {
+        const std::uint64_t most = std::max<std::uint64_t>(1, options.memory_bytes / unit_bytes);
+        threads_ = static_cast<unsigned>(std::min<std::uint64_t>(thread_count(options.threads), most));
+    }
+
+    DetectReport run()
+    {
+        check(options_, tree_->folder());
+        watch_.report("Looking at the cloud", 0, true);
+        report_.labels = std::make_shared<PointLabels>(*tree_);
+        if (survey()) {
+            for (Resolution& resolution : resolutions()) search(resolution);
+            if (!(options_.threshold > 0)) widen();
+            settle();
+        }
+        report_.outcome.seconds = watch_.seconds();
+        report_.outcome.error = report_.threshold;
+        for (const Primitive& one : report_.primitives)
+            report_.outcome.error = std::max(report_.outcome.error, one.fit.threshold);
+        report_.outcome.error_meaning = "largest distance of a point from its primitive, source units";
+        watch_.finish("Done");
+        return std::move(report_);
+    }
+
+private:
+    bool survey()
+    {
+        const std::vector<Box3i> all = plan(survey_points);
+        std::vector<Box3i> places;
+        const std::size_t count = std::min(all.size(), survey_places);
+        for (std::size_t i = 0; i < count; ++i) places.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
+        const CloudSurvey found = survey_cloud(points_, places, [&] { watch_.report("Looking at the cloud", 0.01); });
+        report_.spacing = found.spacing;
+        report_.noise = found.noise;
+        if (!(found.spacing > 0)) {
+            report_.notes.push_back("there are too few points at different places to find shapes in");
+            return false;
+        }
+        const Vec3d& step = tree_->info().grid.scale;
+        const double resolution = std::max(2 * largest_magnitude(step), 0.02 * found.spacing);
+        report_.threshold =
+            options_.threshold > 0 ? options_.threshold : std::max(threshold_of_noise * found.noise, resolution);
+        report_.step = options_.step;
+        const double noise =
+            options_.threshold > 0 ? std::min(found.noise, options_.threshold / threshold_of_noise) : found.noise;
+        report_.sample = std::max(cell_of_spacing * found.spacing, cell_of_noise * noise);
+        if (options_.step > most_step_cells * report_.sample)
+            throw Error(ErrorCode::invalid_argument, tree_->folder(),
+                        "the longest step of " + exact(options_.step) + " is far above the cloud's spacing of " +
+                            brief(found.spacing) + ": points are connected by steps of up to " +
+                            brief(most_step_cells * report_.sample),
+                        "give a shorter step, or 0 for what the spacing allows; or detect in a thinner cloud (pcmlab "
+                        "subsample)");
+        if (options_.step > 0) report_.sample = std::min(report_.sample, options_.step / 2);
+        return true;
+    }
+
+    // Boxes with about so many points of the cloud, of those that the selection touches.
+    std::vector<Box3i> plan(std::uint64_t count) const
+    {
+        const Selector selector(options_.limit, tree_->info().schema);
+        std::vector<Box3i> boxes;
+        for (const Box3i& box : plan_units(*tree_, count))
+            if (selector.relation(points_.source_box(box)) != BoxRelation::outside) boxes.push_back(box);
+        return boxes;
+    }
+
+    // The coarsest level that has the points of such cells.
+    std::uint16_t level_of(double cell) const
+    {
+        const TreeInfo& info = tree_->info();
+        for (std::uint16_t level = 0; level < info.levels; ++level)
+            if (info.spacings[level] > 0 && info.spacings[level] <= cell) return level;
+        return static_cast<std::uint16_t>(std::max(1, int(info.levels)) - 1);
+    }
+
+    // The finest level whose points are no nearer than a cell, or the coarsest one; and how many points of a sample
+    // there are for each point up to it. 0: not known.
+    struct LevelGrowth {
+        std::uint16_t level = 0;
+        double growth = 0;
+    };
+    LevelGrowth level_growth(double cell) const
+    {
+        const std::vector<double>& spacings = tree_->info().spacings;
+        LevelGrowth found;
+        while (found.level + 1u < spacings.size() && spacings[found.level + 1u] >= cell) ++found.level;
+        if (!spacings.empty()) found.growth = spacings[found.level] * spacings[found.level] / (cell * cell);
+        return found;
+    }
+
+    // About how many points a sample of the whole cloud has.
+    double sample_points(double cell) const
+    {
+        const auto all = static_cast<double>(tree_->info().points);
+        const auto [level, growth] = level_growth(cell);
+        const double points = growth > 0 ? static_cast<double>(tree_->points_to_level(level)) * growth : all;
+        return std::clamp(points, 1.0, all);
+    }
+
+    // About how many of them lie in a box.
+    double sample_points(const Box3i& box, double cell) const
+    {
+        const auto [level, growth] = level_growth(cell);
+        double all = 0, coarse = 0;
+        std::vector<NodeId> open{0};
+        while (!open.empty()) {
+            const Node& node = tree_->node(open.back());
+            open.pop_back();
+            const double share = shared(node.box, box);
+            if (share <= 0) continue;
+            all += share * node.points;
+            for (std::size_t k = 0; k < node.level_points.size() && node.first_level + k <= level; ++k)
+                coarse += share * node.level_points[k];
+            for (const NodeId child : node.children)
+                if (child != no_node) open.push_back(child);
+        }
+        return growth > 0 ? std::min(all, coarse * growth) : all;
+    }
+
+    // The part of a box that lies in another, counted in grid positions.
+    static double shared(const Box3i& box, const Box3i& other)
+    {
+        if (box.empty()) return 0;
+        double share = 1;
+        for (std::size_t a = 0; a < 3; ++a) {
+            const double low = static_cast<double>(std::max(box.min[a], other.min[a]));
+            const double high = static_cast<double>(std::min(box.max[a], other.max[a]));
+            if (high < low) return 0;
+            share *= (high - low + 1) / (static_cast<double>(box.max[a]) - static_cast<double>(box.min[a]) + 1);
+        }
+        return share;
+    }
+
+    // Boxes with about unit_points of the sample, none with many more.
+    std::vector<Box3i> units_of(double cell) const
+    {
+        const double points = static_cast<double>(tree_->info().points);
+        std::vector<Box3i> open = plan(static_cast<std::uint64_t>(static_cast<double>(unit_points) * points /
+                                                                  sample_points(cell))),
+                           units;
+        std::reverse(open.begin(), open.end());
+        while (!open.empty()) {
+            const Box3i box = open.back();
+            open.pop_back();
+            const std::vector<Box3i> halves = halves_of(box, tree_->info().grid.scale);
+            if (halves.empty() || sample_points(box, cell) <= unit_points)
+                units.push_back(box);
+            else
+                open.insert(open.end(), halves.rbegin(), halves.rend());
+        }
+        return units;
+    }
+
+    std::vector<Resolution> resolutions() const
+    {
+        std::vector<Resolution> all;
+        double cell = report_.sample;
+        for (;; cell *= coarser) {
+            Resolution resolution;
+            resolution.sample = {
+                level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, check_};
+            resolution.units = units_of(cell);
+            all.push_back(std::move(resolution));
+            if (all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
+        }
+        std::reverse(all.begin(), all.end());
+        return all;
+    }
+
+    // Runs work(i) by all threads; progress within a part of the whole.
+    template <class Work>
+    void run_all(std::size_t count, double begin, double end, const char* stage, const Work& work)
+    {
+        for_each_index(count, threads_, work, [&](std::size_t begun) {
+            try {
+                watch_.report(stage, begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(count));
+            } catch (...) {
+                stopped_ = true;
+                throw;
+            }
+        });
+    }
+
+    void search(Resolution& resolution)
+    {
+        std::vector<std::vector<Hypothesis>> found(resolution.units.size());
+        const double end = progress_ + 0.3 * (0.6 - progress_) + (resolution.units.size() > 1 ? 0.2 : 0);
+        run_all(found.size(), progress_, std::min(0.6, end), "Searching shapes",
+                [&](std::size_t u) { found[u] = search_unit(resolution, resolution.units[u]); });
+        progress_ = std::min(0.6, end);
+        for (std::vector<Hypothesis>& some : found)
+            for (Hypothesis& one : some) hypotheses_.push_back(std::move(one));
+        hypotheses_ = merged(std::move(hypotheses_), merge_options(resolution.sample.cell));
+    }
+
+    MergeOptions merge_options(double cell) const
+    {
+        MergeOptions merge;
+        merge.gap = std::max(reach_cells * cell, options_.step);
+        merge.normal_angle = options_.normal_angle;
+        return merge;
+    }
+
+    AssignOptions assign_options(double cell, double begin, double end)
+    {
+        AssignOptions assign;
+        assign.sample = {level_of(cell > report_.sample ? cell : 0),
+                         cell,
+                         std::max(margin_cells * cell, 1.01 * options_.step),
+                         options_.step,
+                         most_unit_points,
+                         {}};
+        assign.normal_angle = options_.normal_angle;
+        assign.reach = reach_cells * cell;
+        assign.least_points = options_.least_points;
+        assign.threads = threads_;
+        assign.progress = [this, begin, end](double fraction) {
+            watch_.report("Assigning points", begin + (end - begin) * fraction);
+        };
+        return assign;
+    }
+
+    void widen()
+    {
+        const auto sample = [&](double cells) {
+            const double cell = cells * report_.sample;
+            return WidenSample{assign_options(cell, 0.6, 0.65), units_of(cell)};
+        };
+        WidenOptions widen;
+        widen.fine = sample(widen_cells);
+        widen.coarse = sample(coarse_widen_cells);
+        widen.merge = merge_options(widen_cells * report_.sample);
+        hypotheses_ = with_wider_shapes(points_, std::move(hypotheses_), widen);
+    }
+
+    std::vector<Hypothesis> search_unit(const Resolution& resolution, const Box3i& box) const
+    {
+        std::vector<Hypothesis> found;
+        for_each_sample(points_, box, resolution.sample,
+                        [&](const Box3i&, const SurfaceSample& sample) { search_sample(resolution, sample, found); });
+        return found;
+    }
+
+    void search_sample(const Resolution& resolution, const SurfaceSample& sample, std::vector<Hypothesis>& found) const
+    {
+        std::vector<std::uint8_t> taken(sample.size(), 0);
+        mark_explained(sample, resolution.sample.cell, taken);
+        ShapeSearchOptions search;
+        search.kinds = options_.kinds;
+        search.threshold = report_.threshold;
+        search.normal_angle = options_.normal_angle;
+        search.seed = options_.seed;
+        search.least = resolution.sample.cell > report_.sample
+                           ? least_coarse
+                           : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
+        search.check = check_;
+        for (const FoundShape& shape : search_shapes(sample, search, taken)) {
+            Hypothesis one;
+            one.shape = shape.shape;
+            one.shape.point = one.shape.point + sample.origin;
+            one.area = static_cast<double>(shape.points.size()) * resolution.sample.cell * resolution.sample.cell;
+            one.rms = shape.rms;
+            one.threshold = report_.threshold;
+            one.reach = edge_cells * resolution.sample.cell;
+            for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
+            const std::size_t some = std::min(hypothesis_points, shape.points.size());
+            for (std::size_t i = 0; i < some; ++i)
+                one.some.push_back(sample.origin + sample.at[shape.points[i * shape.points.size() / some]]);
+            found.push_back(std::move(one));
+        }
+    }
+
+    void mark_explained(const SurfaceSample& sample, double cell, std::vector<std::uint8_t>& taken) const
+    {
+        const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
+        for (const Hypothesis& known : hypotheses_) {
+            Shape shape = known.shape;
+            shape.point = shape.point - sample.origin;
+            const double most = shadow * report_.threshold;
+            for_points_near(sample, reached_box(known, reach_cells * cell), shape, most, [&](std::uint32_t i) {
+                if (!taken[i] && fits(sample, i, shape, most, cos_angle)) taken[i] = 1;
+            });
+        }
+    }
+
+    // Which points belong to which primitive, and what these are.
+    void settle()
+    {
+        const std::vector<Box3i> units = units_of(report_.sample);
+        auto labels = std::make_shared<PointLabels>(*tree_);
+        AssignedPoints assigned =
+            assign_points(points_, units, hypotheses_, assign_options(report_.sample, 0.65, 0.85), labels.get());
+        FinalFitOptions fit;
+        fit.least_points = options_.least_points;
+        fit.keep_pieces = options_.pieces;
+        fit.threads = threads_;
+        fit.progress = [&](double fraction) { watch_.report("Fitting primitives", 0.85 + 0.14 * fraction); };
+        FinalFit result = fit_parts(points_, hypotheses_, assigned, *labels, fit);
+        if (result.pieces > 0 && !options_.pieces)
+            report_.notes.push_back(grouped(result.piece_points) + " points lie on " + grouped(result.pieces) +
+                                    " pieces of surfaces that continue smoothly beyond the threshold (ground, or what "
+                                    "the threshold is too small for); "
+                                    "they were left out");
+        if (result.unbounded > 0)
+            report_.notes.push_back(grouped(result.unbounded) +
+                                    " primitives have no outline: their points are all on one line");
+        report_.primitives = std::move(result.primitives);
+        report_.labels = labels;
+        report_.outcome.points_in = assigned.looked_at;
+        for (const Primitive& primitive : report_.primitives) report_.outcome.points_out += primitive.points;
+    }
+
+    const std::shared_ptr<const Tree> tree_;
+    const DetectOptions& options_;
+    const ChosenPoints points_;
+    Watch watch_;
+    unsigned threads_ = 1;
+    std::atomic<bool> stopped_{false};
+    const std::function<void()> check_ = [this] {
+        if (stopped_) throw Error(ErrorCode::cancelled, {}, "cancelled");
+    };
+    double progress_ = 0.02;
+    std::vector<Hypothesis> hypotheses_;
+    DetectReport report_;
+};
+
+}  // namespace
+
+DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
+{
+    return Detection(tree, options).run();
+}
+
+}  // namespace pcm

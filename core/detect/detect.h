@@ -1,0 +1,81 @@
+// Finds all planes, cylinders and spheres of a cloud.
+#pragma once
+
+#include "pcm/cloud/selection.h"
+#include "pcm/shapes/primitive.h"
+#include "pcm/system/progress.h"
+#include "pcm/tree/tree.h"
+#include "pcm/update/target.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+class PointLabels;
+
+struct DetectOptions {
+    std::vector<ShapeKind> kinds{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};  // no others
+    double threshold = 0;              // largest distance of a point from its surface, source units; 0: from the noise
+    std::uint64_t least_points = 500;  // of a primitive
+    double normal_angle = 0.35;        // largest angle between a point's normal and the surface's, radians
+    // Points farther apart are not of one primitive, source units, at most 128 cells of the sample (some 60 spacings);
+    // 0: as the spacing around each allows.
+    double step = 0;
+    // Whether pieces of surfaces that bend away from the shape, cut out by the threshold, are primitives too, doubtful
+    // ones: most of the ground, and floors and walls that are not even. Else a note says how many there were.
+    bool pieces = false;
+    std::uint64_t seed = 1;
+    Selection limit;
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;
+    unsigned threads = 0;  // 0: one per processor; fewer run where the memory does not suffice for all
+    ProgressFunction progress;
+};
+
+struct DetectReport {
+    Outcome outcome;                    // in: points that the selection chooses; out: points that belong to a primitive
+    std::vector<Primitive> primitives;  // by points, descending; label = place in the list + 1
+    // That were used; step 0: as the spacing allows. A primitive may have a larger threshold of its own
+    // (Primitive::fit.threshold), up to eight times, where its surface is rougher than the cloud's noise.
+    double threshold = 0, step = 0;
+    double spacing = 0, noise = 0;  // of the cloud, source units, as far as a few places say
+    double sample = 0;              // shapes are searched in one point for each cell of this size, source units
+    std::vector<std::string> notes;
+    std::shared_ptr<const PointLabels> labels;  // of all points: label, or 0
+};
+
+// In bounded memory; four bytes per point in a scratch file, in the system's folder for temporary files. Every point
+// with a label is within its primitive's threshold (fit.threshold) of its shape. The result depends on the seed, and
+// neither on threads nor on memory. Throws Error(invalid_argument) for options out of range, steps that reach
+// too many points, and kinds that are not searched for, Error(unsupported) for more than 2^31 parts of surfaces, what
+// Selector throws, Error(cancelled), and what reading and the scratch file throw.
+DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options);
+
+struct LabelOptions {
+    TargetChoice target;                  // in place or into a copy
+    std::string attribute = "primitive";  // u32, made when absent: the label, or 0
+    bool overwrite = false;               // values that are not labels of primitives may be lost
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;
+    unsigned threads = 0;
+    ProgressFunction progress;
+};
+// Throws what label_primitives() would because of the attribute's name: before the search, not after it. See
+// filter/result_attributes.h.
+void check_label_attribute(const Tree& tree, const LabelOptions& options);
+
+struct LabelReport {
+    Outcome outcome;             // in: points of the tree; out: points whose value was changed
+    std::filesystem::path tree;  // that was changed or written
+};
+
+// Writes which primitive each point belongs to, as detect_primitives() found. Atomic. Throws Error(invalid_argument)
+// when the tree was changed since, and for an attribute of that name and another type; what UpdateTarget, reading and
+// writing throw.
+LabelReport label_primitives(const std::shared_ptr<const Tree>& tree, const DetectReport& found,
+                             const LabelOptions& options);
+
+}  // namespace pcm

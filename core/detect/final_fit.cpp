@@ -1,0 +1,281 @@
+#include "pcm/detect/final_fit.h"
+
+#include "pcm/fit/shape_sums.h"
+#include "pcm/place/error_agreement.h"
+#include "pcm/place/extreme_points.h"
+#include "pcm/system/error.h"
+#include "pcm/threads/for_each_index.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::uint32_t no_candidate = 0xffffffffu;
+constexpr std::size_t groups = 64;       // of nodes, whose sums are added in their order
+constexpr double enough_interior = 0.2;  // of a part's points: else those at edges are used too
+constexpr double cubes_per_extent = 16;  // in which errors are compared with their neighbours'
+
+struct Candidate {
+    Shape shape;
+    Vec3d middle{};
+    double extent = 0;
+    Vec3d corner{};
+    double threshold = 0;
+    bool whole = false;
+    std::uint32_t part = 0;
+    bool interior = true;  // is fitted to points inside, not to those at edges
+};
+
+// What bounds and errors need of a candidate's points beside the sums.
+struct PartFacts {
+    explicit PartFacts(const Candidate& c) : ends(c.shape, c.middle), alike(c.corner, c.extent / cubes_per_extent) {}
+    ExtremePoints ends;
+    ErrorAgreement alike;
+};
+
+struct Sums {
+    Sums(const Candidate& c, bool facts_too)
+        : interior(c.shape, c.middle, c.extent), all(c.shape, c.middle, c.extent), use_interior(c.interior)
+    {
+        if (facts_too) facts.emplace(c);
+    }
+    void add(const Vec3d& p, bool inside, const Shape& shape)
+    {
+        all.add(p);
+        if (inside) interior.add(p);
+        if (!facts) return;
+        facts->ends.add(p);
+        if (inside || !use_interior) facts->alike.add(p, signed_distance(shape, p));
+    }
+    void add(const Sums& other)
+    {
+        all.add(other.all);
+        interior.add(other.interior);
+        if (!facts) return;
+        facts->ends.add(other.facts->ends);
+        facts->alike.add(other.facts->alike);
+    }
+    bool enough_interior_points() const
+    {
+        return interior.points() >= 20 &&
+               static_cast<double>(interior.points()) >= enough_interior * static_cast<double>(all.points());
+    }
+    const ShapeSums& best() const { return use_interior ? interior : all; }
+
+    ShapeSums interior, all;
+    bool use_interior = true;
+    std::optional<PartFacts> facts;
+};
+
+// By candidate.
+using GroupSums = std::map<std::uint32_t, Sums>;
+
+class Fitting {
+public:
+    Fitting(const ChosenPoints& points, const std::vector<Hypothesis>& hypotheses, const AssignedPoints& assigned,
+            PointLabels& labels, const FinalFitOptions& options)
+        : points_(points), assigned_(assigned), labels_(labels), options_(options)
+    {
+        for (std::uint32_t p = 0; p < assigned.parts.size(); ++p) {
+            const SurfacePart& part = assigned.parts[p];
+            if (part.points < options.least_points) continue;
+            const Hypothesis& from = hypotheses[part.hypothesis];
+            const bool piece = !from.whole && is_piece(part, from.threshold);
+            result_.pieces += piece;
+            if (piece) result_.piece_points += part.points;
+            if (!piece || options.keep_pieces) add(p, hypotheses);
+        }
+        candidate_of_.assign(assigned.parts.size(), no_candidate);
+        for (std::uint32_t c = 0; c < candidates_.size(); ++c) candidate_of_[candidates_[c].part] = c;
+    }
+
+    FinalFit run()
+    {
+        for (const double begin : {0.0, 0.25}) {
+            std::vector<Sums> sums = pass(begin, begin + 0.25, false);
+            for (std::size_t c = 0; c < candidates_.size(); ++c) {
+                candidates_[c].interior = sums[c].use_interior = sums[c].enough_interior_points();
+                if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
+            }
+        }
+        const std::vector<Sums> sums = pass(0.5, 0.8, true);
+        std::vector<std::uint32_t> order(candidates_.size());
+        std::iota(order.begin(), order.end(), 0u);
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::uint32_t a, std::uint32_t b) { return sums[a].all.points() > sums[b].all.points(); });
+        std::vector<std::uint32_t> label_of(candidates_.size(), 0);
+        for (const std::uint32_t c : order) {
+            if (sums[c].all.points() < options_.least_points) continue;
+            Primitive primitive = primitive_of(candidates_[c], sums[c]);
+            if (!primitive.fit.has_shape()) continue;
+            label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
+            primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
+                             std::to_string(++numbers_[primitive.fit.shape.kind]);
+            result_.primitives.push_back(std::move(primitive));
+        }
+        relabel(label_of);
+        return std::move(result_);
+    }
+
+private:
+    void add(std::uint32_t part, const std::vector<Hypothesis>& hypotheses)
+    {
+        const SurfacePart& from = assigned_.parts[part];
+        Candidate candidate;
+        candidate.part = part;
+        candidate.whole = hypotheses[from.hypothesis].whole;
+        candidate.threshold = hypotheses[from.hypothesis].threshold;
+        candidate.shape = hypotheses[from.hypothesis].shape;
+        candidate.middle = from.box.centre();
+        candidate.corner = from.box.min;
+        candidate.extent = std::max(from.box.diagonal(), candidate.threshold);
+        candidates_.push_back(candidate);
+    }
+
+    // Calls see(group, node) for all nodes with points, by all threads, those of one group by one; then done(group).
+    template <class See, class Done>
+    void visit(double begin, double end, const See& see, const Done& done)
+    {
+        const std::size_t nodes = points_.tree().nodes().size();
+        std::atomic<bool> stopped{false};
+        for_each_index(
+            groups, options_.threads,
+            [&](std::size_t g) {
+                for (std::size_t n = g * nodes / groups; n < (g + 1) * nodes / groups && !stopped; ++n) {
+                    const auto node = static_cast<NodeId>(n);
+                    if (points_.tree().node(node).points > 0) see(g, node);
+                }
+                if (!stopped) done(g);
+            },
+            [&](std::size_t begun) {
+                try {
+                    options_.progress(begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(groups));
+                } catch (...) {
+                    stopped = true;
+                    throw;
+                }
+            });
+    }
+
+    std::uint32_t candidate(std::uint32_t label) const
+    {
+        if (label == 0) return no_candidate;
+        const std::uint32_t part = assigned_.part_of(label & ~interior_label);
+        return part == AssignedPoints::no_part ? no_candidate : candidate_of_[part];
+    }
+
+    // The sums of groups are added in their order, so that the result does not depend on threads, and as soon as those
+    // before are there, so that few are held.
+    std::vector<Sums> pass(double begin, double end, bool facts_too)
+    {
+        std::vector<Sums> sums;
+        for (const Candidate& c : candidates_) sums.emplace_back(c, facts_too);
+        std::vector<GroupSums> open(groups);
+        std::vector<bool> done(groups, false);
+        std::size_t next = 0;
+        std::mutex mutex;
+        visit(
+            begin, end, [&](std::size_t group, NodeId node) { add_node(node, facts_too, open[group]); },
+            [&](std::size_t group) {
+                const std::lock_guard lock(mutex);
+                done[group] = true;
+                for (; next < groups && done[next]; ++next) {
+                    for (const auto& [c, part] : open[next]) sums[c].add(part);
+                    open[next].clear();
+                }
+            });
+        return sums;
+    }
+
+    void add_node(NodeId node, bool facts_too, GroupSums& sums)
+    {
+        const std::vector<std::uint32_t> labels = labels_.get(node);
+        if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
+        const std::vector<Vec3d> at = points_.positions(node);
+        for (std::size_t i = 0; i < labels.size(); ++i) {
+            const std::uint32_t c = candidate(labels[i]);
+            if (c == no_candidate || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
+            auto found = sums.find(c);
+            if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], facts_too)).first;
+            found->second.add(at[i], (labels[i] & interior_label) != 0, candidates_[c].shape);
+        }
+    }
+
+    Primitive primitive_of(const Candidate& candidate, const Sums& sums)
+    {
+        Primitive primitive;
+        primitive.fit = sums.best().result(candidate.threshold);
+        primitive.points = sums.all.points();
+        primitive.cloud = points_.tree().folder().string();
+        primitive.estimator = "detect";
+        const SurfacePart& part = assigned_.parts[candidate.part];
+        if (!primitive.fit.has_shape()) return primitive;
+        enlarge(primitive.fit.errors, sums.facts->alike.factor());
+        bound(primitive, sums.facts->ends.points());
+        if (primitive.fit.verdict == FitVerdict::good && !candidate.whole && is_piece(part, candidate.threshold)) {
+            primitive.fit.verdict = FitVerdict::doubtful;
+            primitive.fit.message =
+                "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";
+        }
+        return primitive;
+    }
+
+    // A plane whose points are on one line has no outline: no reason to end a detection.
+    void bound(Primitive& primitive, const std::vector<Vec3d>& ends)
+    {
+        OutlineOptions outline;
+        outline.kind = OutlineKind::convex;  // the ends have no other
+        try {
+            primitive.bounds = bounds_of(primitive.fit.shape, ends, outline);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::invalid_argument) throw;
+            ++result_.unbounded;
+        }
+    }
+
+    void relabel(const std::vector<std::uint32_t>& label_of)
+    {
+        visit(
+            0.8, 1,
+            [&](std::size_t, NodeId node) {
+                std::vector<std::uint32_t> labels = labels_.get(node);
+                if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
+                const std::vector<Vec3d> at = points_.positions(node);
+                for (std::size_t i = 0; i < labels.size(); ++i) {
+                    const std::uint32_t c = candidate(labels[i]);
+                    const bool near =
+                        c != no_candidate && distance_to(candidates_[c].shape, at[i]) <= candidates_[c].threshold;
+                    labels[i] = near ? label_of[c] : 0;
+                }
+                labels_.set_all(node, labels);
+            },
+            [](std::size_t) {});
+    }
+
+    const ChosenPoints& points_;
+    const AssignedPoints& assigned_;
+    PointLabels& labels_;
+    const FinalFitOptions& options_;
+    std::vector<Candidate> candidates_;
+    std::vector<std::uint32_t> candidate_of_;  // of a part
+    std::map<ShapeKind, int> numbers_;
+    FinalFit result_;
+};
+
+}  // namespace
+
+FinalFit fit_parts(const ChosenPoints& points, const std::vector<Hypothesis>& hypotheses,
+                   const AssignedPoints& assigned, PointLabels& labels, const FinalFitOptions& options)
+{
+    return Fitting(points, hypotheses, assigned, labels, options).run();
+}
+
+}  // namespace pcm

@@ -1,0 +1,33 @@
+// Primitives out of the parts that points were assigned to.
+#pragma once
+
+#include "pcm/detect/assign_points.h"
+#include "pcm/shapes/primitive.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace pcm {
+
+struct FinalFitOptions {
+    std::uint64_t least_points = 0;
+    bool keep_pieces = false;  // as doubtful ones
+    unsigned threads = 1;
+    std::function<void(double)> progress;  // 0 to 1; may throw
+};
+
+struct FinalFit {
+    std::vector<Primitive> primitives;  // by points, descending
+    // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
+    // out by the threshold.
+    std::uint64_t pieces = 0, piece_points = 0;
+    std::uint64_t unbounded = 0;  // primitives without bounds, because their points are on one line
+};
+
+// Fits each part of at least least_points points to all of them, and makes `labels` those of the primitives: place in
+// the list + 1, or 0. Does not depend on threads. Throws what reading and `labels` throw.
+FinalFit fit_parts(const ChosenPoints& points, const std::vector<Hypothesis>& hypotheses,
+                   const AssignedPoints& assigned, PointLabels& labels, const FinalFitOptions& options);
+
+}  // namespace pcm

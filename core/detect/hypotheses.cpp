@@ -1,0 +1,122 @@
+#include "pcm/detect/hypotheses.h"
+
+#include "pcm/fit/shape_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr double same_rms = 1.35;  // a shape's points may lie so many times farther from another that is the same
+constexpr double explained_share = 0.8;
+
+double rms_distance(const Shape& shape, const std::vector<Vec3d>& points)
+{
+    double squares = 0;
+    for (const Vec3d& p : points) {
+        const double d = signed_distance(shape, p);
+        squares += d * d;
+    }
+    return points.empty() ? 0 : std::sqrt(squares / static_cast<double>(points.size()));
+}
+
+bool normals_agree(const Shape& a, const Shape& b, const std::vector<Vec3d>& points, double angle)
+{
+    const double least = std::cos(std::min(angle, pi / 2));
+    for (const Vec3d& p : points)
+        if (std::fabs(dot(normal_at(a, p), normal_at(b, p))) < least) return false;
+    return true;
+}
+
+bool touch(const Box3d& a, const Box3d& b, double gap)
+{
+    for (std::size_t i = 0; i < 3; ++i)
+        if (a.min[i] > b.max[i] + gap || b.min[i] > a.max[i] + gap) return false;
+    return true;
+}
+
+// Evenly those of both, as many as one may have.
+std::vector<Vec3d> some_of(const Hypothesis& a, const Hypothesis& b)
+{
+    std::vector<Vec3d> all = a.some, some;
+    all.insert(all.end(), b.some.begin(), b.some.end());
+    const std::size_t most = 2 * hypothesis_points;
+    if (all.size() <= most) return all;
+    for (std::size_t i = 0; i < most; ++i) some.push_back(all[i * all.size() / most]);
+    return some;
+}
+
+// Takes `other` into `one`, if both are the same surface.
+bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& options)
+{
+    if (one.shape.kind != other.shape.kind || !touch(one.box, other.box, std::max(one.reach, options.gap)))
+        return false;
+    const double threshold = std::max(one.threshold, other.threshold);
+    const double most = same_rms * std::max({one.rms, other.rms, 0.02 * threshold});
+    double apart = rms_distance(one.shape, other.some);
+    if (!(apart <= 4 * threshold) || !normals_agree(one.shape, other.shape, other.some, options.normal_angle))
+        return false;
+    std::vector<Vec3d> some = some_of(one, other);
+    RefineOptions refine;
+    refine.threshold = 6 * threshold;
+    refine.most_steps = 10;
+    const ShapeFit fit = refine_shape(FitPoints::of(some), one.shape, refine);
+    if (!fit.has_shape() || rms_distance(fit.shape, other.some) > most || rms_distance(fit.shape, one.some) > most)
+        return false;
+    one.shape = fit.shape;
+    one.box.extend(other.box);
+    one.area += other.area;
+    one.threshold = threshold;
+    one.reach = std::max(one.reach, other.reach);
+    one.rms = rms_distance(fit.shape, some);
+    one.some = std::move(some);
+    return true;
+}
+
+// Whether nearly all points of `small` are points of `large` too, which may be of another kind: a band of a cylinder
+// that a sphere fits as well, say.
+bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptions& options)
+{
+    const double gap = std::max(large.reach, options.gap);
+    if (large.area < small.area || !touch(large.box, small.box, gap)) return false;
+    const double least = std::cos(std::min(options.normal_angle, pi / 2));
+    const Box3d box = reached_box(large, options.gap);
+    std::size_t on = 0;
+    for (const Vec3d& p : small.some)
+        on += box.contains(p) && distance_to(large.shape, p) <= large.threshold &&
+              std::fabs(dot(normal_at(large.shape, p), normal_at(small.shape, p))) >= least;
+    return static_cast<double>(on) >= explained_share * static_cast<double>(small.some.size());
+}
+
+}  // namespace
+
+Box3d reached_box(const Hypothesis& one, double least_reach)
+{
+    Box3d box = one.box;
+    for (std::size_t a = 0; a < 3; ++a) {
+        box.min[a] -= std::max(one.reach, least_reach);
+        box.max[a] += std::max(one.reach, least_reach);
+    }
+    return box;
+}
+
+std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options)
+{
+    for (std::size_t before = all.size() + 1; all.size() < before;) {
+        before = all.size();
+        std::stable_sort(all.begin(), all.end(),
+                         [](const Hypothesis& a, const Hypothesis& b) { return a.area > b.area; });
+        std::vector<Hypothesis> kept;
+        for (Hypothesis& next : all) {
+            const auto takes = [&](Hypothesis& one) {
+                return absorb(one, next, options) || explains(one, next, options);
+            };
+            if (std::none_of(kept.begin(), kept.end(), takes)) kept.push_back(std::move(next));
+        }
+        all = std::move(kept);
+    }
+    return all;
+}
+
+}  // namespace pcm

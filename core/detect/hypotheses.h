@@ -1,0 +1,37 @@
+// Shapes found in parts of a cloud, and the same ones brought together.
+#pragma once
+
+#include "pcm/cloud/geometry.h"
+#include "pcm/shapes/shape.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+struct Hypothesis {
+    Shape shape;              // source coordinates
+    Box3d box;                // of its points
+    std::vector<Vec3d> some;  // of its points, evenly; source coordinates
+    double area = 0;          // about, source units squared
+    double rms = 0;
+    double threshold = 0;  // largest distance of its points, source units
+    double reach = 0;      // its points may lie so far outside of the box, source units
+    bool whole = false;    // it was tried whether its points are a piece of something bent: they are not
+};
+inline constexpr std::size_t hypothesis_points = 256;  // in `some`
+
+// Where points of it may lie, if they may lie at least so far outside of its box.
+Box3d reached_box(const Hypothesis& one, double least_reach);
+
+struct MergeOptions {
+    double gap = 0;           // of boxes that touch, source units; or the reach of the larger one
+    double normal_angle = 0;  // between two shapes' normals at one place
+};
+
+// Brings together shapes of one kind of which one's points lie on the other, as near as on their own, and whose boxes
+// touch; each is then fitted to the points of both. Those whose points lie on a larger one of any kind are left out.
+// The result depends on the order.
+std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options);
+
+}  // namespace pcm

@@ -1,0 +1,44 @@
+// Shapes among the points of a sample in memory.
+#pragma once
+
+#include "pcm/detect/surface_sample.h"
+#include "pcm/shapes/shape.h"
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+namespace pcm {
+
+struct ShapeSearchOptions {
+    std::vector<ShapeKind> kinds;
+    double threshold = 0;     // source units
+    double normal_angle = 0;  // radians
+    std::size_t least = 20;   // points of the sample
+    std::uint64_t seed = 1;
+    std::function<void()> check;  // called now and then; may throw
+};
+
+struct FoundShape {
+    Shape shape;                        // relative to the sample's origin
+    std::vector<std::uint32_t> points;  // of the sample
+    double rms = 0;                     // of their distances
+};
+
+// Points up to so many thresholds from a shape belong to no other one of the same normal.
+inline constexpr double shadow = 2;
+
+// Shapes that have at least `least` connected points, none of them in two shapes. `taken`: for each point, whether it
+// belongs to something already; those that are found are added. One thread.
+//
+// From points of which the surroundings are smooth, in an order that the seed decides: a paraboloid is fitted to
+// patches of growing size, the shapes that curve as it does are grown along edges from point to point, fitted again
+// each time that they have twice the points, and the one with the most points is taken; a curved one only if the plane
+// has clearly fewer.
+std::vector<FoundShape> search_shapes(const SurfaceSample& sample, const ShapeSearchOptions& options,
+                                      std::vector<std::uint8_t>& taken);
+
+// Whether a point fits: distance and normal.
+bool fits(const SurfaceSample& sample, std::size_t point, const Shape& shape, double threshold, double cos_angle);
+
+}  // namespace pcm

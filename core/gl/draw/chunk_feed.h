@@ -1,0 +1,142 @@
+// Moves the chunks that a view wants from L2 into L1: requests them, uploads loaded ones, remembers failures.
+#pragma once
+
+#include "pcm/gl/draw/cloud_facts.h"
+#include "pcm/gl/l1/chunk_filter.h"
+#include "pcm/gl/l1/l1_cache.h"
+#include "pcm/gl/l1/vertex_format.h"
+#include "pcm/point_cloud.h"
+#include "pcm/query/point_set.h"
+#include "pcm/view/level_of_detail.h"
+#include "pcm/view/point_colours.h"
+#include "pcm/view/point_sizes.h"
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+// One client of an L1, and of a cloud's L2. GL thread only, but for set_wake().
+class ChunkFeed {
+public:
+    ChunkFeed(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1);
+    ~ChunkFeed();
+    ChunkFeed(const ChunkFeed&) = delete;
+    ChunkFeed& operator=(const ChunkFeed&) = delete;
+
+    // The most chunks in flight. More would not arrive sooner, and chunks that wait for their upload are pinned in L2.
+    static constexpr std::size_t window_size = 32;
+
+    L1Cache::Owner owner() const { return owner_; }
+    const VertexEntry* find(NodeId node) const { return l1_->find(owner_, node); }
+    // Whether the node's entry, which may be null, has what this format needs, and the selected points of now.
+    bool is_current(NodeId node, const VertexEntry* entry, const VertexFormat& format)
+    {
+        return entry && entry->format.serves(format) && entry->selection == selection_of(node);
+    }
+
+    // The points that are shown in another colour from now on; null: none. They belong to the cloud's tree.
+    void select(std::shared_ptr<const PointSet> points);
+    const std::shared_ptr<const PointSet>& selected() const { return selected_; }
+
+    // The first nodes of `wanted` that are not `current`: absent from video memory, or there in another format. Nodes
+    // below one that cannot be loaded are left out, as they could not be drawn.
+    std::vector<NodeId> window_of(const DetailSelection& selection, const std::vector<bool>& current);
+    // The nodes that a view will want later and that are not in video memory; none while many are missing now.
+    std::vector<NodeId> ahead_of(const DetailSelection& later, std::size_t missing_now) const;
+    // Whether loading the node failed recently.
+    bool has_failed(NodeId node);
+
+    // Begins a frame: what was asked of fact_of() before counts no more.
+    void begin_frame() { facts_.begin_frame(); }
+    // What the colours of a usable style depend on as a whole; null for a style without such a fact, and while it is
+    // not known: nothing is uploaded then.
+    const CloudFact* fact_of(const CloudStyle& usable);
+    // The format of a usable style, for points that all clips leave. `notice` is extended by the conditions that do not
+    // apply to this cloud.
+    VertexFormat format_of(const CloudStyle& usable, const std::vector<Clip>& clips, std::string& notice);
+    // The classes among the points that were uploaded with colours by class.
+    const ClassSet& classes() const { return classes_; }
+
+    // Takes loaded chunks of the window from L2 and requests the others, then those of `ahead`.
+    void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, const VertexFormat& format);
+    // Uploads loaded chunks into L1 within the time budget.
+    Served upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms);
+    // Whether a chunk of the window is being loaded, or one that a fact needs.
+    bool waits();
+    // Whether a fact that this frame asked for will be known later.
+    bool awaits_facts();
+    // Why a chunk cannot be loaded at present; empty when all can.
+    std::string error() const { return failed_.empty() ? std::string() : error_; }
+
+    // See DrawnCloud::set_wake().
+    void set_wake(std::function<void()> wake);
+    // Drops loaded chunks and the entries in L1.
+    void release();
+
+private:
+    using Clock = std::chrono::steady_clock;
+
+    // What loader threads leave for the next frame. Shared with the callbacks, which may outlive the feed.
+    struct Inbox {
+        std::mutex mutex;
+        std::set<NodeId> arrived;
+        std::function<void()> wake;
+        void put(NodeId node);
+        std::set<NodeId> take();
+    };
+    // The state of a node of the window on its way to video memory.
+    struct Arrival {
+        L2Cache::Handle chunk;  // pinned until it is uploaded or not wanted any more
+        unsigned lost = 0;      // times that it arrived and L2 evicted it before it was found
+    };
+
+    // Of what is uploaded; load_columns_of() also has what conditions test.
+    ColumnSet columns_of(const VertexFormat& format) const;
+    ColumnSet load_columns_of(const VertexFormat& format) const;
+    void request_facts(const std::set<NodeId>& arrived, std::vector<ChunkRequest>& list);
+    // The attribute that colours are made from.
+    AttributePlace colour_place_of(const VertexFormat& format) const;
+    VertexAttributes colours_of(const Chunk& chunk, const VertexFormat& format);
+    VertexAttributes attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format);
+    // In shapes_: of these points of the node, null for all.
+    // Replaces shapes by the points' own normals, where there are some.
+    void use_own_normals(const Chunk& chunk);
+    void find_shapes_of(NodeId node, const Chunk& whole, const std::vector<std::uint32_t>* points);
+    void fail(NodeId node, std::string error);
+    std::uint64_t selection_of(NodeId node);
+    // In flags_: whether these points of the node, null for all, are selected.
+    void find_flags(NodeId node, const std::vector<std::uint32_t>* points);
+
+    const std::shared_ptr<PointCloud> cloud_;
+    const std::shared_ptr<L1Cache> l1_;
+    L1Cache::Owner owner_;
+    const std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>();
+    std::map<NodeId, Arrival> arrivals_;
+    VertexFormat arrivals_format_;  // the columns that they hold
+    bool asked_last_ = false;
+    std::map<NodeId, Clock::time_point> failed_;
+    std::string error_;
+    CloudFacts facts_;
+    std::map<std::string, std::uint32_t> filter_numbers_;  // by the conditions' text
+    std::vector<ChunkFilter> filters_;                     // by number - 1
+    std::vector<AttributePlace> attributes_;               // that colours were made from, by number - 1
+    ClassSet classes_;
+    std::uint32_t classes_filter_ = 0;  // that the points of these meet
+    std::vector<std::uint8_t> rgba_, flags_;
+    std::vector<float> values_, radii_, normals_;
+    std::vector<PointShape> shapes_;
+    std::optional<PointSizes> sizes_;  // when first needed
+    std::shared_ptr<const PointSet> selected_;
+    std::vector<std::optional<std::uint64_t>> selections_;  // of each node, once it was asked for
+};
+
+}  // namespace pcm

@@ -1,0 +1,47 @@
+// Those of a shape's points that its bounds depend on, while the others are streamed past.
+#pragma once
+
+#include "pcm/cloud/vector.h"
+#include "pcm/shapes/axis_frame.h"
+#include "pcm/shapes/shape.h"
+
+#include <array>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace pcm {
+
+// bounds_of() the kept points is bounds_of() all points that were added, to a billionth of their extent: of a plane the
+// corners of the convex hull, of a cylinder the ends and, for each 5 degrees about its axis, the first and the last
+// point. A concave outline is none of theirs. One object by one thread.
+class ExtremePoints {
+public:
+    // `shape` must be a plane, cylinder or sphere; `middle`: a place near the points, source coordinates.
+    ExtremePoints(const Shape& shape, const Vec3d& middle);
+
+    void add(const Vec3d& p);              // source coordinates
+    void add(const ExtremePoints& other);  // of the same shape and middle
+    std::vector<Vec3d> points() const;     // source coordinates
+
+private:
+    static constexpr std::size_t sectors = 72;
+    static constexpr double infinity = std::numeric_limits<double>::infinity();
+    // The points of least and largest value.
+    struct Ends {
+        double least = infinity, largest = -infinity;
+        Vec3d at_least{}, at_largest{};
+        void add(double value, const Vec3d& p);
+    };
+    void keep_hull();
+
+    ShapeKind kind_;
+    Vec3d point_{}, middle_{};
+    AxisFrame frame_;
+    std::vector<Vec3d> hull_;  // and points since it was computed
+    std::size_t most_ = 128;   // of `hull_`, before it is computed again
+    Ends along_;
+    std::vector<Ends> around_;  // by sector
+};
+
+}  // namespace pcm

@@ -1,0 +1,64 @@
+// From picked places to a primitive and its points: neighbourhood, fit, growth.
+#pragma once
+
+#include "pcm/place/grow_shape.h"
+#include "pcm/place/near_points.h"
+#include "pcm/place/reached_from.h"
+#include "pcm/point_cloud.h"
+#include "pcm/shapes/primitive.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+struct FitAtOptions {
+    ShapeFitOptions fit;
+    // Several kinds: each is fitted, and best_of() (best_kind.h) decides. Empty: fit.kind alone.
+    std::vector<ShapeKind> kinds;
+    double radius = 0;      // of the neighbourhood of a place, source units
+    std::size_t count = 0;  // or its number of points; both 0: chosen, as is the threshold (local_fit.h)
+    bool grow = true;       // over the cloud; else only the neighbourhood's inliers belong to it
+    // Growth does not pass where the surface of the points is turned from the shape by more than this, radians
+    // (turned_surface.h); pi / 2 or more: surfaces are not compared. Computed from the points, whatever normals the
+    // cloud has; those are compared where fit.normal_angle asks for it. 0: pi / 6, where noise rises from the place on
+    // pi / 4, and where a threshold is given, by which someone says what lies on the surface, not compared.
+    double turned_angle = 0;
+    double step = 0;      // of growth, source units; 0: from the gaps between the inliers (automatic_step())
+    unsigned rounds = 8;  // GrowShapeOptions::most_rounds
+    Selection limit;      // clip box, conditions: nothing else is looked at
+    OutlineOptions outline;
+    unsigned threads = 0;  // 0: one per processor
+    std::uint64_t memory_bytes = std::uint64_t(256) << 20;
+    ProgressFunction progress;
+};
+
+struct FittedPrimitive {
+    Primitive primitive;  // check primitive.fit.verdict first; without a name
+    PointSet points;      // that belong to it; empty when refused
+    ReachedFrom reached;  // how they are reached again
+    NearPoints near;      // that were fitted; with several places `radius` is the largest
+    ShapeFit local;       // to them
+    double step = 0;      // of growth, source units; 0: none
+    unsigned rounds = 0;  // of growth
+    bool converged = false;
+    // Why the points are those around the places alone although the shape was to be followed: growth left the surface.
+    // Empty: it did not.
+    std::string left_surface;
+    std::vector<std::string> notes;  // "the neighbourhood was widened to 2000 points"
+};
+
+// `places`: where the shape was picked; its neighbourhoods together are fitted. `not_places`: where it does not
+// lie. No point takes part or is reached that lies in a ball about one of these, whose radius is that of its own
+// neighbourhood, and at most half the way to the nearest of `places`. Throws Error(invalid_argument) without places and
+// for options out of range, and what points_near(), fit_shape(), grow_shape() throw; a fit that fails is a verdict.
+FittedPrimitive fit_at(const PointCloud& cloud, const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places,
+                       const FitAtOptions& options);
+
+// How far steps must be to pass from inlier to inlier as scans leave gaps: four times the least distance by which nine
+// tenths of the points are connected. 0 for fewer than two places.
+double automatic_step(const std::vector<Vec3d>& inliers);
+
+}  // namespace pcm

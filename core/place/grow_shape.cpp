@@ -1,0 +1,138 @@
+#include "pcm/place/grow_shape.h"
+
+#include "pcm/place/inner_points.h"
+#include "pcm/place/near_shape.h"
+#include "pcm/place/next_to.h"
+#include "pcm/place/progress_part.h"
+#include "pcm/place/refit.h"
+#include "pcm/place/turned_surface.h"
+#include "pcm/select/grow.h"
+#include "pcm/threads/watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace pcm {
+namespace {
+
+constexpr double raised_noises = 3.3, most_raised_share = 2.5;  // of a raised threshold
+constexpr double rounds_end = 0.7;                              // of the progress
+constexpr double least_inner = 0.5;                             // of the points
+
+class ShapeGrowth {
+public:
+    ShapeGrowth(const PointSet& seeds, const GrowShapeOptions& options)
+        : seeds_(seeds), options_(options), whole_progress_(options.progress), threshold_(options.threshold)
+    {
+        options_.progress = part_of(whole_progress_, 0, rounds_end);
+    }
+
+    GrownShape run(const Shape& start)
+    {
+        const PointSet none(seeds_.shared_tree());
+        GrownShape grown{{}, 0, 1, none, start, threshold_, none, 0, false};
+        grown.fit.shape = start;
+        const unsigned rounds = std::max(1u, options_.most_rounds);
+        while (grown.rounds < rounds && !grown.converged) {
+            const double begin = grown.rounds == 0 ? 0 : 1 - std::pow(0.5, grown.rounds);
+            const double end = 1 - std::pow(0.5, ++grown.rounds);
+            const Shape before = grown.fit.shape;
+            reach(before, begin, (begin + end) / 2, grown);
+            const RefittedShape fitted = refit(grown.points, before, (begin + end) / 2, end, options_.most_rounds > 0);
+            grown.fit = fitted.fit;
+            grown.agreement = fitted.agreement;
+            if (!grown.fit.has_shape()) break;
+            grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) < 0.25;
+            if (options_.raise_threshold && grown.rounds < rounds) {
+                const double raised = std::min(raised_noises * grown.fit.noise, most_raised_share * options_.threshold);
+                grown.converged = grown.converged && raised <= 1.05 * threshold_;
+                if (!grown.converged) threshold_ = std::max(threshold_, raised);
+            }
+        }
+        // Errors that neighbours make large allow the last step to be long.
+        const bool is_settled = grown.converged && !(grown.agreement > 1);
+        if (!is_settled && grown.fit.has_shape() && options_.most_rounds > 0) settle(grown);
+        grown.noise = grown.fit.noise;
+        if (grown.fit.has_shape() && options_.most_rounds > 0) leave_edges(grown);
+        if (options_.most_rounds == 0) grown.rounds = 0;
+        return grown;
+    }
+
+private:
+    void reach(const Shape& shape, double begin, double end, GrownShape& grown) const
+    {
+        const NearShape near(shape, threshold_, options_.normal_angle, seeds_.tree().info().schema);
+        std::optional<TurnedSurface> turned;
+        if (options_.turned_angle < pi / 2)
+            turned.emplace(shape, threshold_, options_.turned_edge, options_.turned_angle, seeds_.tree().info());
+        GrowOptions grow_options;
+        grow_options.limit = options_.limit;
+        grow_options.test = &near;
+        if (turned) grow_options.surroundings = &*turned;
+        grow_options.memory_bytes = options_.memory_bytes;
+        grow_options.threads = options_.threads;
+        grow_options.progress = part_of(options_.progress, begin, end);
+        grown.points = grow(seeds_, options_.step, grow_options);
+        grown.followed = shape;
+        grown.threshold = threshold_;
+    }
+
+    // The points of the last shape rather than of the one before it.
+    void settle(GrownShape& grown) const
+    {
+        const double begin = 1 - std::pow(0.5, grown.rounds);
+        reach(grown.fit.shape, begin, (1 + begin) / 2, grown);
+        const RefittedShape judged = refit(grown.points, grown.fit.shape, (1 + begin) / 2, 1, false);
+        grown.fit = judged.fit;
+        grown.agreement = judged.agreement;
+    }
+
+    // Where another surface meets the shape, some of its points are within the threshold, all on one side.
+    void leave_edges(GrownShape& grown)
+    {
+        options_.progress = part_of(whole_progress_, rounds_end, 1);
+        const Shape before = grown.fit.shape;
+        const NearShape near(before, beyond_thresholds * threshold_, options_.normal_angle,
+                             seeds_.tree().info().schema);
+        const double way = std::max(options_.step, beyond_thresholds * threshold_);
+        grown.around = points_next_to(grown.points, way, near, options_.limit, options_.threads,
+                                      part_of(options_.progress, 0, 0.3));
+        const PointSet inner = inner_points(grown.points, grown.around, before, threshold_, options_.threads,
+                                            part_of(options_.progress, 0.3, 0.5));
+        if (inner.size() == grown.points.size() ||
+            static_cast<double>(inner.size()) < least_inner * static_cast<double>(grown.points.size()))
+            return;
+        const RefittedShape fitted = refit(inner, before, 0.5, 0.7, true);
+        if (!fitted.fit.has_shape()) return;
+        if (change_in_errors(before, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) > 0.25)
+            reach(fitted.fit.shape, 0.7, 1, grown);
+        grown.fit = fitted.fit;
+        grown.fit.inliers = grown.points.size();
+        grown.agreement = fitted.agreement;
+    }
+
+    RefittedShape refit(const PointSet& points, const Shape& shape, double begin, double end, bool moves) const
+    {
+        RefitOptions refit;
+        refit.threshold = threshold_;
+        if (!moves) refit.most_steps = 0;
+        refit.threads = options_.threads;
+        refit.progress = part_of(options_.progress, begin, end);
+        return refit_shape(points, shape, refit);
+    }
+
+    const PointSet& seeds_;
+    GrowShapeOptions options_;
+    const ProgressFunction whole_progress_;
+    double threshold_;
+};
+
+}  // namespace
+
+GrownShape grow_shape(const Shape& shape, const PointSet& seeds, const GrowShapeOptions& options)
+{
+    return ShapeGrowth(seeds, options).run(shape);
+}
+
+}  // namespace pcm

@@ -1,0 +1,119 @@
+#include "pcm/place/inner_points.h"
+
+#include "pcm/place/progress_part.h"
+#include "pcm/select/point_scan.h"
+#include "pcm/tree/source_rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+namespace pcm {
+namespace {
+
+constexpr double most_beside = 0.1;        // of the points on the shape; noise leaves less
+constexpr std::uint64_t least_beside = 2;  // fewer may be noise
+constexpr double points_per_cube = 4;
+constexpr double thresholds_per_cube = 2;  // wider than the noise
+
+void scan(const PointSet& set, unsigned threads, const ProgressFunction& progress,
+          const std::function<void(const ScannedPoints&, const std::vector<Vec3d>&)>& take)
+{
+    const Tree& tree = set.tree();
+    const SourceRounding rounding(tree.info());
+    ScanOptions options;
+    options.within = &set;
+    options.columns = ColumnSet::only_positions();
+    options.select.threads = threads;
+    options.select.progress = progress;
+    options.stage = "Finding edges";
+    scan_points(tree, {}, options,
+                [&](const ScannedPoints& found) { take(found, source_positions(found, tree.info().grid, rounding)); });
+}
+
+}  // namespace
+
+EdgeCubes::EdgeCubes(const Vec3d& corner, double edge, std::size_t most) : corner_(corner), edge_(edge), most_(most) {}
+
+std::size_t EdgeCubes::Hash::operator()(const Key& key) const
+{
+    std::uint64_t hash = 0;
+    for (const std::int32_t k : key) hash = (hash ^ static_cast<std::uint32_t>(k)) * 0x9e3779b97f4a7c15u;
+    return static_cast<std::size_t>(hash ^ (hash >> 32));
+}
+
+EdgeCubes::Key EdgeCubes::key_of(const Vec3d& p) const
+{
+    Key key{};
+    for (std::size_t a = 0; a < 3; ++a)
+        key[a] = static_cast<std::int32_t>(std::clamp(std::floor((p[a] - corner_[a]) / edge_), 0.0, 2e9));
+    return key;
+}
+
+void EdgeCubes::add(const Vec3d& p, bool on_shape)
+{
+    Counts& counts = cubes_[key_of(p)];
+    ++(on_shape ? counts.on : counts.beside);
+    ++points_;
+    while (cubes_.size() > most_) coarsen();
+}
+
+void EdgeCubes::coarsen()
+{
+    edge_ *= 2;
+    std::unordered_map<Key, Counts, Hash> coarse;
+    for (const auto& [key, counts] : cubes_) {
+        Counts& sum = coarse[{key[0] / 2, key[1] / 2, key[2] / 2}];
+        sum.on += counts.on;
+        sum.beside += counts.beside;
+    }
+    cubes_ = std::move(coarse);
+}
+
+void EdgeCubes::widen()
+{
+    while (static_cast<double>(points_) < points_per_cube * static_cast<double>(cubes_.size()) && cubes_.size() > 1)
+        coarsen();
+}
+
+bool EdgeCubes::is_edge(const Vec3d& p) const
+{
+    const Key key = key_of(p);
+    Counts sum;
+    for (std::int32_t n = 0; n < 27; ++n) {
+        const auto found = cubes_.find({key[0] + n % 3 - 1, key[1] + n / 3 % 3 - 1, key[2] + n / 9 - 1});
+        if (found == cubes_.end()) continue;
+        sum.on += found->second.on;
+        sum.beside += found->second.beside;
+    }
+    return sum.beside >= least_beside && static_cast<double>(sum.beside) > most_beside * static_cast<double>(sum.on);
+}
+
+PointSet inner_points(const PointSet& points, const PointSet& around, const Shape& shape, double threshold,
+                      unsigned threads, const ProgressFunction& progress)
+{
+    EdgeCubes cubes(points.tree().info().bounds().min, thresholds_per_cube * threshold);
+    std::mutex mutex;
+    scan(around, threads, part_of(progress, 0, 0.6), [&](const ScannedPoints&, const std::vector<Vec3d>& positions) {
+        std::vector<bool> on(positions.size());
+        for (std::size_t k = 0; k < positions.size(); ++k) on[k] = distance_to(shape, positions[k]) <= threshold;
+        const std::lock_guard lock(mutex);
+        for (std::size_t k = 0; k < positions.size(); ++k) cubes.add(positions[k], on[k]);
+    });
+    cubes.widen();
+    PointSet inner(points.shared_tree());
+    scan(points, threads, part_of(progress, 0.6, 1),
+         [&](const ScannedPoints& found, const std::vector<Vec3d>& positions) {
+             std::vector<std::uint32_t> numbers;
+             for (std::size_t k = 0; k < positions.size(); ++k)
+                 if (!cubes.is_edge(positions[k])) numbers.push_back(found.numbers[k]);
+             const std::lock_guard lock(mutex);
+             inner.set(found.node, numbers);
+         });
+    return inner;
+}
+
+}  // namespace pcm

@@ -1,0 +1,416 @@
+#include "pcm/place/local_fit.h"
+
+#include "pcm/fit/pcl_fit.h"
+#include "pcm/place/best_kind.h"
+#include "pcm/place/even_noise.h"
+#include "pcm/place/one_surface.h"
+#include "pcm/place/progress_part.h"
+#include "pcm/system/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <set>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t first_count = 500, widening = 4, most_widenings = 3;
+constexpr std::size_t most_points = 4000;  // that take part in a fit of a chosen neighbourhood
+constexpr std::size_t core_points = 50;    // the nearest of a place
+constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
+constexpr int most_raised = 4;             // the threshold: doublings
+constexpr int most_lowered = 3;            // halvings, where the noise of the closest points is that of two surfaces
+constexpr double most_noise_raised = 2.5;  // when the threshold is doubled; of one surface it is doubled at most
+constexpr double noises = 3;               // an inlier's largest distance
+constexpr std::size_t closer_count = 125;  // where wider neighbourhoods hold more of another surface
+// Where a threshold cuts noise, its standard deviation is 0.58 of it, and a third where it is three of them.
+constexpr double most_of_threshold = 0.45;
+// Of the noise of a fit at the same place that holds a fifth of the points: others are of several surfaces. Posts as
+// cylinders have 2.2 times and more that of a face, racks as planes 3; kinds that fit a mug by stereo 1.5.
+constexpr double most_noise_beside = 2;
+// Of a kind with more sizes in a wider neighbourhood: two slopes of a roof as a cylinder have twice that of one slope.
+constexpr double most_noise_wider = 1.3;
+constexpr double least_share = 0.2;
+
+class LocalSearch {
+public:
+    LocalSearch(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
+        : cloud_(cloud), places_(places), options_(options)
+    {
+    }
+
+    LocalFit run()
+    {
+        LocalFit best;
+        choose_kinds(best);
+        gather_close(best);
+        if (options_.radius > 0 || options_.count > 0) {
+            best.near = neighbourhood(options_.radius, options_.count, 1000000, 0.1, 0.3);
+            best.fit = fitted(best.near, 0.3, 1);
+            doubt_several_surfaces(best);
+            return best;
+        }
+        best.near = best.close;
+        best.fit = fitted(best.near, 0.1, 0.2);
+        std::size_t count = is_at_places(best) ? first_count : look_closer(best);
+        for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
+            count *= widening;
+            const double begin = 0.3 + 0.7 * static_cast<double>(round - 1) / most_widenings,
+                         end = 0.3 + 0.7 * static_cast<double>(round) / most_widenings;
+            NearPoints near = neighbourhood(0, count, most_points, begin, (begin + end) / 2);
+            if (near.found <= best.near.found) break;  // these are all points
+            ShapeFit fit = fitted(near, (begin + end) / 2, end);
+            if (!is_improvement(fit, near, best)) {
+                if (best.fit.has_shape()) break;
+                continue;
+            }
+            best.near = std::move(near);
+            best.fit = std::move(fit);
+        }
+        if (best.near.found < best.close.found)
+            best.notes.push_back("the neighbourhood was narrowed to " + grouped(best.near.found) + " points");
+        if (best.near.found > best.close.found)
+            best.notes.push_back("the neighbourhood was widened to " + grouped(best.near.found) + " points");
+        if (best.fit.has_shape() && !passes(best.fit, best.near)) {
+            best.fit.verdict = FitVerdict::doubtful;
+            best.fit.issue = FitIssue::no_consensus;
+            best.fit.message = "it does not pass through the points nearest to the place: take a smaller neighbourhood";
+        }
+        doubt_several_surfaces(best);
+        return best;
+    }
+
+    std::optional<LocalFit> run_narrowly(const LocalFit& wide)
+    {
+        if (options_.radius > 0 || options_.count > 0 || options_.fit.threshold > 0) return {};
+        EvenNoise even;
+        for (const Vec3d& place : places_) {
+            const EvenNoise here = even_noise_at(place);
+            if (even.count > 0 && here.count > even.count) continue;
+            even = here;
+        }
+        const std::size_t among = even.count * places_.size();
+        if (even.count == 0 || among >= wide.near.found || !(even.noise > 0)) return {};
+        if (wide.fit.has_shape() &&
+            !is_more_noise(wide.fit.noise * wide.fit.noise, static_cast<double>(wide.fit.inliers),
+                           even.noise * even.noise, static_cast<double>(even.count)))
+            return {};
+        LocalFit narrow;
+        choose_kinds(narrow);
+        gather_close(narrow);
+        noise_ = noises * even.noise;
+        narrow.noise = noise_;
+        narrow.near = narrow.close = neighbourhood(0, even.count, even.count, 0.2, 0.3);
+        narrow.fit = fitted(narrow.near, 0.3, 1);
+        if (!is_at_places(narrow)) return {};
+        narrow.notes.push_back("the neighbourhood was narrowed to " + grouped(narrow.near.found) +
+                               " points: beyond these the noise rises");
+        return narrow;
+    }
+
+private:
+    EvenNoise even_noise_at(const Vec3d& place) const
+    {
+        NearOptions options;
+        options.count = first_count;
+        options.limit = options_.limit;
+        const NearPoints near = points_near(cloud_, place, options);
+        std::vector<Vec3d> positions;
+        for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
+        return even_noise(positions);
+    }
+
+    NearPoints neighbourhood(double radius, std::size_t count, std::size_t most, double begin, double end)
+    {
+        NearPoints all;
+        std::set<std::pair<NodeId, std::uint32_t>> known;
+        for (std::size_t k = 0; k < places_.size(); ++k) {
+            const double share = (end - begin) / static_cast<double>(places_.size());
+            NearOptions options;
+            options.radius = radius;
+            options.count = count;
+            options.most = most;
+            options.limit = options_.limit;
+            options.progress = part_of(options_.progress, begin + share * static_cast<double>(k),
+                                       begin + share * static_cast<double>(k + 1));
+            const NearPoints near = points_near(cloud_, places_[k], options);
+            all.found += near.found;
+            all.radius = std::max(all.radius, near.radius);
+            all.spacing = std::max(all.spacing, near.spacing);
+            if (all.ids.empty()) all.points.origin = near.points.origin;
+            for (std::size_t i = 0; i < near.ids.size(); ++i) {
+                if (!known.emplace(near.ids[i].node, near.ids[i].index).second) continue;
+                all.ids.push_back(near.ids[i]);
+                if (near.points.has_normals())
+                    all.points.add(near.points.source(i), near.points.normal(i));
+                else
+                    all.points.add(near.points.source(i));
+            }
+        }
+        return all;
+    }
+
+    // One kind that the backend does not have is refused by it.
+    void choose_kinds(LocalFit& result)
+    {
+        for (const ShapeKind kind : options_.kinds)
+            if (options_.fit.backend == FitBackend::pcl && options_.kinds.size() > 1 && !pcl_has(kind))
+                result.notes.push_back("the backend PCL has no " + std::string(traits_of(kind).name) +
+                                       ": it is left out");
+            else
+                kinds_.push_back(kind);
+        if (kinds_.empty()) kinds_.push_back(options_.fit.kind);
+    }
+
+    void gather_close(LocalFit& result)
+    {
+        result.close = neighbourhood(0, first_count, first_count, 0, 0.1);
+        result.noise = automatic_threshold(result.close.points);
+        noise_ = options_.fit.threshold > 0 ? options_.fit.threshold : result.noise;
+        for (const Vec3d& place : places_) {
+            NearOptions options;
+            options.count = core_points;
+            options.limit = options_.limit;
+            const NearPoints core = points_near(cloud_, place, options);
+            std::vector<Vec3d> positions;
+            for (std::size_t i = 0; i < core.ids.size(); ++i) positions.push_back(core.points.source(i));
+            if (positions.empty()) {
+                result.notes.push_back("there is no point to fit a shape to; " + extent_text(cloud_.info().bounds()));
+            } else {
+                const double distance = length(positions.front() - place);
+                if (distance > 10 * core.spacing)
+                    result.notes.push_back("the place " + exact(place) + " lies " + brief(distance) +
+                                           " source units from the nearest point");
+            }
+            cores_.push_back(std::move(positions));
+        }
+    }
+
+    bool is_at_places(const LocalFit& found) const
+    {
+        return found.fit.has_shape() && passes(found.fit, found.near) && is_of_one_surface(found.fit, found.near);
+    }
+
+    // A threshold that is given says what lies on the surface.
+    bool is_of_one_surface(const ShapeFit& fit, const NearPoints& near) const
+    {
+        if (options_.fit.threshold > 0 || !fit.has_shape() || !(fit.threshold > 0)) return true;
+        return evidence_of(fit, near).is_one_surface();
+    }
+
+    SurfaceEvidence evidence_of(const ShapeFit& fit, const NearPoints& near) const
+    {
+        std::vector<Vec3d> positions;
+        for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
+        const Vec3d& scale = cloud_.info().grid.scale;
+        return surface_evidence(fit.shape, spread_of(fit), std::max({scale[0], scale[1], scale[2]}), positions);
+    }
+
+    void doubt_several_surfaces(LocalFit& found) const
+    {
+        if (found.fit.verdict != FitVerdict::good || is_of_one_surface(found.fit, found.near)) return;
+        found.fit.verdict = FitVerdict::doubtful;
+        found.fit.issue = FitIssue::other_surface;
+        found.fit.message = evidence_of(found.fit, found.near).message();
+    }
+
+    // Where another surface has more points around the place; returns how many of the nearest points were taken.
+    std::size_t look_closer(LocalFit& best)
+    {
+        NearPoints near = neighbourhood(0, closer_count, closer_count, 0.2, 0.22);
+        ShapeFit fit = fitted(near, 0.22, 0.3);
+        if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near) ||
+            !is_of_one_surface(fit, near))
+            return first_count;
+        best.near = std::move(near);
+        best.fit = std::move(fit);
+        return closer_count;
+    }
+
+    static double share_of(const ShapeFit& fit, const NearPoints& near)
+    {
+        return static_cast<double>(fit.inliers) / static_cast<double>(std::max<std::size_t>(near.ids.size(), 1));
+    }
+
+    static bool is_worth_widening(const LocalFit& best)
+    {
+        if (best.fit.issue == FitIssue::not_finite) return false;
+        return !is_determined(best.fit) || share_of(best.fit, best.near) > 1.0 / 3;
+    }
+
+    // By each place, and as many of the points around it as elsewhere in the neighbourhood, or half as many.
+    bool passes(const ShapeFit& fit, const NearPoints& near) const
+    {
+        for (std::size_t k = 0; k < places_.size(); ++k) {
+            const std::vector<Vec3d>& core = cores_[k];
+            if (core.empty()) continue;
+            const double to_cloud = length(core.front() - places_[k]);
+            if (distance_to(fit.shape, places_[k]) > to_cloud + farthest_place(fit)) return false;
+            double on_it = 0;
+            for (const Vec3d& p : core) on_it += distance_to(fit.shape, p) <= fit.threshold;
+            if (on_it < 0.5 * share_of(fit, near) * static_cast<double>(core.size())) return false;
+        }
+        return true;
+    }
+
+    bool is_improvement(const ShapeFit& fit, const NearPoints& near, const LocalFit& best) const
+    {
+        if (!fit.has_shape() || !passes(fit, near)) return false;
+        if (!best.fit.has_shape() || !passes(best.fit, best.near)) return true;
+        const bool is_one = is_of_one_surface(fit, near);
+        if (is_one != is_of_one_surface(best.fit, best.near)) return is_one;
+        if (options_.fit.threshold == 0 && is_one && takes_in_beside(fit, near, best.fit)) return false;
+        if (!follows(fit, best) ||
+            !(chance_of(fit, near.points, near.radius) < chance_of(best.fit, near.points, near.radius)))
+            return false;
+        if (is_determined(fit) != is_determined(best.fit)) return is_determined(fit);
+        const double before = share_of(best.fit, best.near) * static_cast<double>(best.near.found),
+                     now = share_of(fit, near) * static_cast<double>(near.found);
+        return now >= 1.5 * before;
+    }
+
+    // Whether a wider neighbourhood holds a part of what lies beside the surface: of another kind with more noise, or
+    // within a threshold that cuts the noise, which was not so before, and neighbours do not share it.
+    bool takes_in_beside(const ShapeFit& fit, const NearPoints& near, const ShapeFit& before) const
+    {
+        if (!holds_noise(before)) return false;
+        if (!holds_noise(fit) && !evidence_of(fit, near).has_shared_errors()) return true;
+        if (fit.shape.kind == before.shape.kind) return false;
+        const bool has_more = sizes_of(fit.shape.kind) > sizes_of(before.shape.kind);
+        return fit.noise > (has_more ? most_noise_wider : most_noise_raised) * before.noise;
+    }
+
+    static int sizes_of(ShapeKind kind) { return int(traits_of(kind).radius) + int(traits_of(kind).second); }
+
+    // Half of the former inliers are still near.
+    static bool follows(const ShapeFit& fit, const LocalFit& best)
+    {
+        std::size_t near = 0;
+        for (std::size_t i = 0; i < best.near.ids.size(); ++i)
+            near +=
+                best.fit.is_inlier[i] && distance_to(fit.shape, best.near.points.source(i)) <= 2 * best.fit.threshold;
+        return 2 * near >= best.fit.inliers;
+    }
+
+    // Of the best kind; kinds that hold several surfaces only where no kind holds one that passes through the places.
+    ShapeFit fitted(const NearPoints& near, double begin, double end) const
+    {
+        std::vector<ShapeFit> fits, of_one_surface;
+        for (std::size_t k = 0; k < kinds_.size(); ++k) {
+            const double share = (end - begin) / static_cast<double>(kinds_.size());
+            ShapeFit fit = fitted(near, kinds_[k], begin + share * static_cast<double>(k),
+                                  begin + share * static_cast<double>(k + 1));
+            if (is_determined(fit) && passes(fit, near) && is_of_one_surface(fit, near)) of_one_surface.push_back(fit);
+            fits.push_back(std::move(fit));
+        }
+        if (!of_one_surface.empty()) fits = std::move(of_one_surface);
+        leave_out_noisier(near, fits);
+        return std::move(fits[best_of(fits, near.points, near.radius).value_or(0)]);
+    }
+
+    // Thresholds differ from kind to kind: one that is wide enough for several surfaces holds more points.
+    void leave_out_noisier(const NearPoints& near, std::vector<ShapeFit>& fits) const
+    {
+        if (options_.fit.threshold > 0) return;
+        double least = std::numeric_limits<double>::infinity();
+        for (const ShapeFit& fit : fits)
+            if (is_determined(fit) && holds_noise(fit) && share_of(fit, near) >= least_share && passes(fit, near))
+                least = std::min(least, fit.noise);
+        fits.erase(std::remove_if(fits.begin(), fits.end(),
+                                  [&](const ShapeFit& fit) { return fit.noise > most_noise_beside * least; }),
+                   fits.end());
+    }
+
+    static bool holds_noise(const ShapeFit& fit) { return fit.noise < most_of_threshold * fit.threshold; }
+
+    // Whether points of another surface are near the shape, with a threshold twice as large as before.
+    static bool takes_in_another(const ShapeFit& fit, const ShapeFit& before)
+    {
+        return fit.has_shape() && before.has_shape() && fit.noise > most_noise_raised * before.noise;
+    }
+
+    // With the threshold that is least probable by chance, of those that hold one surface where there are any.
+    ShapeFit fitted(const NearPoints& near, ShapeKind kind, double begin, double end) const
+    {
+        ShapeFitOptions options = options_.fit;
+        options.kind = kind;
+        ShapeFit best, before;
+        double least = 0;
+        bool is_one = false;
+        for (int raised = 0; raised <= most_raised; ++raised) {
+            const double share = (end - begin) / (most_raised + 1);
+            options.threshold = std::ldexp(noise_, raised);
+            options.progress = part_of(options_.progress, begin + share * raised, begin + share * (raised + 1));
+            if (raised > 0 && !(options.threshold < near.radius / 4)) break;
+            ShapeFit fit = fit_shape(near.points, options);
+            if (takes_in_another(fit, before)) break;
+            if (fit.has_shape()) before = fit;
+            const bool is_now = is_of_one_surface(fit, near);
+            if (is_one && (!is_now || (holds_noise(best) && fit.noise > most_noise_beside * best.noise))) continue;
+            const double chance = chance_of(fit, near.points, near.radius);
+            const double gain = least_gain * static_cast<double>(fit.inliers);
+            const bool is_first = !best.has_shape() || (is_now && !is_one);
+            if (raised == 0 || (fit.has_shape() && (is_first || chance + gain < least))) {
+                best = std::move(fit);
+                least = chance;
+                is_one = best.has_shape() && is_now;
+            }
+            if (options_.fit.threshold > 0 || !(noise_ > 0)) break;
+        }
+        if (best.has_shape() && !is_one) lower(near, options, end, best);
+        narrow(near, options, end, best);
+        return best;
+    }
+
+    // Where the points closest to the place are those of two faces, so is their noise.
+    void lower(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
+    {
+        options.progress = part_of(options_.progress, at, at);
+        for (int lowered = 1; lowered <= most_lowered; ++lowered) {
+            options.threshold = std::ldexp(noise_, -lowered);
+            ShapeFit fit = fit_shape(near.points, options);
+            if (!is_determined(fit) || !holds_noise(fit) || share_of(fit, near) < least_share || !passes(fit, near) ||
+                !is_of_one_surface(fit, near))
+                continue;
+            best = std::move(fit);
+            return;
+        }
+    }
+
+    // Beyond the noise there is nothing of the surface.
+    void narrow(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
+    {
+        const double enough = std::max(noise_, noises * 1.1 * best.noise);
+        if (options_.fit.threshold > 0 || !best.has_shape() || !(enough < best.threshold)) return;
+        options.threshold = enough;
+        options.progress = part_of(options_.progress, at, at);
+        ShapeFit fit = fit_shape(near.points, options);
+        if (!fit.has_shape() || fit.verdict > best.verdict) return;
+        if (is_of_one_surface(fit, near) || !is_of_one_surface(best, near)) best = std::move(fit);
+    }
+
+    const PointCloud& cloud_;
+    const std::vector<Vec3d>& places_;
+    const LocalFitOptions& options_;
+    std::vector<ShapeKind> kinds_;           // of which the best is kept
+    std::vector<std::vector<Vec3d>> cores_;  // the nearest points of each place
+    double noise_ = 0;                       // a threshold from it; 0: unknown
+};
+
+}  // namespace
+
+LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
+{
+    return LocalSearch(cloud, places, options).run();
+}
+
+std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,
+                                     const LocalFitOptions& options, const LocalFit& wide)
+{
+    return LocalSearch(cloud, places, options).run_narrowly(wide);
+}
+
+}  // namespace pcm

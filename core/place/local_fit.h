@@ -1,0 +1,59 @@
+// The shape at picked places: from which neighbourhood, and how near to the surface its points are.
+//
+// A neighbourhood of few points holds little but the shape, and says little of its size; the noise of neighbours says
+// little of how far scanned points leave a surface, since errors of scanners are alike at neighbours. So where it is
+// not given,
+// - the neighbourhood is widened fourfold, three times at most, as long as the shape of the wider one still passes
+//   through the places and most of the former points, holds half as many points again, and is less probable by chance
+//   among the points there than the former shape. Where the shape of the first one does not pass through the place, a
+//   quarter of its points is tried: a narrow face beside wider ones;
+// - the threshold is the noise's own (automatic_threshold()) or 2, 4, 8 or 16 times that: the one at which it is
+//   least probable that points spread evenly over the neighbourhood's depth lie so near a surface by chance (Moisan,
+//   Stival 2004: an a contrario RANSAC). One at which the noise rises by more than the threshold has taken in another
+//   surface, and ends that; the threshold is then lowered to 3.3 times the noise found.
+//   Thresholds and kinds that hold several surfaces (one_surface.h), and fits of twice the noise of another one at the
+//   place, are taken only where there is nothing else, and are doubtful; where the closest points are those of two
+//   surfaces, a half, a quarter and an eighth of the threshold are tried.
+#pragma once
+
+#include "pcm/fit/shape_fit.h"
+#include "pcm/place/near_points.h"
+#include "pcm/point_cloud.h"
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+struct LocalFitOptions {
+    ShapeFitOptions fit;           // threshold 0: chosen
+    std::vector<ShapeKind> kinds;  // of which best_of() chooses; empty: fit.kind
+    double radius = 0;             // of a place's neighbourhood, source units
+    std::size_t count = 0;         // or its number of points; both 0: chosen
+    Selection limit;
+    ProgressFunction progress;
+};
+
+struct LocalFit {
+    NearPoints near;   // of all places, a point once; thinned where they are many
+    NearPoints close;  // the nearest (at most 500) points of each place, at full density
+    ShapeFit fit;      // to `near`
+    // Three standard deviations of the close points from their own surface, whatever its shape, source units; 0: they
+    // do not say.
+    double noise = 0;
+    std::vector<std::string> notes;
+};
+
+// `places` are not empty, and finite. Throws what points_near() and fit_shape() throw.
+LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options);
+
+// The shape of the largest neighbourhood whose noise is still that of the smallest ones (even_noise.h): a roof of which
+// there are a hundred points. Nothing where a threshold or a neighbourhood is given, where that is no narrower than the
+// one of `wide`, which fit_locally() has found for the same, where the noise of `wide` is no more than that by the same
+// test, and where no shape of the points passes through the places.
+std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,
+                                     const LocalFitOptions& options, const LocalFit& wide);
+
+}  // namespace pcm

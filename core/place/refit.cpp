@@ -1,0 +1,174 @@
+#include "pcm/place/refit.h"
+
+#include "pcm/fit/shape_sums.h"
+#include "pcm/place/error_agreement.h"
+#include "pcm/select/point_scan.h"
+#include "pcm/threads/watch.h"
+#include "pcm/tree/source_rounding.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr double small_change = 0.01;  // in errors: not worth another step
+
+class Refit {
+public:
+    Refit(const PointSet& points, const RefitOptions& options)
+        : points_(points), tree_(points.tree()), rounding_(tree_.info()), options_(options), watch_(options.progress)
+    {
+    }
+
+    RefittedShape run(const Shape& start)
+    {
+        check(start);
+        const Box3d box = box_of_points();
+        middle_ = box.empty() ? start.point : box.centre();
+        extent_ = box.diagonal();
+        ShapeSums sums = sums_of(start);
+        ShapeFit best = sums.result(options_.threshold);
+        best.shape = start;
+        double rms = sums.rms();
+        bool improves = true;
+        for (unsigned step = 0; step < options_.most_steps && improves; ++step) {
+            improves = false;
+            for (double part = 1; part > 0.1 && !improves; part /= 2) {
+                const auto next = sums.step(part);
+                if (!next || change_in_errors(best.shape, *next, best.errors, middle_) < small_change) break;
+                ShapeSums there = sums_of(*next);
+                if (!(there.rms() <= rms)) continue;
+                improves = true;
+                sums = there;
+                rms = sums.rms();
+                best = sums.result(options_.threshold);
+                best.shape = *next;
+            }
+        }
+        const double agreement = best.has_shape() ? agreement_of(best.shape, box) : 1;
+        enlarge(best.errors, agreement);
+        best.inliers = sums.points();
+        best.threshold = options_.threshold;
+        best.seconds = watch_.seconds();
+        return {best, box, agreement};
+    }
+
+private:
+    void scan(const std::function<void(const ScannedPoints&)>& take)
+    {
+        ScanOptions scan;
+        scan.within = &points_;
+        scan.columns = ColumnSet::only_positions();
+        scan.select.threads = options_.threads;
+        scan.select.progress = options_.progress;
+        scan.stage = "Fitting to all points";
+        // How many passes it takes is not known before.
+        scan.begin = 1 - std::pow(0.7, passes_++);
+        scan.end = 1 - std::pow(0.7, passes_);
+        scan_points(tree_, {}, scan, take);
+    }
+
+    Vec3d position(const ScannedPoints& found, std::uint32_t i) const
+    {
+        return rounding_(tree_.info().grid.to_source(found.part.chunk.positions->grid(i)));
+    }
+
+    Box3d box_of_points()
+    {
+        Box3d box;
+        std::mutex mutex;
+        scan([&](const ScannedPoints& found) {
+            Box3d part;
+            for (const std::uint32_t i : found.indices) part.extend(position(found, i));
+            const std::lock_guard lock(mutex);
+            box.extend(part);
+        });
+        return box;
+    }
+
+    ShapeSums sums_of(const Shape& shape)
+    {
+        std::map<NodeId, ShapeSums> parts;
+        std::mutex mutex;
+        scan([&](const ScannedPoints& found) {
+            ShapeSums part(shape, middle_, extent_);
+            for (const std::uint32_t i : found.indices) part.add(position(found, i));
+            const std::lock_guard lock(mutex);
+            parts.emplace(found.node, part);
+        });
+        ShapeSums sums(shape, middle_, extent_);
+        for (const auto& [node, part] : parts) sums.add(part);
+        return sums;
+    }
+
+    double agreement_of(const Shape& shape, const Box3d& box)
+    {
+        const double edge = extent_ / 16;
+        std::map<NodeId, ErrorAgreement> parts;
+        std::mutex mutex;
+        scan([&](const ScannedPoints& found) {
+            ErrorAgreement part(box.min, edge);
+            for (const std::uint32_t i : found.indices) {
+                const Vec3d p = position(found, i);
+                part.add(p, signed_distance(shape, p));
+            }
+            const std::lock_guard lock(mutex);
+            parts.emplace(found.node, std::move(part));
+        });
+        ErrorAgreement all(box.min, edge);
+        for (const auto& [node, part] : parts) all.add(part);
+        return all.factor();
+    }
+
+    const PointSet& points_;
+    const Tree& tree_;
+    const SourceRounding rounding_;
+    const RefitOptions& options_;
+    Watch watch_;
+    int passes_ = 0;
+    Vec3d middle_{};
+    double extent_ = 0;
+};
+
+double quotient(double change, double error)
+{
+    if (!(change > 0) || error == std::numeric_limits<double>::infinity()) return 0;
+    return change / error;
+}
+
+// Of the axis nearest to the place; of what has no axis, the centre.
+Vec3d nearest_on_axis(const Shape& shape, const Vec3d& place)
+{
+    if (shape.kind != ShapeKind::cylinder) return shape.point;
+    return shape.point + dot(shape.axis, place - shape.point) * shape.axis;
+}
+
+}  // namespace
+
+double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle)
+{
+    const double side = dot(from.axis, to.axis) < 0 ? -1 : 1;  // a plane's normal has any sign
+    const double moved = from.kind == ShapeKind::plane
+                             ? std::fabs(signed_distance(from, middle) - side * signed_distance(to, middle))
+                             : length(nearest_on_axis(from, middle) - nearest_on_axis(to, middle));
+    double most = quotient(moved, errors.position);
+    if (traits_of(from.kind).axis)
+        most = std::max(most, quotient(std::asin(std::min(1.0, length(cross(from.axis, to.axis)))), errors.angle));
+    if (traits_of(from.kind).radius) most = std::max(most, quotient(std::fabs(from.radius - to.radius), errors.radius));
+    if (traits_of(from.kind).second) most = std::max(most, quotient(std::fabs(from.second - to.second), errors.second));
+    return most;
+}
+
+RefittedShape refit_shape(const PointSet& points, const Shape& start, const RefitOptions& options)
+{
+    return Refit(points, options).run(start);
+}
+
+}  // namespace pcm

@@ -1,0 +1,79 @@
+#include "pcm/place/surface_beyond.h"
+
+#include "pcm/fit/near_tree.h"
+#include "pcm/place/grow_shape.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t neighbours = 17;  // the point itself among them
+constexpr double least_slant = 1.2;     // of the way to the next point within the threshold, per way beyond it
+constexpr double gap = 1.5;             // spacings
+constexpr double most_continued = 0.12, most_bend = 0.4, most_noise = 2;
+constexpr double most_chance = 0.42;  // as of fits to points in memory
+
+// Within the threshold, about the first of them.
+struct Inside {
+    Inside(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
+    {
+        for (const Vec3d& p : points) {
+            const double d = signed_distance(shape, p);
+            if (!(std::fabs(d) <= threshold)) continue;
+            for (std::size_t a = 0; a < 3; ++a) at[a].push_back(p[a] - points.front()[a]);
+            distance.push_back(d);
+        }
+    }
+    std::array<std::vector<double>, 3> at;
+    std::vector<double> distance;
+};
+
+}  // namespace
+
+bool SurfaceBeyond::is_piece(double noise) const
+{
+    return continued > most_continued && (bend > most_bend || noise > most_noise);
+}
+
+bool SurfaceBeyond::is_by_chance() const { return chance > most_chance; }
+
+SurfaceBeyond surface_beyond(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
+{
+    SurfaceBeyond result;
+    const Inside inside(shape, threshold, points);
+    const std::size_t count = inside.distance.size();
+    if (count < neighbours) return result;
+    const NearTree tree(inside.at[0], inside.at[1], inside.at[2]);
+    std::vector<NearTree::Near> near;
+    std::vector<double> spacings;
+    double squares = 0, smooth = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+        tree.nearest({inside.at[0][i], inside.at[1][i], inside.at[2][i]}, neighbours, near);
+        double sum = 0;
+        for (const NearTree::Near& n : near) sum += inside.distance[n.index];
+        const double mean = sum / static_cast<double>(near.size());
+        squares += inside.distance[i] * inside.distance[i];
+        smooth += mean * mean;
+        spacings.push_back(near[4].square);
+    }
+    std::nth_element(spacings.begin(), spacings.begin() + static_cast<std::ptrdiff_t>(count / 2), spacings.end());
+    const double spacing = std::sqrt(spacings[count / 2]);
+    std::size_t continued = 0, far = 0;
+    for (const Vec3d& p : points) {
+        const double beyond = distance_to(shape, p) - threshold;
+        if (!(beyond > 0 && beyond <= (beyond_thresholds - 1) * threshold)) continue;
+        far += beyond > threshold;
+        tree.nearest(p - points.front(), 1, near);
+        continued += std::sqrt(near[0].square) > least_slant * beyond + gap * spacing;
+    }
+    result.continued = static_cast<double>(continued) / static_cast<double>(count);
+    result.chance = static_cast<double>(far) / (beyond_thresholds - 2) / static_cast<double>(count);
+    result.bend = squares > 0 ? smooth / squares : 0;
+    return result;
+}
+
+}  // namespace pcm

@@ -1,0 +1,25 @@
+// A shape that was found in a cloud, with what is known of it: what lists show and files keep.
+#pragma once
+
+#include "pcm/shapes/bounds.h"
+#include "pcm/shapes/fitted_shape.h"
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace pcm {
+
+struct Primitive {
+    std::string name;  // "Cylinder 3"
+    std::array<std::uint8_t, 3> colour{255, 200, 0};
+    bool hidden = false;
+    std::string cloud;  // path or name of the cloud
+    ShapeFit fit;       // without is_inlier
+    ShapeBounds bounds;
+    std::uint64_t points = 0;  // of the cloud that belong to it
+    std::uint32_t label = 0;   // of its points in an attribute; 0: none
+    std::string estimator;     // "msac"
+};
+
+}  // namespace pcm

@@ -1,0 +1,85 @@
+// What is made of the parts that points were assigned to: which are primitives, and which are left out as pieces.
+
+#include "pcm/detect/final_fit.h"
+
+#include "tests/place/shape_cloud.h"
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+// Three floors side by side, a part each, numbered by their labels.
+class FinalFitTest : public testing::Test {
+protected:
+    static constexpr std::uint64_t points_of[] = {700, 900, 1300};
+
+    FinalFitTest()
+    {
+        Dice dice(5);
+        std::vector<SurfacePoint> points;
+        for (std::size_t floor = 0; floor < 3; ++floor)
+            for (std::uint64_t i = 0; i < points_of[floor]; ++i)
+                points.push_back({{2 * static_cast<double>(floor) + dice.between(0, 1), dice.between(0, 1), 0}, {}});
+        tree_ = build_surface_tree(folder_.path(), points);
+        assigned_.parts.resize(3);
+        for (std::uint32_t floor = 0; floor < 3; ++floor) assigned_.numbers.push_back({floor, floor});
+    }
+    // As a part of a surface that bends away from the plane.
+    static void bend(SurfacePart& part, double threshold)
+    {
+        part.sampled = 10000;
+        part.edge = 400;
+        part.continued = 200;
+        part.squares = 9600 * 0.25 * threshold * threshold;
+        part.smooth_squares = 0.8 * part.squares;
+        ASSERT_TRUE(is_piece(part, threshold));
+    }
+    FinalFit fit(bool keep_pieces)
+    {
+        PointLabels labels(*tree_);
+        for (SurfacePart& part : assigned_.parts) part.points = 0;
+        for (const PlacedPoint& p : all_points(*tree_)) {
+            const auto floor = static_cast<std::uint32_t>(p.position[0] / 2);
+            const std::uint32_t label = (floor + 1) | interior_label;
+            labels.set(p.node, {p.number}, &label);
+            assigned_.parts[floor].box.extend(p.position);
+            ++assigned_.parts[floor].points;
+        }
+        FinalFitOptions options;
+        options.least_points = 100;
+        options.keep_pieces = keep_pieces;
+        options.progress = [](double) {};
+        return fit_parts(ChosenPoints(tree_, {}), {hypothesis_}, assigned_, labels, options);
+    }
+
+    TemporaryFolder folder_;
+    std::shared_ptr<const Tree> tree_;
+    AssignedPoints assigned_;
+    Hypothesis hypothesis_ = [] {
+        Hypothesis floor;
+        floor.box = {{-1, -1, -1}, {6, 2, 1}};
+        floor.threshold = 0.01;
+        return floor;
+    }();
+};
+
+TEST_F(FinalFitTest, PiecesAreCountedWithTheirPoints)
+{
+    bend(assigned_.parts[0], hypothesis_.threshold);
+    bend(assigned_.parts[2], hypothesis_.threshold);
+    for (const bool keep : {false, true}) {
+        const FinalFit result = fit(keep);
+        EXPECT_EQ(result.primitives.size(), keep ? 3u : 1u);
+        EXPECT_EQ(result.pieces, 2u);
+        EXPECT_EQ(result.piece_points, points_of[0] + points_of[2]);
+    }
+    // It was tried whether they are pieces of something bent: they are not.
+    hypothesis_.whole = true;
+    const FinalFit whole = fit(false);
+    EXPECT_EQ(whole.primitives.size(), 3u);
+    EXPECT_EQ(whole.pieces, 0u);
+    EXPECT_EQ(whole.piece_points, 0u);
+}
+
+}  // namespace
