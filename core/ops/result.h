@@ -35,6 +35,8 @@ struct Result {
     void line(const std::string& text) { lines.push_back(text); }
 };
 
+const char* version();  // of the library and its programs
+
 // The head, then the values. `command` is the operation's name.
 Json json_of(const std::string& command, const Result& result);
 
