@@ -1,6 +1,8 @@
 // Statistics of a cloud against sums by hand.
 #include "pcm/cloud/statistics.h"
 
+#include "pcm/cloud/with_type.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -88,6 +90,54 @@ TEST(Statistics, RangesMeansAndHistograms)
     EXPECT_EQ(found.attributes[5][1].values, 0u);
     EXPECT_EQ(found.attributes[5][1].not_finite, points);
     EXPECT_EQ(found.attributes[6][0].mean, 0x1p64);
+}
+
+// Values at the ends of what is counted one by one, in types that hold more.
+TEST(Statistics, ClassesOutsideABytesRangeAreCountedTogether)
+{
+    for (const ScalarType type : {ScalarType::i8, ScalarType::u8, ScalarType::i16, ScalarType::u16, ScalarType::i32,
+                                  ScalarType::u32, ScalarType::i64, ScalarType::u64}) {
+        const Schema schema = schema_of({{"classification", type, 1, 1, 0, ""}});
+        const std::int64_t edges[] = {0, 1, 255, 256, 257, -1, -128, 32767, -32768, 70000, 255};
+        std::map<std::int64_t, std::uint64_t> expected;
+        std::uint64_t others = 0;
+        PointBatch batch;
+        batch.reset(schema, true, std::size(edges));
+        for (std::size_t i = 0; i < std::size(edges); ++i)
+            with_type(type, [&](auto zero) {
+                using T = decltype(zero);
+                const T value = batch.attributes[0].as<T>()[i] = static_cast<T>(edges[i]);
+                const bool counted = value >= 0 && static_cast<std::uint64_t>(value) <= 255;
+                ++(counted ? expected[static_cast<std::int64_t>(value)] : others);
+            });
+        StatisticsCollector collector(schema, Grid{});
+        collector.add(batch);
+        const CloudStatistics found = collector.result();
+        ASSERT_EQ(found.classes.size(), 256u);
+        for (std::size_t c = 0; c < 256; ++c)
+            EXPECT_EQ(found.classes[c], expected[static_cast<std::int64_t>(c)]) << c << " of type " << int(type);
+        EXPECT_EQ(found.other_classes, others) << int(type);
+    }
+}
+
+// Not integers of one component: there are no counts.
+TEST(Statistics, ScaledOrFloatingClassesAreNotCounted)
+{
+    for (const Attribute& attribute : std::vector<Attribute>{{"classification", ScalarType::u8, 2, 1, 0, ""},
+                                                             {"classification", ScalarType::u8, 1, 0.5, 0, ""},
+                                                             {"classification", ScalarType::u8, 1, 1, 1, ""},
+                                                             {"classification", ScalarType::f32, 1, 1, 0, ""},
+                                                             {"classification", ScalarType::f64, 1, 1, 0, ""},
+                                                             {"class", ScalarType::u8, 1, 1, 0, ""}}) {
+        const Schema schema = schema_of({attribute});
+        PointBatch batch;
+        batch.reset(schema, true, 3);
+        StatisticsCollector collector(schema, Grid{});
+        collector.add(batch);
+        const CloudStatistics found = collector.result();
+        EXPECT_TRUE(found.classes.empty()) << attribute.name << " " << attribute.scale;
+        EXPECT_EQ(found.other_classes, 0u);
+    }
 }
 
 // Points on a coarse lattice, so that many coincide.

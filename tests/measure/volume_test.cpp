@@ -202,6 +202,24 @@ TEST(GapFilling, CellsBesideTheKnownOnesAreExtrapolatedAndLessCertain)
     EXPECT_NEAR(gap_uncertainty(filled, one, columns), std::hypot(sum, common), 1e-9 * sum);
 }
 
+// Of four known cells in a row too few can be hidden to learn from. Their heights have no mean and no slope: they are
+// the differences from the plane.
+TEST(GapFilling, WhereTooFewCellsCanBeHiddenTheErrorIsTheSpreadOfTheKnownOnes)
+{
+    const double nan = std::numeric_limits<double>::quiet_NaN(), e = 0.01;
+    const double variance = (1 + 4 + 4 + 1) * e * e / 3, jump = 4 * e;
+    for (const double spread : {0.0, e, 5 * e}) {  // differences are kept as floats: to seven digits
+        const FilledCells filled = fill_gaps({e, -2 * e, nan, 2 * e, -e}, {1, 1, 1, 1, 1}, 5, spread);
+        ASSERT_FALSE(filled.outer[2]);
+        ASSERT_EQ(filled.width[2], 1u);
+        const double usual = std::max(variance, spread * spread);
+        EXPECT_NEAR(std::pow(filled.sigma[2], 2), (usual + jump * jump) / 2, 1e-9) << spread;
+        EXPECT_NEAR(filled.step[2], std::max(0.0, jump - std::sqrt(usual)) / 2, 1e-8) << spread;
+    }
+    // Two equal heights have no spread: that within a cell remains.
+    EXPECT_NEAR(fill_gaps({1, nan, nan, 1}, {1, 1, 1, 1}, 4, 0.2).sigma[1], 0.2, 1e-9);
+}
+
 class Volumes : public testing::Test {
 protected:
     TemporaryFolder folder_;

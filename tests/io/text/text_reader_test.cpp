@@ -158,6 +158,8 @@ TEST(TextReader, ColumnsWithoutNames)
         {"1 2 3 300 20 30\n4 5 6 255 0 65535\n", "rgb:u16x3", "colours 0-65535"},
         {"1 2 3 0.5 0.5 0.1\n4 5 6 1 0 0\n", "rgb:f32x3", "colours 0-1"},
         {"1 2 3 0 0 1\n4 5 6 0.6 0 0.8\n", "normal:f32x3", "nx ny nz"},
+        {"1,2,3,0,0,1\n4,5,6,,,\n", "normal:f32x3", "nx ny nz"},  // a point without a normal
+        {"1 2 3 0 0 1\n4 5 6 NA NA NA\n", "normal:f32x3", "nx ny nz"},
         {"1 2 3 99 10 20 30\n4 5 6 100 1 2 3\n", "intensity:u16 rgb:u8x3", "x y z intensity r g b"},
         {"1 2 3 10 20 30 0.25\n4 5 6 1 2 3 0.5\n", "rgb:u8x3 intensity:f32", "x y z r g b intensity"},
         {"1 2 3 10 20 30 0 1 0\n4 5 6 1 2 3 1 0 0\n", "rgb:u8x3 normal:f32x3", "r g b nx ny nz"},
