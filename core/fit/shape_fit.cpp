@@ -307,7 +307,8 @@ private:
         const std::string name = model_.traits.name;
         const bool even = found.fit.noise > even_noise * found.fit.threshold;
         // Surfaces with a direction may lie across the points: a strip of these is evenly within the band.
-        if (even && (found.share > surely_wide || (model_.traits.has_axis() && found.alarms > surely_many)))
+        if (even &&
+            (found.share > max_share || (model_.traits.has_axis() && found.log_false_alarms > log_false_alarm_limit)))
             doubt(found.fit, FitIssue::no_consensus,
                   "the points within the automatic threshold are spread evenly over it, so the " + name +
                       " may lie across them: take more points or fewer outliers, or set the threshold");
