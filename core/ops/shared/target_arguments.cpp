@@ -16,7 +16,7 @@ void TargetArguments::declare_target(Arguments& arguments, const std::string& lo
 {
     arguments.add("output", output)
         .letter('o')
-        .as(ValueKind::output)
+        .as(ValueKind::output_tree)
         .label("Output folder")
         .help(
             "Tree folder to write, by convention NAME.pct: a copy that shares unchanged data with the original where "
