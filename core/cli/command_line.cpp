@@ -220,8 +220,8 @@ Option Options::argument(ops::Argument& argument)
         const auto set = [&argument, name](const std::vector<std::string>& words) { argument.set(words, name); };
         option = command_.add_option_function<std::vector<std::string>>(names, set, argument.command_help());
         option->transform(check_first([&argument](std::string& word) { return argument.fault(word); }));
-        if (argument.most_count())
-            Option(option).values(static_cast<int>(argument.least_count()), static_cast<int>(argument.most_count()));
+        if (argument.count())
+            Option(option).values(static_cast<int>(argument.least_count()), static_cast<int>(argument.count()));
         else if (!argument.is_list())
             option->expected(1)->allow_extra_args(false);
         if (argument.kind() == ops::ValueKind::words || argument.kind() == ops::ValueKind::texts)

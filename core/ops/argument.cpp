@@ -105,7 +105,10 @@ Argument& Argument::on_in_dialogs() { return in_dialogs("on"); }
 Argument& Argument::in_dialogs(const std::string& value) { return dialog_default_ = value, *this; }
 Argument& Argument::text_in_dialogs() { return text_in_dialogs_ = true, *this; }
 Argument& Argument::also(const std::string& option) { return also_ = option, *this; }
-Argument& Argument::off_option(const std::string& option) { return off_option_ = option, *this; }
+Argument& Argument::off_option(const std::string& option, const std::string& help)
+{
+    return off_option_ = option, off_help_ = help, *this;
+}
 Argument& Argument::count(std::size_t numbers) { return count(numbers, numbers); }
 Argument& Argument::count(std::size_t least, std::size_t most)
 {
@@ -209,12 +212,15 @@ std::string Argument::default_text() const
 
 std::string Argument::command_help() const
 {
-    std::string text = help_;
-    if (!unit_.empty()) text += ", " + unit_;
-    if (required_ || kind_ == ValueKind::flag) return text;
-    if (!without_.empty()) return text + " (default: " + without_ + ")";
+    if (is_switched_off() && !off_help_.empty()) return off_help_;
+    if (kind_ == ValueKind::flag) return default_on_ ? "Leave out: " + help_ : help_;
     const std::string value = default_text();
-    return value.empty() ? text : text + " (default " + value + ")";
+    std::string aside = unit_;
+    if (!required_ && !without_.empty())
+        aside += (aside.empty() ? "default: " : "; default: ") + without_;
+    else if (!required_ && !value.empty())
+        aside += (aside.empty() ? "default " : "; default ") + value;
+    return aside.empty() ? help_ : help_ + " (" + aside + ")";
 }
 
 std::string Argument::fault(std::string& word) const

@@ -82,10 +82,11 @@ public:
     Argument& only(Face face);    // other faces do not have it
     Argument& shown(bool shown);  // else it is accepted and in no help or dialog
     Argument& on_in_dialogs();    // of a flag: where people see the picture, this is the better default
-    Argument& in_dialogs(const std::string& value);   // what dialogs begin with, where the command has no default
-    Argument& text_in_dialogs();                      // of an optional number: 0 is a value, empty is none
-    Argument& also(const std::string& option);        // another name on the command line, without dashes
-    Argument& off_option(const std::string& option);  // of a flag that is on: its name, where it is not no-KEY
+    Argument& in_dialogs(const std::string& value);  // what dialogs begin with, where the command has no default
+    Argument& text_in_dialogs();                     // of an optional number: 0 is a value, empty is none
+    Argument& also(const std::string& option);       // another name on the command line, without dashes
+    // Of a flag that is on: what switches it off, where it is not no-KEY, and the help of that.
+    Argument& off_option(const std::string& option, const std::string& help);
     Argument& between(double least, double most);
     Argument& positive();
     Argument& not_negative();
@@ -116,7 +117,7 @@ public:
     const AllowedNumbers& allowed() const { return allowed_; }
     const std::vector<Choice>& choices() const { return choices_; }
     std::size_t least_count() const { return least_count_; }
-    std::size_t most_count() const { return most_count_; }  // 0: any number
+    std::size_t count() const { return most_count_; }  // at most; 0: any number
 
     // A flag that is on by default is switched off on the command line: --no-confidence; its own name is taken too.
     bool is_switched_off() const { return kind_ == ValueKind::flag && default_on_; }
@@ -124,7 +125,7 @@ public:
     std::string option_names() const;  // "-k,--neighbours"
     std::string script_name() const;   // "RadiusNeighbours"
     std::string default_text() const;  // "16", "512M", "off", "statistical"; empty: none
-    // The help with unit and default, as the end of an option's line: "Number of neighbours (default 16)".
+    // The help with unit and default: "Number of neighbours (default 16)".
     std::string command_help() const;
 
     // ---- Values. Each throws ArgumentError for what is not allowed, naming `name`.
@@ -137,7 +138,7 @@ public:
 private:
     void write(const std::vector<std::string>& words);
 
-    std::string key_, label_, help_, unit_, group_, script_, without_, dialog_default_, also_, off_option_;
+    std::string key_, label_, help_, unit_, group_, script_, without_, dialog_default_, also_, off_option_, off_help_;
     char letter_ = 0;
     ValueKind kind_;
     bool positional_ = false, required_ = false, advanced_ = false, shown_ = true, text_in_dialogs_ = false,

@@ -48,7 +48,7 @@ public:
         arguments_.add("resume", options_.resume)
             .label("Resume")
             .advanced()
-            .help("Resume an interrupted build of these files, and write checkpoints; --no-resume does neither");
+            .help("Resuming an interrupted build of these files, and writing checkpoints");
         arguments_.add("checkpoint_seconds", options_.checkpoint_seconds)
             .not_negative()
             .unit("s")

@@ -32,9 +32,7 @@ public:
         arguments_.add("noise", options_.noise).unit("metres").label("Noise").help("Standard deviation of the range");
         arguments_.add("scale", options_.scale).unit("metres").label("Scale").help("Step of the coordinates");
         arguments_.add("seed", options_.seed).label("Seed").help("Seed of the random numbers");
-        arguments_.add("truth", truth_)
-            .label("Ground truth")
-            .help("The ground truth next to the file, which --no-truth leaves out");
+        arguments_.add("truth", truth_).label("Ground truth").help("The ground truth next to the file");
         arguments_.add("overwrite", options_.overwrite).label("Overwrite").help("Replace existing files");
     }
 

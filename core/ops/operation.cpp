@@ -39,9 +39,9 @@ Json usage_of(const Argument& argument)
     if (allowed.least) json[allowed.above_least ? "above" : "least"] = *allowed.least;
     if (allowed.most) json["most"] = *allowed.most;
     for (const Choice& choice : argument.choices()) json["choices"].push_back(choice.name);
-    if (argument.most_count()) {
+    if (argument.count()) {
         json["least_count"] = argument.least_count();
-        json["most_count"] = argument.most_count();
+        json["most_count"] = argument.count();
     }
     json["required"] = argument.is_required();
     json["advanced"] = argument.is_advanced();

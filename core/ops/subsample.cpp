@@ -34,11 +34,14 @@ public:
             .label("Number of points")
             .help("Number of points of the result: exactly, unless a level is taken");
         arguments_.add("exact", options_.exact)
-            .off_option("nearest-level")
+            .off_option("nearest-level",
+                        "Quickly: the tree's level of detail whose spacing is nearest, which may be twice or half of "
+                        "the one given, or all points; or the finest level with at most the number of points")
             .label("Exact")
             .help(
-                "Off, --nearest-level, is quick: the tree's level of detail whose spacing is nearest, which may be "
-                "twice or half of the one given, or all points; or the finest level with at most the number of points");
+                "The spacing holds exactly, or the number of points. Off: quickly, the level of detail whose spacing "
+                "is nearest, which may be twice or half of the one given, or all points; or the finest level with at "
+                "most the number of points");
         to_.declare_target(arguments_);
         to_.declare_reading(arguments_);
     }

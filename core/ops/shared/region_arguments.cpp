@@ -26,7 +26,7 @@ constexpr Shape shapes[] = {
      "0 9 0 0 -1 15"},
     {"frustum", "frustum", "Frustum", 10, 13,
      "Points seen from ex ey ez towards tx ty tz, with the vertical angle of view in degrees, width over height, near "
-     "and far distance, and optionally the direction that is up (default 0 0 1)"},
+     "and far distance, and optionally the direction that is up, else 0 0 1"},
     {"planes", "planes", "Planes", 7, 259,
      "Points on the inner side of planes: a centre cx cy cz, then nx ny nz offset for each plane, where "
      "n.(p-c)+offset>=0 is inside: --planes 5 5 0 0 0 1 2 (above z = -2)"},
