@@ -2,6 +2,7 @@
 
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/host/text.h"
 
 #include <QRegularExpression>
 
