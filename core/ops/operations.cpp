@@ -24,8 +24,9 @@ Row voxel_row();
 const std::vector<Row>& operations()
 {
     static const std::vector<Row> table{
-        append_row(),    compact_row(), delete_row(), radii_row(), normals_row(),   outliers_row(),
-        transform_row(), align_row(),   merge_row(),  voxel_row(), subsample_row(),
+        build_row(),  convert_row(), info_row(),  verify_row(),    append_row(),   compact_row(),
+        delete_row(), repair_row(),  radii_row(), normals_row(),   outliers_row(), transform_row(),
+        align_row(),  merge_row(),   voxel_row(), subsample_row(), generate_row(),
     };
     return table;
 }

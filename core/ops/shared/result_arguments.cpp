@@ -33,8 +33,8 @@ void ResultArguments::declare_target(Arguments& arguments)
     const char* const group = "Output";
     target.declare_target(arguments, "");
     arguments.find("output")->group(group).help(
-        "The new tree's folder, by convention NAME.pct; on the command line also a file, by the extension: NAME.laz, "
-        ".ply, ...");
+        "The new tree's folder, by convention NAME.pct; on the command line also a file, by the extension: NAME.laz or "
+        "NAME.ply");
     arguments.find("in_place")->group(group).help("Replace the tree by the result, atomically");
     arguments.find("overwrite")->group(group);
     chunk_points_argument(arguments, chunk_points);
@@ -57,7 +57,7 @@ Argument& NewCloudArguments::declare_output(Arguments& arguments)
         .label("Output folder")
         .help(
             "The new tree's folder, by convention NAME.pct; on the command line also a file, by the extension: "
-            "NAME.laz, .ply, ...");
+            "NAME.laz or NAME.ply");
 }
 
 void NewCloudArguments::declare_work(Arguments& arguments)
