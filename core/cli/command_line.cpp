@@ -211,14 +211,23 @@ Option Options::argument(ops::Argument& argument)
         const bool on = argument.default_text() == "off";
         option = command_.add_flag_callback(
             names, [&argument, on] { argument.set(on); }, argument.command_help());
+        if (argument.is_switched_off()) {  // what is on may be asked for by its own name
+            std::string key = argument.key();
+            std::replace(key.begin(), key.end(), '_', '-');
+            command_.add_flag("--" + key, "")->group("")->excludes(option);
+        }
     } else {
         const auto set = [&argument, name](const std::vector<std::string>& words) { argument.set(words, name); };
         option = command_.add_option_function<std::vector<std::string>>(names, set, argument.command_help());
         option->transform(check_first([&argument](std::string& word) { return argument.fault(word); }));
         if (argument.count())
-            option->expected(static_cast<int>(argument.count()))->allow_extra_args(false);
+            Option(option).values(static_cast<int>(argument.least_count()), static_cast<int>(argument.count()));
         else if (!argument.is_list())
             option->expected(1)->allow_extra_args(false);
+        if (argument.kind() == ops::ValueKind::words || argument.kind() == ops::ValueKind::texts)
+            option->allow_extra_args(false);
+        if (argument.kind() == ops::ValueKind::words || argument.kind() == ops::ValueKind::numbers)
+            option->delimiter(',');
         option->type_name(type_of(argument));
         if (argument.is_required()) option->required();
     }
@@ -295,7 +304,7 @@ int refuse_usage(const CLI::App& command, const std::string& what)
 
 bool is_number_list(const CLI::Option* option)
 {
-    return option && option->get_items_expected_max() > 1 && option->get_type_name() == "NUMBER";
+    return option && option->get_items_expected_max() > 1 && option->get_type_name().rfind("NUMBER", 0) == 0;
 }
 
 // The parser takes every word after the name of a list as its value. What follows a list of numbers and is no number is

@@ -73,8 +73,9 @@ std::string text_of_bytes(std::uint64_t bytes)
 
 const char* name_of(ValueKind kind)
 {
-    static constexpr const char* names[] = {"flag",    "whole", "real",   "bytes", "text",  "choice", "words",
-                                            "numbers", "file",  "output", "tree",  "trees", "inputs"};
+    static constexpr const char* names[] = {"flag",  "whole", "real",    "bytes", "text",   "choice",
+                                            "words", "texts", "numbers", "file",  "output", "output_tree",
+                                            "tree",  "trees", "inputs",  "cloud"};
     return names[static_cast<std::size_t>(kind)];
 }
 
@@ -100,8 +101,19 @@ Argument& Argument::positive() { return allowed_.least = 0, allowed_.above_least
 Argument& Argument::not_negative() { return allowed_.least = 0, *this; }
 Argument& Argument::only(Face face) { return only_ = face, *this; }
 Argument& Argument::shown(bool shown) { return shown_ = shown, *this; }
-Argument& Argument::on_in_dialogs() { return on_in_dialogs_ = true, *this; }
-Argument& Argument::count(std::size_t numbers) { return count_ = numbers, *this; }
+Argument& Argument::on_in_dialogs() { return in_dialogs("on"); }
+Argument& Argument::in_dialogs(const std::string& value) { return dialog_default_ = value, *this; }
+Argument& Argument::text_in_dialogs() { return text_in_dialogs_ = true, *this; }
+Argument& Argument::also(const std::string& option) { return also_ = option, *this; }
+Argument& Argument::off_option(const std::string& option, const std::string& help)
+{
+    return off_option_ = option, off_help_ = help, *this;
+}
+Argument& Argument::count(std::size_t numbers) { return count(numbers, numbers); }
+Argument& Argument::count(std::size_t least, std::size_t most)
+{
+    return least_count_ = least, most_count_ = most, *this;
+}
 Argument& Argument::one_of(std::vector<Choice> choices) { return choices_ = std::move(choices), *this; }
 
 Argument& Argument::between(double least, double most)
@@ -120,7 +132,16 @@ Argument& Argument::degrees()
 
 bool Argument::is_list() const
 {
-    return kind_ == ValueKind::words || kind_ == ValueKind::trees || kind_ == ValueKind::inputs;
+    switch (kind_) {
+        case ValueKind::words:
+        case ValueKind::texts:
+        case ValueKind::trees:
+        case ValueKind::inputs:
+        case ValueKind::cloud:
+            return true;
+        default:
+            return false;
+    }
 }
 
 bool Argument::is_optional() const
@@ -141,13 +162,15 @@ std::string Argument::option_name() const
 {
     std::string name = key_;
     std::replace(name.begin(), name.end(), '_', '-');
-    return kind_ == ValueKind::flag && default_on_ ? "no-" + name : name;
+    if (!is_switched_off()) return name;
+    return off_option_.empty() ? "no-" + name : off_option_;
 }
 
 std::string Argument::option_names() const
 {
     if (positional_) return key_;
-    return (letter_ ? std::string("-") + letter_ + "," : "") + "--" + option_name();
+    return (letter_ ? std::string("-") + letter_ + "," : "") + "--" + option_name() +
+           (also_.empty() ? "" : ",--" + also_);
 }
 
 std::string Argument::script_name() const
@@ -177,7 +200,11 @@ std::string Argument::default_text() const
                 return kind_ == ValueKind::bytes ? text_of_bytes(*v) : std::to_string(*v);
             else if constexpr (std::is_same_v<T, std::string*>)
                 return *v;
-            else
+            else if constexpr (std::is_same_v<T, std::vector<double>*>) {
+                std::string text;
+                for (const double value : *v) text += (text.empty() ? "" : " ") + short_text(value / scale_);
+                return text;
+            } else
                 return "";
         },
         variable_);
@@ -185,6 +212,7 @@ std::string Argument::default_text() const
 
 std::string Argument::command_help() const
 {
+    if (is_switched_off() && !off_help_.empty()) return off_help_;
     if (kind_ == ValueKind::flag) return default_on_ ? "Leave out: " + help_ : help_;
     const std::string value = default_text();
     std::string aside = unit_;
@@ -240,9 +268,10 @@ void Argument::set(const std::vector<std::string>& words, const std::string& nam
     std::vector<std::string> checked = words;
     for (std::string& word : checked)
         if (const std::string what = fault(word); !what.empty()) throw ArgumentError(name + ": " + what);
-    if (count_ > 0 && words.size() != count_)
-        throw ArgumentError(name + " takes " + std::to_string(count_) + " numbers, and got " +
-                            std::to_string(words.size()));
+    if (most_count_ > 0 && (words.size() < least_count_ || words.size() > most_count_))
+        throw ArgumentError(name + " takes " + std::to_string(least_count_) +
+                            (most_count_ > least_count_ ? " to " + std::to_string(most_count_) : "") +
+                            " numbers, and got " + std::to_string(words.size()));
     if (!is_list() && kind_ != ValueKind::numbers && words.size() > 1) throw ArgumentError(name + " takes one value");
     given_ = true;
     write(checked);

@@ -26,18 +26,21 @@ public:
 // What a value is, and so how a face asks for it.
 enum class ValueKind : std::uint8_t {
     flag,
-    whole,    // a whole number
-    real,     // a number
-    bytes,    // a size with a unit: 512M
-    text,     //
-    choice,   // one of a few names
-    words,    // names or texts, any number of them
-    numbers,  // a fixed number of numbers: x y z
-    file,     // an existing file
-    output,   // a file or folder to write
-    tree,     // a tree folder, or a file in it; in a window the current layer's where it is empty
-    trees,    // several of these
-    inputs,   // files, folders of files, trees
+    whole,        // a whole number
+    real,         // a number
+    bytes,        // a size with a unit: 512M
+    text,         //
+    choice,       // one of a few names
+    words,        // names, any number of them, separated by commas
+    texts,        // any number of texts, each after its own option
+    numbers,      // some numbers: x y z
+    file,         // an existing file
+    output,       // a file or folder to write
+    output_tree,  // a tree to write; dialogs add the extension
+    tree,         // a tree folder, or a file in it; in a window the current layer's where it is empty
+    trees,        // several of these
+    inputs,       // files, folders of files, trees
+    cloud,        // the same; in dialogs one tree, the current layer's where it is empty
 };
 const char* name_of(ValueKind kind);  // "whole"
 
@@ -79,10 +82,16 @@ public:
     Argument& only(Face face);    // other faces do not have it
     Argument& shown(bool shown);  // else it is accepted and in no help or dialog
     Argument& on_in_dialogs();    // of a flag: where people see the picture, this is the better default
+    Argument& in_dialogs(const std::string& value);  // what dialogs begin with, where the command has no default
+    Argument& text_in_dialogs();                     // of an optional number: 0 is a value, empty is none
+    Argument& also(const std::string& option);       // another name on the command line, without dashes
+    // Of a flag that is on: what switches it off, where it is not no-KEY, and the help of that.
+    Argument& off_option(const std::string& option, const std::string& help);
     Argument& between(double least, double most);
     Argument& positive();
     Argument& not_negative();
-    Argument& count(std::size_t numbers);           // of ValueKind::numbers
+    Argument& count(std::size_t numbers);  // of ValueKind::numbers
+    Argument& count(std::size_t least, std::size_t most);
     Argument& degrees();                            // the variable holds radians
     Argument& one_of(std::vector<Choice> choices);  // of a text or words
 
@@ -96,18 +105,22 @@ public:
     const std::string& group() const { return group_; }
     const std::string& without() const { return without_; }
     bool is_shown() const { return shown_; }
-    bool is_on_in_dialogs() const { return on_in_dialogs_; }
+    bool is_on_in_dialogs() const { return dialog_default_ == "on"; }
+    const std::string& dialog_default() const { return dialog_default_; }  // empty: that of the command line
+    bool is_text_in_dialogs() const { return text_in_dialogs_; }
     bool is_positional() const { return positional_; }
     bool is_required() const { return required_; }
     bool is_advanced() const { return advanced_; }
     bool is_in(Face face) const { return !only_ || *only_ == face; }
     bool is_optional() const;  // nothing may be given
-    bool is_list() const;      // words, trees, inputs
+    bool is_list() const;      // words, texts, trees, inputs, cloud
     const AllowedNumbers& allowed() const { return allowed_; }
     const std::vector<Choice>& choices() const { return choices_; }
-    std::size_t count() const { return count_; }
+    std::size_t least_count() const { return least_count_; }
+    std::size_t count() const { return most_count_; }  // at most; 0: any number
 
-    // A flag that is on by default is switched off on the command line: --no-confidence.
+    // A flag that is on by default is switched off on the command line: --no-confidence; its own name is taken too.
+    bool is_switched_off() const { return kind_ == ValueKind::flag && default_on_; }
     std::string option_name() const;   // "radius-neighbours", "no-confidence"; without dashes
     std::string option_names() const;  // "-k,--neighbours"
     std::string script_name() const;   // "RadiusNeighbours"
@@ -125,15 +138,15 @@ public:
 private:
     void write(const std::vector<std::string>& words);
 
-    std::string key_, label_, help_, unit_, group_, script_, without_, default_;
+    std::string key_, label_, help_, unit_, group_, script_, without_, dialog_default_, also_, off_option_, off_help_;
     char letter_ = 0;
     ValueKind kind_;
-    bool positional_ = false, required_ = false, advanced_ = false, shown_ = true, on_in_dialogs_ = false,
+    bool positional_ = false, required_ = false, advanced_ = false, shown_ = true, text_in_dialogs_ = false,
          given_ = false, default_on_ = false;
     std::optional<Face> only_;
     AllowedNumbers allowed_;
     std::vector<Choice> choices_;
-    std::size_t count_ = 0;
+    std::size_t least_count_ = 0, most_count_ = 0;
     double scale_ = 1;  // variable = value * scale
     Variable variable_;
 };

@@ -33,13 +33,16 @@ Json usage_of(const Argument& argument)
               {"label", argument.label()}, {"help", argument.help()},           {"type", name_of(argument.kind())}};
     json["unit"] = argument.unit().empty() ? Json() : Json(argument.unit());
     json["default"] = argument.default_text().empty() ? Json() : Json(argument.default_text());
-    if (argument.is_on_in_dialogs()) json["default_in_dialogs"] = "on";
+    if (!argument.dialog_default().empty()) json["default_in_dialogs"] = argument.dialog_default();
     if (!argument.without().empty()) json["without"] = argument.without();
     const AllowedNumbers& allowed = argument.allowed();
     if (allowed.least) json[allowed.above_least ? "above" : "least"] = *allowed.least;
     if (allowed.most) json["most"] = *allowed.most;
     for (const Choice& choice : argument.choices()) json["choices"].push_back(choice.name);
-    if (argument.count()) json["count"] = argument.count();
+    if (argument.count()) {
+        json["least_count"] = argument.least_count();
+        json["most_count"] = argument.count();
+    }
     json["required"] = argument.is_required();
     json["advanced"] = argument.is_advanced();
     return json;

@@ -5,13 +5,16 @@
 // completion are made of the rows.
 #pragma once
 
+#include "pcm/cloud/affine.h"
 #include "pcm/ops/argument.h"
 #include "pcm/ops/result.h"
 #include "pcm/system/progress.h"
 #include "pcm/update/target.h"
 
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -25,9 +28,22 @@ struct GpuRadiiRequest {
     std::uint64_t memory_bytes;
 };
 
+// A layer of the window that shows a tree.
+struct Layer {
+    std::string label;
+    std::filesystem::path tree;
+    std::optional<Affine> map;  // of its matrix, in source coordinates; absent: it has none
+    bool visible = true, current = false;
+};
+
 struct Context {
     Face face = Face::command;
     ProgressFunction progress;
+    std::function<std::vector<Layer>()> layers;  // in the window's order; empty: this face has no layers
+    // Moves the current layer, which must show the tree, by its matrix, and returns what was done, for people. `step`
+    // is what undoing it is called. Empty: this face has no layers.
+    std::function<std::string(const std::filesystem::path& tree, const Affine& motion, const std::string& step)>
+        set_matrix;
     std::function<Result(const GpuRadiiRequest&)> gpu_radii;  // empty: this face has no such device
 };
 

@@ -1,19 +1,10 @@
 #include "plugin/filter/filter.h"
+#include "plugin/filter/moved_results.h"
 #include "plugin/filter/operation_filter.h"
 
 namespace pcm::host {
 
 // Each is defined in the file of its name.
-Filter build_tree();
-Filter append();
-Filter delete_points();
-Filter compact();
-Filter voxel_grid_filter();
-Filter subsample_filter();
-Filter merge();
-Filter transform();
-Filter align();
-Filter tree_information();
 Filter measure_filter();
 Filter profile_filter();
 Filter cut_volume();
@@ -30,15 +21,15 @@ Filter export_primitives();
 const std::vector<Filter>& filters()
 {
     static const std::vector<Filter> table{
-        build_tree(),
-        append(),
-        delete_points(),
-        compact(),
-        voxel_grid_filter(),
-        subsample_filter(),
-        merge(),
-        transform(),
-        align(),
+        operation_filter("build"),
+        operation_filter("append"),
+        operation_filter("delete"),
+        operation_filter("compact"),
+        operation_filter("voxel"),
+        operation_filter("subsample"),
+        operation_filter("merge", shown_as_merged()),
+        operation_filter("transform", shown_as_moved()),
+        operation_filter("align", shown_as_moved()),
         operation_filter("radii"),
         operation_filter("normals"),
         operation_filter("outliers"),
@@ -54,7 +45,7 @@ const std::vector<Filter>& filters()
         detect_primitives_filter(),
         export_primitives(),
         set_clip_box(),
-        tree_information(),
+        operation_filter("info"),
     };
     return table;
 }

@@ -4,7 +4,10 @@
 #include "plugin/filter/operation_parameters.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
+#include "plugin/host/layer_matrix.h"
 #include "plugin/host/operation.h"
+#include "plugin/host/placement.h"
+#include "plugin/host/text.h"
 
 #include <utility>
 
@@ -37,6 +40,34 @@ void show(const FilterRun& run, const ops::Result& result)
                 target);
 }
 
+// The layers that show trees.
+std::vector<ops::Layer> layers_of(const FilterRun& run)
+{
+    std::vector<ops::Layer> layers;
+    for (const MeshModel* layer : run.document.meshList) {
+        const auto shown = Registry::instance().find(*layer);
+        if (!shown) continue;
+        layers.push_back({layer->label().toStdString(), shown->cloud->tree()->folder(), placement_of(*layer, *shown),
+                          layer->visible, layer == run.document.mm()});
+    }
+    return layers;
+}
+
+std::string set_matrix(const FilterRun& run, const std::filesystem::path& tree, const Affine& motion,
+                       const std::string& step)
+{
+    MeshModel* const layer = run.document.mm();
+    const auto shown = layer ? Registry::instance().find(*layer) : std::nullopt;
+    std::error_code ignored;
+    if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), tree, ignored))
+        throw Error(ErrorCode::invalid_argument, tree, "the current layer does not show this tree",
+                    "choose its layer, or write a new tree");
+    LayerMatrices::of(run.document).set(*layer, matrix_of(motion, shown->origin), QString::fromStdString(step));
+    return "the matrix of the layer '" + layer->label().toStdString() +
+           "' moves it; rounded to single precision, it moves points by up to " +
+           brief(matrix_rounding(motion, shown->origin, shown->cloud->info().bounds())) + " source units more or less";
+}
+
 void run_operation(const ops::Row& row, const OperationHooks& hooks, const FilterRun& run)
 {
     const auto operation = row.make();
@@ -45,6 +76,10 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
     ops::Context context;
     context.face = ops::Face::dialog;
     context.progress = guard.progress();
+    context.layers = [&] { return layers_of(run); };
+    context.set_matrix = [&](const std::filesystem::path& tree, const Affine& motion, const std::string& step) {
+        return set_matrix(run, tree, motion, step);
+    };
     if (hooks.before) hooks.before(run, *operation);
     const ops::Result result = operation->run(context);
     log_warnings(run, result.outcome.warnings);

@@ -2,6 +2,7 @@
 
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/host/text.h"
 
 #include <QRegularExpression>
 
@@ -14,12 +15,32 @@ using ops::ValueKind;
 
 constexpr int megabyte_bits = 20;
 
+// In dialogs: the tree of the current layer, or another.
+bool is_tree(const Argument& argument)
+{
+    return argument.kind() == ValueKind::tree || argument.kind() == ValueKind::cloud;
+}
+
+QString dialog_value(const Argument& argument)
+{
+    return QString::fromStdString(argument.dialog_default().empty() ? argument.default_text()
+                                                                    : argument.dialog_default());
+}
+
+// Dialogs ask for an optional number by a number, of which one means none, or by a text, which may be empty.
+bool has_none_value(const Argument& argument)
+{
+    return argument.is_optional() && !argument.is_text_in_dialogs() && argument.dialog_default().empty();
+}
+
 QString quoted_default(const Argument& argument)
 {
-    if (argument.kind() == ValueKind::tree) return "Empty, the default: the tree that the current layer shows.";
-    if (!argument.without().empty()) return "Default: " + QString::fromStdString(argument.without()) + ".";
-    const QString value = argument.is_on_in_dialogs() ? QString("on") : QString::fromStdString(argument.default_text());
-    if (argument.kind() == ValueKind::output) return "A dialog proposes a name; scripts have no default.";
+    if (is_tree(argument)) return "Empty, the default: the tree that the current layer shows.";
+    const QString value = dialog_value(argument);
+    if (!argument.without().empty() && value.isEmpty())
+        return "Default: " + QString::fromStdString(argument.without()) + ".";
+    if (argument.kind() == ValueKind::output || argument.kind() == ValueKind::output_tree)
+        return "A dialog proposes a name; scripts have no default.";
     if (argument.kind() == ValueKind::choice) {
         for (const ops::Choice& choice : argument.choices())
             if (choice.name == argument.default_text())
@@ -33,9 +54,9 @@ QString tooltip_of(const Argument& argument)
     QString text = QString::fromStdString(argument.help());
     if (!argument.unit().empty()) text += ", in " + QString::fromStdString(argument.unit());
     if (argument.kind() == ValueKind::bytes) text += ", in megabytes";
-    if (argument.is_optional() && argument.kind() == ValueKind::real) text += "; 0: none";
-    if (argument.is_optional() && argument.kind() == ValueKind::whole) text += "; -1: none";
-    if (argument.is_list()) text += "; several are separated by semicolons";
+    if (has_none_value(argument) && argument.kind() == ValueKind::real) text += "; 0: none";
+    if (has_none_value(argument) && argument.kind() == ValueKind::whole) text += "; -1: none";
+    if (argument.is_list() && !is_tree(argument)) text += "; several are separated by semicolons";
     if (!text.endsWith('.')) text += ".";
     return text + " " + quoted_default(argument);
 }
@@ -59,16 +80,20 @@ void add_parameter(const Argument& argument, RichParameterList& parameters)
 {
     const QString name = QString::fromStdString(argument.script_name()),
                   label = QString::fromStdString(label_of(argument)), tip = tooltip_of(argument),
-                  value = QString::fromStdString(argument.default_text());
+                  value = dialog_value(argument);
+    if (argument.is_text_in_dialogs()) {
+        parameters.addParam(RichString(name, value, label, tip));
+        return;
+    }
     switch (argument.kind()) {
         case ValueKind::flag:
-            parameters.addParam(RichBool(name, value == "on" || argument.is_on_in_dialogs(), label, tip));
+            parameters.addParam(RichBool(name, value == "on", label, tip));
             return;
         case ValueKind::whole:
-            parameters.addParam(RichInt(name, argument.is_optional() ? -1 : value.toInt(), label, tip));
+            parameters.addParam(RichInt(name, has_none_value(argument) ? -1 : value.toInt(), label, tip));
             return;
         case ValueKind::real:
-            parameters.addParam(RichFloat(name, argument.is_optional() ? 0 : value.toFloat(), label, tip));
+            parameters.addParam(RichFloat(name, has_none_value(argument) ? 0 : value.toFloat(), label, tip));
             return;
         case ValueKind::bytes:
             parameters.addParam(RichInt(name, megabytes_of(argument.default_text()), label, tip));
@@ -77,7 +102,7 @@ void add_parameter(const Argument& argument, RichParameterList& parameters)
             QStringList labels;
             int at = 0;
             for (const ops::Choice& choice : argument.choices()) {
-                if (choice.name == argument.default_text()) at = labels.size();
+                if (choice.name == value.toStdString()) at = labels.size();
                 labels << QString::fromStdString(choice.label);
             }
             parameters.addParam(RichEnum(name, at, labels, label, tip));
@@ -104,6 +129,8 @@ std::vector<std::string> words_of(const Argument& argument, const QString& text)
             return split(text, "[\\s,;]+");
         case ValueKind::words:
             return split(text, "[,;]");
+        case ValueKind::texts:
+            return split(text, ";");
         case ValueKind::inputs:
         case ValueKind::trees: {
             std::vector<std::string> paths;
@@ -114,6 +141,9 @@ std::vector<std::string> words_of(const Argument& argument, const QString& text)
         case ValueKind::output:
             if (text.trimmed().isEmpty()) return {};
             return {absolute_path(text).string()};
+        case ValueKind::output_tree:
+            if (text.trimmed().isEmpty()) return {};
+            return {as_tree(absolute_path(text)).string()};
         default:
             return text.trimmed().isEmpty() ? std::vector<std::string>{} : std::vector<std::string>{text.toStdString()};
     }
@@ -128,18 +158,33 @@ std::vector<std::string> choice_of(const Argument& argument, int index)
     return {choices[static_cast<std::size_t>(index)].name};
 }
 
+// For scripts of earlier versions, which lack the parameter.
+void set_dialog_default(Argument& argument, const std::string& called)
+{
+    if (argument.dialog_default().empty()) return;
+    if (argument.kind() == ValueKind::flag)
+        argument.set(true);
+    else
+        argument.set({argument.dialog_default()}, called);
+}
+
 void set(Argument& argument, const FilterRun& run)
 {
     const RichParameterList& parameters = run.parameters;
     const QString name = QString::fromStdString(argument.script_name());
     const std::string called = "'" + argument.label() + "'";
-    if (argument.kind() == ValueKind::tree) {
+    if (is_tree(argument)) {
         argument.set({tree_of(parameters, run.document).string()}, called);
         return;
     }
     if (!parameters.hasParameter(name)) {
         run.log("The script does not have the parameter " + name.toStdString() + ": " +
                 quoted_default(argument).toStdString());
+        set_dialog_default(argument, called);
+        return;
+    }
+    if (argument.is_text_in_dialogs()) {
+        argument.set(words_of(argument, parameters.getString(name)), called);
         return;
     }
     switch (argument.kind()) {
@@ -148,13 +193,13 @@ void set(Argument& argument, const FilterRun& run)
             return;
         case ValueKind::whole: {
             const int value = parameters.getInt(name);
-            if (value < 0 && argument.is_optional()) return;
+            if (value < 0 && has_none_value(argument)) return;
             argument.set({std::to_string(value)}, called);
             return;
         }
         case ValueKind::real: {
             const double value = decimal_of(parameters, argument.script_name().c_str());
-            if (value == 0 && argument.is_optional()) return;
+            if (value == 0 && has_none_value(argument)) return;
             argument.set({exact(value)}, called);
             return;
         }

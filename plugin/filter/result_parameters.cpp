@@ -1,9 +1,6 @@
 #include "plugin/filter/result_parameters.h"
 
 #include "pcm/system/error.h"
-#include "pcm/system/peak_memory.h"
-#include "plugin/filter/parameters.h"
-#include "plugin/host/text.h"
 
 #include <QRegularExpression>
 
@@ -14,37 +11,6 @@ namespace {
 Error bad_parameter(const std::string& what) { return Error(ErrorCode::invalid_argument, {}, what); }
 
 }  // namespace
-
-void add_result_parameters(RichParameterList& parameters, bool in_place)
-{
-    parameters.addParam(
-        RichString("Output", "", "Output folder",
-                   QString("The tree folder to write, NAME.pct.%1 A dialog proposes a name; scripts have no default.")
-                       .arg(in_place ? " Ignored when 'In place' is on." : "")));
-    if (in_place)
-        parameters.addParam(RichBool("InPlace", false, "In place",
-                                     "Replace the tree by the result. Until that is complete, the old tree is on disk. "
-                                     "Default off."));
-    parameters.addParam(RichBool("Overwrite", false, "Overwrite",
-                                 "Replace an existing tree of the output's name. Only a tree is ever replaced. Default "
-                                 "off."));
-    add_work_parameters(parameters);
-}
-
-ResultOptions result_options_of(const RichParameterList& parameters)
-{
-    ResultOptions options;
-    const QString output = parameters.getString("Output");
-    options.target.in_place = parameters.hasParameter("InPlace") && parameters.getBool("InPlace");
-    if (!options.target.in_place) {
-        if (output.trimmed().isEmpty()) throw bad_parameter("no output folder is given");
-        options.target.copy = as_tree(absolute_path(output));
-    }
-    options.overwrite = parameters.getBool("Overwrite");
-    options.memory_bytes = memory_of(parameters);
-    options.threads = threads_of(parameters);
-    return options;
-}
 
 double decimal_of(const RichParameterList& parameters, const char* name)
 {
@@ -81,16 +47,6 @@ std::vector<std::string> names_of(const RichParameterList& parameters, const cha
     for (const QString& part : parameters.getString(name).split(separators, Qt::SkipEmptyParts))
         if (!part.trimmed().isEmpty()) names.push_back(part.trimmed().toStdString());
     return names;
-}
-
-void log_result(const FilterRun& run, const std::string& what, const BuildReport& report)
-{
-    const Outcome& outcome = report.outcome;
-    run.log(what + ": " + grouped(outcome.points_out) + " of " + grouped(outcome.points_in) + " points in " +
-            brief(outcome.seconds) + " s, " + bytes_text(report.bytes) + "; peak memory of the program " +
-            bytes_text(peak_memory_bytes()) + ".");
-    log_notes(run, report.notes);
-    log_warnings(run, outcome.warnings);
 }
 
 }  // namespace pcm::host

@@ -36,11 +36,6 @@ void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder, c
     for (const std::string& line : add_layer_of(run.document, folder, like)) run.log(line);
 }
 
-void refresh_layers(const FilterRun& run, const std::filesystem::path& folder)
-{
-    for (const std::string& line : reload_layers(run.document, folder)) run.log(line);
-}
-
 void show_afterwards(const FilterRun& run, const std::function<void()>& show)
 {
     try {

@@ -19,9 +19,6 @@ TargetChoice target_of(const RichParameterList& parameters);
 // layer; the log says so.
 void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder, const MeshModel* like = nullptr);
 
-// The layers of the document that show the tree `folder` are loaded again.
-void refresh_layers(const FilterRun& run, const std::filesystem::path& folder);
-
 // Runs `show` after the filter has changed the tree: what fails then is a warning, since the tree is changed already.
 void show_afterwards(const FilterRun& run, const std::function<void()>& show);
 

@@ -22,7 +22,7 @@ protected:
         EXPECT_EQ(result.code, 0) << result.err;
         if (result.code != 0) return 0;
         const Json json = Json::parse(result.out);
-        return (json.contains("scanned") ? json["scanned"]["points"] : json["points"]).get<std::uint64_t>();
+        return (json["scanned"].is_object() ? json["scanned"]["points"] : json["points"]).get<std::uint64_t>();
     }
 };
 

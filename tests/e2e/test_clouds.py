@@ -65,7 +65,7 @@ class Clouds(MeshLabTest):
         self.assertEqual(run.code, 0, run.text)
         expected = pcmlab("voxel", one, "-s", 0.3, "-o", self.folder / "other.pct")["points"]
         self.assertGood(grid, expected)
-        self.assertIn(f"{expected:,} of 60,000 points", run.text)
+        self.assertIn(f"{expected:,} points of 60,000", run.text)
         self.assertGood(thin, 5000)
         self.assertGood(both, 120000)
         self.assertGood(moved, 60000)
@@ -81,7 +81,7 @@ class Clouds(MeshLabTest):
         tree = self.scene()
         for filters, words in (
                 ([voxel_grid(tree, 0, self.folder / "a.pct")], ["must be a positive number"]),
-                ([voxel_grid(tree, 1)], ["no output folder"]),
+                ([voxel_grid(tree, 1)], ["no output is given"]),
                 ([subsample(tree, -1, output=self.folder / "a.pct")], ["must be a positive number"]),
                 ([merge(self.folder / "a.pct")], ["no trees to merge"]),
                 ([transform(tree, self.folder / "a.pct")], ["no transformation was given"]),
@@ -113,7 +113,7 @@ class Clouds(MeshLabTest):
             trigger Transform Point Cloud Tree
             set Output folder = {moved}
             press Apply
-            wait-log Transformed
+            wait-log largest position error
             press Close
             wait-layers 2
             print-layers
@@ -124,14 +124,14 @@ class Clouds(MeshLabTest):
             set Output folder = {both}
             set Overwrite = on
             press Apply
-            wait-log Merge of 2 trees
+            wait-log points of 2 trees
             press Close
             wait-layers 3
             trigger Voxel Grid of Point Cloud Tree
             set Voxel size = 0.5
             set In place = on
             press Apply
-            wait-log Voxel grid of 0.5
+            wait-log one for each voxel of 0.5
             press Close
             wait-status complete
             screen {self.result("results.png")}

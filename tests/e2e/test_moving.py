@@ -215,7 +215,7 @@ class MovedByMeshLab(MeshLabTest):
             trigger Merge Point Cloud Trees
             set Output folder = {merged}
             press Apply
-            wait-log Merge of 1 trees
+            wait-log points of 1 trees
             wait-layers 2
             press Close
             quit

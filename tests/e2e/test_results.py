@@ -104,7 +104,7 @@ class Results(MeshLabTest):
             set Where = x < 500010
             press Apply
             wait-layers 2
-            wait-log Deleted
+            wait-log points deleted
             press Close
             wait-status complete
             picture {after}

@@ -47,13 +47,13 @@ class Updates(MeshLabTest):
         self.assertEqual(run.code, 0, run.text)
         self.assertGood(tree, 60000)  # unchanged
         self.assertGood(both, 100000)
-        self.assertIn("Added 40,000 points", run.text)
+        self.assertIn("40,000 points added", run.text)
         info = pcmlab("info", less)
         self.assertGood(less, info["points"])
         self.assertLess(info["points"], 100000)
         self.assertGreater(info["points"], 40000)
-        self.assertIn(f"{100000 - info['points']:,} of the 100,000 points of {both} would be deleted", run.text)
-        self.assertIn(f"Deleted {100000 - info['points']:,} of the 100,000 points", run.text)
+        self.assertIn(f"{100000 - info['points']:,} of 100,000 points would be deleted", run.text)
+        self.assertIn(f"{100000 - info['points']:,} points deleted", run.text)
 
     def test_in_place(self):
         tree, las = self.scenes()
@@ -125,13 +125,13 @@ class Updates(MeshLabTest):
             set In place = on
             screen {self.result("dialog.png")}
             press Apply
-            wait-log Deleted
+            wait-log points deleted
             press Close
             wait-status complete
             picture {after}
             trigger Compact Point Cloud Tree
             press Apply
-            wait-log Compacted
+            wait-log before)
             press Close
             wait-status complete
             picture {compacted}
@@ -139,7 +139,7 @@ class Updates(MeshLabTest):
             set Input files = {las}
             set In place = on
             press Apply
-            wait-log Added 40,000 points
+            wait-log 40,000 points added
             press Close
             wait-layers 1
             wait-status complete

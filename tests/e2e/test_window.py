@@ -190,7 +190,7 @@ class Window(MeshLabTest):
             wait-status complete
             trigger Point Cloud Tree Information
             press Apply
-            wait-log Bounds, source coordinates
+            wait-log points to here
             press Close
             trigger Build Point Cloud Tree
             set Input files = {self.folder / "none.las"}

@@ -22,7 +22,27 @@ using Calls = std::map<std::string, Call>;
 
 Calls calls(const std::string& tree, const std::string& folder)
 {
-    return {{"radii", {{"tree", {tree}}, {"output", {folder + "/radii.pct"}}}},
+    const std::string file = folder + "/cloud.las";
+    return {{"build", {{"input", {file}}, {"output", {folder + "/built.pct"}}, {"normals", {"8"}}}},
+            {"convert", {{"paths", {tree, folder + "/converted.laz"}}}},
+            {"info", {{"input", {tree}}, {"statistics", {"on"}}}},
+            {"verify", {{"tree", {tree}}, {"levels", {"on"}}}},
+            {"append", {{"tree", {tree}}, {"input", {file}}, {"output", {folder + "/more.pct"}}}},
+            {"compact", {{"tree", {tree}}, {"output", {folder + "/compact.pct"}}}},
+            {"delete", {{"tree", {tree}}, {"where", {"intensity>=0"}}, {"output", {folder + "/none.pct"}}}},
+            {"repair", {{"tree", {tree}}, {"check", {"on"}}}},
+            {"transform", {{"tree", {tree}}, {"output", {folder + "/moved.pct"}}, {"translate", {"1", "2", "3"}}}},
+            {"align",
+             {{"moving", {tree}},
+              {"fixed", {tree}},
+              {"pair",
+               {"512345", "4812345", "100", "512346", "4812345", "100", "512445", "4812345", "100", "512446", "4812345",
+                "100", "512345", "4812445", "100", "512346", "4812445", "100"}}}},
+            {"merge", {{"output", {folder + "/merged.pct"}}, {"trees", {tree, tree}}}},
+            {"voxel", {{"input", {tree}}, {"size", {"1"}}, {"output", {folder + "/voxels.pct"}}}},
+            {"subsample", {{"input", {file}}, {"points", {"1000"}}, {"output", {folder + "/thinned.pct"}}}},
+            {"generate", {{"output", {folder + "/scene.las"}}, {"points", {"2000"}}, {"truth", {"off"}}}},
+            {"radii", {{"tree", {tree}}, {"output", {folder + "/radii.pct"}}}},
             {"normals", {{"tree", {tree}}, {"output", {folder + "/normals.pct"}}, {"radii", {"on"}}}},
             {"outliers", {{"tree", {tree}}, {"output", {folder + "/clean.pct"}}}}};
 }

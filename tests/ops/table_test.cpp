@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <iterator>
 #include <set>
+#include <sstream>
 
 namespace {
 
@@ -65,8 +67,10 @@ TEST_P(EveryRow, TakesItsOwnDefaults)
     for (const Argument& argument : operation->arguments().list()) {
         const std::string given = argument.default_text();
         if (given.empty() || argument.kind() == ValueKind::flag) continue;
-        std::string word = given;
-        EXPECT_EQ(argument.fault(word), "") << argument.key() << " " << given;
+        std::istringstream words(argument.kind() == ValueKind::numbers ? given : "");
+        std::vector<std::string> values{std::istream_iterator<std::string>(words), {}};
+        if (values.empty()) values = {given};
+        for (std::string& word : values) EXPECT_EQ(argument.fault(word), "") << argument.key() << " " << given;
     }
 }
 
@@ -76,7 +80,7 @@ TEST_P(EveryRow, HasAnAnswerThatIsDescribed)
                                "points",    "seconds",           "warnings",      "notes",
                                "points_in", "points_per_second", "peak_rss_bytes"};
     const std::set<std::string> types{"count", "count?", "number", "number?", "text",   "text?",
-                                      "flag",  "flag?",  "list",   "object",  "object?"};
+                                      "flag",  "flag?",  "list",   "list?",   "object", "object?"};
     for (const ResultKey& key : GetParam()->results) {
         EXPECT_TRUE(is_snake_case(key.key)) << key.key;
         EXPECT_TRUE(keys.insert(key.key).second) << key.key;

@@ -60,7 +60,7 @@ TEST(Filters, RangesAreTheLibrarys)
          [](BuildOptions& options, int value) { options.chunk_points = static_cast<std::uint32_t>(value); }},
         {"Threads", "Threads", 0, most_build_threads,
          [](BuildOptions& options, int value) { options.threads = static_cast<unsigned>(value); }},
-        {"MemoryMB", "Memory", least_build_memory >> 20, 1 << 24,
+        {"MemoryMB", "memory", least_build_memory >> 20, 1 << 24,
          [](BuildOptions& options, int value) { options.memory_bytes = std::uint64_t(value) << 20; }}};
     const test::TemporaryFolder folder;
     for (const Range& range : ranges) {
@@ -74,7 +74,8 @@ TEST(Filters, RangesAreTheLibrarys)
             EXPECT_NE(run.log().find("none.las"), std::string::npos) << run.log();  // the value was accepted
         }
         for (const int value : {range.least - 1, range.most + 1}) {
-            if (value > 0 && value != (1 << 24) + 1) {  // the library has no upper bound of memory
+            if (value == (1 << 24) + 1) continue;  // there is no upper bound of memory
+            if (value > 0) {
                 BuildOptions options;
                 range.set(options, value);
                 EXPECT_THROW(check_build_options(options), Error) << range.name << " = " << value;
@@ -82,8 +83,8 @@ TEST(Filters, RangesAreTheLibrarys)
             FilterCall run(build_name);
             run.set("Inputs", folder / "none.las").set(range.name, value);
             EXPECT_FALSE(run.apply());
-            EXPECT_NE(run.log().find(std::string(range.label) + " is " + std::to_string(value)), std::string::npos)
-                << run.log();
+            EXPECT_NE(run.log().find(range.label), std::string::npos) << run.log();
+            EXPECT_EQ(run.log().find("none.las"), std::string::npos) << run.log();
         }
     }
 }
@@ -96,8 +97,8 @@ TEST(Filters, InformationHasAllDigits)
     ASSERT_TRUE(run.set("Tree", path).apply()) << run.log();
     const Box3d bounds = Tree::open(path)->info().bounds();
     for (const std::string& expected :
-         {std::string("a.las"), std::string("60,000"), exact(bounds.min), exact(bounds.max),
-          std::string("rgb, u16 x 3"), std::string("Level 0:"), std::string("Largest position error: 0 ")})
+         {std::string("a.las"), std::string("60,000"), exact(bounds.min), exact(bounds.max), std::string("rgb:u16x3"),
+          std::string("points to here"), std::string("largest error 0")})
         EXPECT_NE(run.log().find(expected), std::string::npos) << expected << " is not in\n" << run.log();
 }
 

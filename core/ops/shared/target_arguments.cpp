@@ -16,7 +16,7 @@ void TargetArguments::declare_target(Arguments& arguments, const std::string& lo
 {
     arguments.add("output", output)
         .letter('o')
-        .as(ValueKind::output)
+        .as(ValueKind::output_tree)
         .label("Output folder")
         .help(
             "Tree folder to write, by convention NAME.pct: a copy that shares unchanged data with the original where "
@@ -31,8 +31,17 @@ void TargetArguments::declare_target(Arguments& arguments, const std::string& lo
                                   "lost"));
 }
 
+void TargetArguments::declare_copy(Arguments& arguments)
+{
+    changes_itself_ = true;
+    declare_target(arguments, "");
+    arguments.find("output")->without("the tree itself is changed");
+    arguments.find("in_place")->only(Face::dialog);
+}
+
 TargetChoice TargetArguments::choice(Face face, const Arguments& arguments) const
 {
+    if (changes_itself_ && face == Face::command) return {output, output.empty(), overwrite};
     const std::string output_name = called(face, *arguments.find("output")),
                       in_place_name = called(face, *arguments.find("in_place"));
     if (output.empty() && !in_place)
@@ -51,7 +60,7 @@ void TargetArguments::describe(Result& result, const std::string& changed) const
 {
     result.input = {tree};
     result.output = changed;
-    result.makes = in_place ? Makes::changed : Makes::cloud;
+    result.makes = in_place || output.empty() ? Makes::changed : Makes::cloud;
 }
 
 }  // namespace pcm::ops

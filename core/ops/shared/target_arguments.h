@@ -15,10 +15,15 @@ struct TargetArguments {
     // writes none.
     void declare_tree(Arguments& arguments);
     void declare_target(Arguments& arguments, const std::string& lost);
-    // Throws ArgumentError unless exactly one of the two was given.
+    // The same for commands that change the tree itself where no output is named: in_place is for dialogs alone.
+    void declare_copy(Arguments& arguments);
+    // Throws ArgumentError unless exactly one of the two was given, or, after declare_copy(), at most one.
     TargetChoice choice(Face face, const Arguments& arguments) const;
     // What was changed, for the result.
     void describe(Result& result, const std::string& changed) const;
+
+private:
+    bool changes_itself_ = false;
 };
 
 }  // namespace pcm::ops

@@ -16,6 +16,11 @@ void WorkArguments::declare(Arguments& arguments, std::uint64_t least)
         .script("MemoryMB")
         .label("Memory")
         .help("Memory limit, such as 2G; " + std::to_string(least >> 20) + "M is the least. More makes it faster");
+    declare_threads(arguments);
+}
+
+void WorkArguments::declare_threads(Arguments& arguments)
+{
     arguments.add("threads", threads)
         .letter('t')
         .between(0, most_build_threads)
@@ -32,6 +37,24 @@ void WorkArguments::keep_memory_limit(const std::string& called) const
                         bytes_text(least_) + " at least",
                     "give " + called + " " + std::to_string(least_ >> 20) + "M or more");
     return_large_blocks();
+}
+
+void chunk_points_argument(Arguments& arguments, std::uint32_t& chunk_points)
+{
+    arguments.add("chunk_points", chunk_points)
+        .between(least_chunk_points, most_chunk_points)
+        .label("Points per chunk")
+        .help("Maximum number of points in a chunk, the unit that is read and drawn")
+        .advanced();
+}
+
+ProgressFunction part_of(const ProgressFunction& progress, double begin, double end)
+{
+    return [&progress, begin, end](ProgressUpdate update) {
+        update.fraction = begin + (end - begin) * update.fraction;
+        update.seconds_left = -1;
+        return !progress || progress(update);
+    };
 }
 
 void note_memory(FilterReport& report, std::uint64_t limit)

@@ -1,4 +1,4 @@
-// Memory and threads.
+// Memory, threads and the size of chunks.
 #pragma once
 
 #include "pcm/filter/filter_report.h"
@@ -13,6 +13,7 @@ struct WorkArguments {
     std::uint32_t threads = 0;  // 0: one per processor
     // `least`: the smallest limit that the operation keeps to.
     void declare(Arguments& arguments, std::uint64_t least);
+    void declare_threads(Arguments& arguments);
     // Throws Error(invalid_argument) for a limit below the least; otherwise makes the allocator return large blocks, so
     // that the limit is kept.
     void keep_memory_limit(const std::string& called) const;
@@ -20,6 +21,11 @@ struct WorkArguments {
 private:
     std::uint64_t least_ = 0;
 };
+
+void chunk_points_argument(Arguments& arguments, std::uint32_t& chunk_points);
+
+// The part of the progress from `begin` to `end`, for an operation that reports 0 to 1. `progress` must live as long.
+ProgressFunction part_of(const ProgressFunction& progress, double begin, double end);
 
 // Adds a note where the process took more memory than the limit.
 void note_memory(FilterReport& report, std::uint64_t limit);

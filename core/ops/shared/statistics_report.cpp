@@ -1,15 +1,15 @@
-#include "pcm/cli/statistics.h"
+#include "pcm/ops/shared/statistics_report.h"
 
 #include "pcm/cloud/las_class.h"
 #include "pcm/io/las_summary.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
+#include "pcm/system/text.h"
 
 #include <cmath>
-#include <cstdio>
 #include <string>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
 
 Json json_of(const ValueStatistics& values)
@@ -31,33 +31,33 @@ Json json_of(const std::vector<std::uint64_t>& counts)
     return json;
 }
 
-void print_values(const std::string& name, const ValueStatistics& values)
+void print_values(Result& result, const std::string& name, const ValueStatistics& values)
 {
-    std::printf("  %-28s", name.c_str());
+    const std::string others = values.not_finite ? "  " + grouped(values.not_finite) + " NaN or infinite" : "";
     if (values.values)
-        std::printf(" %24s %24s %24s", exact(values.least).c_str(), exact(values.most).c_str(),
-                    exact(values.mean).c_str());
-    if (values.not_finite) std::printf("  %s NaN or infinite", grouped(values.not_finite).c_str());
-    std::printf("\n");
+        result.print("  %-28s %24s %24s %24s%s", name.c_str(), exact(values.least).c_str(), exact(values.most).c_str(),
+                     exact(values.mean).c_str(), others.c_str());
+    else
+        result.print("  %-28s%s", name.c_str(), others.c_str());
 }
 
-void print_counts(const char* name, const std::vector<std::uint64_t>& counts)
+void print_counts(Result& result, const char* name, const std::vector<std::uint64_t>& counts)
 {
     if (counts.empty()) return;
-    std::printf("%s\n", name);
+    result.print("%s", name);
     for (std::size_t value = 0; value < counts.size(); ++value)
-        if (counts[value]) std::printf("  %3zu %18s\n", value, grouped(counts[value]).c_str());
+        if (counts[value]) result.print("  %3zu %18s", value, grouped(counts[value]).c_str());
 }
 
-void print_duplicates(const DuplicateStatistics& duplicates)
+void print_duplicates(Result& result, const DuplicateStatistics& duplicates)
 {
     const auto points = static_cast<std::uint64_t>(std::llround(duplicates.points));
     if (duplicates.exact)
-        std::printf("duplicates  %s points at the position of another\n", grouped(points).c_str());
+        result.print("duplicates  %s points at the position of another", grouped(points).c_str());
     else
-        std::printf(
+        result.print(
             "duplicates  about %s points at the position of another, standard error %s (an estimate from one in "
-            "%s positions)\n",
+            "%s positions)",
             grouped(points).c_str(), brief(duplicates.standard_error).c_str(), grouped(duplicates.one_in).c_str());
 }
 
@@ -72,7 +72,7 @@ CloudStatistics collect_statistics(PointReader& cloud, const ProgressFunction& p
         ProgressUpdate update;
         update.stage = "Reading points";
         update.fraction = cloud.fraction_read();
-        if (!progress(update)) throw Error(ErrorCode::cancelled, {}, "cancelled");
+        if (progress && !progress(update)) throw Error(ErrorCode::cancelled, {}, "cancelled");
     }
     return collector.result();
 }
@@ -108,24 +108,25 @@ Json json_of_statistics(const CloudStatistics& statistics, const Schema& schema)
     return json;
 }
 
-void print_statistics(const CloudStatistics& statistics, const Schema& schema)
+void print_statistics(Result& result, const CloudStatistics& statistics, const Schema& schema)
 {
-    std::printf("statistics  %s points\n", grouped(statistics.points).c_str());
-    std::printf("  %-28s %24s %24s %24s\n", "", "min", "max", "mean");
-    for (std::size_t a = 0; a < 3; ++a) print_values(std::string(1, "xyz"[a]), statistics.position[a]);
+    result.print("statistics  %s points", grouped(statistics.points).c_str());
+    result.print("  %-28s %24s %24s %24s", "", "min", "max", "mean");
+    for (std::size_t a = 0; a < 3; ++a) print_values(result, std::string(1, "xyz"[a]), statistics.position[a]);
     for (std::size_t k = 0; k < schema.size(); ++k)
         for (std::size_t c = 0; c < statistics.attributes[k].size(); ++c)
-            print_values(schema[k].components == 1 ? schema[k].name : schema[k].name + "[" + std::to_string(c) + "]",
+            print_values(result,
+                         schema[k].components == 1 ? schema[k].name : schema[k].name + "[" + std::to_string(c) + "]",
                          statistics.attributes[k][c]);
-    if (!statistics.classes.empty()) std::printf("classes\n");
+    if (!statistics.classes.empty()) result.print("classes");
     for (unsigned code = 0; code < statistics.classes.size(); ++code)
         if (statistics.classes[code])
-            std::printf("  %3u %18s  %s\n", code, grouped(statistics.classes[code]).c_str(),
-                        las_class_name(code).c_str());
-    if (statistics.other_classes) std::printf("      %18s  above 255\n", grouped(statistics.other_classes).c_str());
-    print_counts("return numbers", statistics.return_numbers);
-    print_counts("numbers of returns", statistics.numbers_of_returns);
-    print_duplicates(statistics.duplicates);
+            result.print("  %3u %18s  %s", code, grouped(statistics.classes[code]).c_str(),
+                         las_class_name(code).c_str());
+    if (statistics.other_classes) result.print("      %18s  above 255", grouped(statistics.other_classes).c_str());
+    print_counts(result, "return numbers", statistics.return_numbers);
+    print_counts(result, "numbers of returns", statistics.numbers_of_returns);
+    print_duplicates(result, statistics.duplicates);
 }
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops

@@ -1,12 +1,12 @@
-#include "pcm/cli/origin_of_cloud.h"
+#include "pcm/ops/shared/origin_report.h"
 
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/las_summary.h"
+#include "pcm/system/text.h"
 
-#include <cstdio>
 #include <string>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
 
 // Without the highest returns that no point has.
@@ -64,25 +64,27 @@ Json json_of(const LasSummary& header)
     return json;
 }
 
-void print(const LasSummary& header)
+void print_header(Result& result, const LasSummary& header)
 {
-    std::printf(
-        "header      LAS 1.%u, point format %u, %zu bytes; points of %zu bytes from byte %s; %s VLRs, %s extended\n",
+    result.print(
+        "header      LAS 1.%u, point format %u, %zu bytes; points of %zu bytes from byte %s; %s VLRs, %s extended",
         header.version_minor, header.format, header.header_bytes, header.record_bytes,
         grouped(header.point_offset).c_str(), grouped(header.vlrs).c_str(), grouped(header.evlrs).c_str());
-    std::printf("created     by '%s', system '%s'", header.generating_software.c_str(),
-                header.system_identifier.c_str());
-    if (header.creation_year) std::printf(", day %u of %u", header.creation_day, header.creation_year);
-    std::printf("; file source id %u, global encoding %u\n", header.file_source_id, header.global_encoding);
-    if (!header.guid.empty()) std::printf("project id  %s\n", header.guid.c_str());
+    const std::string day = header.creation_year ? ", day " + std::to_string(header.creation_day) + " of " +
+                                                       std::to_string(header.creation_year)
+                                                 : "";
+    result.print("created     by '%s', system '%s'%s; file source id %u, global encoding %u",
+                 header.generating_software.c_str(), header.system_identifier.c_str(), day.c_str(),
+                 header.file_source_id, header.global_encoding);
+    if (!header.guid.empty()) result.print("project id  %s", header.guid.c_str());
     if (header.gps_box)
-        std::printf("gps range   %s to %s\n", exact((*header.gps_box)[0]).c_str(), exact((*header.gps_box)[1]).c_str());
+        result.print("gps range   %s to %s", exact((*header.gps_box)[0]).c_str(), exact((*header.gps_box)[1]).c_str());
     const std::vector<std::uint64_t> counts = counts_by_return(header);
     if (counts.empty()) return;
-    std::printf("returns    ");
+    std::string returns = "returns    ";
     for (std::size_t r = 0; r < counts.size(); ++r)
-        std::printf("%s %zu: %s", r ? " " : "", r + 1, grouped(counts[r]).c_str());
-    std::printf("\n");
+        returns += (r ? "  " : " ") + std::to_string(r + 1) + ": " + grouped(counts[r]);
+    result.line(returns);
 }
 
 }  // namespace
@@ -100,17 +102,17 @@ void put_origin(Json& json, const std::vector<Metadata>& metadata)
     json["las"] = headers.size() == 1 ? json_of(headers[0]) : Json();
 }
 
-void print_origin(const std::vector<Metadata>& metadata)
+void print_origin(Result& result, const std::vector<Metadata>& metadata)
 {
     const std::vector<LasSummary> headers = las_summaries(metadata);
-    if (headers.size() == 1) print(headers[0]);
-    if (headers.size() > 1) std::printf("header      of %s LAS files\n", grouped(headers.size()).c_str());
+    if (headers.size() == 1) print_header(result, headers[0]);
+    if (headers.size() > 1) result.print("header      of %s LAS files", grouped(headers.size()).c_str());
     if (const auto system = coordinate_system_of(metadata))
-        std::printf("crs         %s; %s, from %s\n", describe(*system).c_str(),
-                    std::string(name_of(system->kind)).c_str(), system->source.c_str());
+        result.print("crs         %s; %s, from %s", describe(*system).c_str(),
+                     std::string(name_of(system->kind)).c_str(), system->source.c_str());
     else
-        std::printf("crs         none stated\n");
-    if (const auto time = gps_time_of(metadata)) std::printf("gps time    %s\n", describe(*time).c_str());
+        result.print("crs         none stated");
+    if (const auto time = gps_time_of(metadata)) result.print("gps time    %s", describe(*time).c_str());
 }
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops
