@@ -38,7 +38,8 @@ int run(const ops::Row& row, Arguments& arguments)
         for (const std::string& note : result.notes) std::printf("note: %s\n", note.c_str());
         for (const std::string& line : result.lines) std::printf("%s\n", line.c_str());
     }
-    return finished(result.outcome);
+    const int code = finished(result.outcome);
+    return result.good ? code : 1;
 }
 
 }  // namespace

@@ -4,7 +4,28 @@
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 
+#include <cstdarg>
+#include <cstdio>
+
 namespace pcm::ops {
+
+void Result::print(const char* format, ...)
+{
+    va_list arguments, again;
+    va_start(arguments, format);
+    va_copy(again, arguments);
+    std::string text(static_cast<std::size_t>(std::vsnprintf(nullptr, 0, format, arguments)) + 1, '\0');
+    std::vsnprintf(text.data(), text.size(), format, again);
+    va_end(again);
+    va_end(arguments);
+    text.pop_back();
+    lines.push_back(std::move(text));
+}
+
+double points_per_second(const Outcome& outcome)
+{
+    return outcome.seconds > 0 ? static_cast<double>(outcome.points_out) / outcome.seconds : 0.0;
+}
 
 Json json_of(const std::string& command, const Result& result)
 {
@@ -19,7 +40,7 @@ Json json_of(const std::string& command, const Result& result)
     json["warnings"] = outcome.warnings;
     json["notes"] = result.notes;
     json["points_in"] = outcome.points_in;
-    json["points_per_second"] = outcome.seconds > 0 ? static_cast<double>(outcome.points_out) / outcome.seconds : 0.0;
+    json["points_per_second"] = points_per_second(outcome);
     json["peak_rss_bytes"] = peak_memory_bytes();
     for (const auto& [key, value] : result.values.items()) json[key] = value;
     return json;

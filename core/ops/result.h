@@ -31,9 +31,13 @@ struct Result {
     std::vector<std::string> notes;
     std::vector<std::string> lines;  // for people, without notes and warnings
     Json values = Json::object();    // what the operation has besides the head
+    bool good = true;                // false: what was looked at is damaged, and the command's exit code is 1
 
     void line(const std::string& text) { lines.push_back(text); }
+    void print(const char* format, ...) __attribute__((format(printf, 2, 3)));  // adds a line
 };
+
+double points_per_second(const Outcome& outcome);
 
 // The head, then the values. `command` is the operation's name.
 Json json_of(const std::string& command, const Result& result);

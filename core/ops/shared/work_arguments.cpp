@@ -16,12 +16,29 @@ void WorkArguments::declare(Arguments& arguments, std::uint64_t least)
         .script("MemoryMB")
         .label("Memory")
         .help("Memory limit, such as 2G; " + std::to_string(least >> 20) + "M is the least. More makes it faster");
+    declare_threads(arguments);
+}
+
+void WorkArguments::declare_threads(Arguments& arguments)
+{
     arguments.add("threads", threads)
         .letter('t')
         .between(0, most_build_threads)
         .label("Threads")
         .help("Number of threads; 0: one per processor")
         .without("one per processor");
+}
+
+void WorkArguments::declare(Arguments& arguments, std::uint64_t amount, const std::string& use)
+{
+    memory = amount;
+    arguments.add("memory", memory)
+        .letter('m')
+        .as(ValueKind::bytes)
+        .script("MemoryMB")
+        .label("Memory")
+        .help("Memory for " + use + ", such as 512M");
+    declare_threads(arguments);
 }
 
 void WorkArguments::keep_memory_limit(const std::string& called) const
@@ -32,6 +49,15 @@ void WorkArguments::keep_memory_limit(const std::string& called) const
                         bytes_text(least_) + " at least",
                     "give " + called + " " + std::to_string(least_ >> 20) + "M or more");
     return_large_blocks();
+}
+
+void chunk_points_argument(Arguments& arguments, std::uint32_t& chunk_points)
+{
+    arguments.add("chunk_points", chunk_points)
+        .between(least_chunk_points, most_chunk_points)
+        .label("Points per chunk")
+        .help("Maximum number of points in a chunk, the unit that is read and drawn")
+        .advanced();
 }
 
 void note_memory(FilterReport& report, std::uint64_t limit)

@@ -1,4 +1,4 @@
-#include "pcm/cli/primitive_output.h"
+#include "pcm/ops/shared/primitive_report.h"
 
 #include "pcm/cad/primitive_files.h"
 #include "pcm/shapes/outline_area.h"
@@ -6,16 +6,26 @@
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/rounded_text.h"
+#include "pcm/system/text.h"
 #include "pcm/system/update_file.h"
 
-#include <cstdio>
+#include <algorithm>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
 
 constexpr double degree = pi / 180;
 
-void line(const char* name, const std::string& value) { std::printf("  %-11s %s\n", name, value.c_str()); }
+// Lines of names and values, in two columns.
+struct Lines {
+    Result& result;
+    void operator()(const char* name, const std::string& value) const
+    {
+        std::string text = name;
+        text.resize(std::max<std::size_t>(text.size(), 11), ' ');
+        result.line("  " + text + " " + value);
+    }
+};
 
 std::string with_error(double value, double error, const char* unit = "")
 {
@@ -23,7 +33,7 @@ std::string with_error(double value, double error, const char* unit = "")
 }
 
 // An end of a shape is known as well as its points are.
-void print_bounds(const Primitive& primitive)
+void put_bounds(const Lines& line, const Primitive& primitive)
 {
     const Shape& shape = primitive.fit.shape;
     const ShapeBounds& bounds = primitive.bounds;
@@ -45,12 +55,13 @@ std::string area_text(const Primitive& primitive)
            words_of(found.form);
 }
 
-void print_primitive(const Primitive& primitive)
+void put_lines(Result& result, const Primitive& primitive)
 {
+    const Lines line{result};
     const ShapeFit& fit = primitive.fit;
     const ShapeTraits& traits = traits_of(fit.shape.kind);
-    std::printf("%s: %s%s\n", traits.label, name_of(fit.verdict),
-                fit.message.empty() ? "" : (" (" + fit.message + ")").c_str());
+    result.line(std::string(traits.label) + ": " + name_of(fit.verdict) +
+                (fit.message.empty() ? "" : " (" + fit.message + ")"));
     if (!fit.has_shape()) return;
     const bool is_plane = fit.shape.kind == ShapeKind::plane;
     line(is_plane || fit.shape.kind == ShapeKind::cylinder ? "point"
@@ -64,7 +75,7 @@ void print_primitive(const Primitive& primitive)
     if (fit.shape.kind == ShapeKind::cone)
         line("half angle", with_error(fit.shape.second / degree, fit.errors.second / degree, " degrees"));
     if (fit.shape.kind == ShapeKind::torus) line("tube", with_error(fit.shape.second, fit.errors.second));
-    print_bounds(primitive);
+    put_bounds(line, primitive);
     line("noise",
          brief(fit.noise) + ", within " + brief(fit.threshold) + " of the surface; condition " + brief(fit.condition));
     line("search", grouped(fit.iterations) + " samples by " + primitive.estimator + ", fit and growth in " +
@@ -119,4 +130,4 @@ void add_to_list(const std::filesystem::path& file, Primitive& primitive)
     primitive = added;
 }
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops
