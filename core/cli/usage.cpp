@@ -51,7 +51,7 @@ std::string option_of(const ops::Argument& argument)
 std::string manual_page(const Command& command)
 {
     std::string page =
-        ".TH " + roff("pcmlab-" + command.name) + " 1 \"\" \"pcmlab " PCM_VERSION "\" \"Point clouds\"\n";
+        ".TH " + roff("pcmlab-" + command.name) + " 1 \"\" \"pcmlab " + ops::version() + "\" \"Point clouds\"\n";
     page += ".SH NAME\n" + roff("pcmlab-" + command.name) + " \\- " + roff(command.help) + "\n";
     page += ".SH SYNOPSIS\n\\fBpcmlab " + roff(command.name) + "\\fR [\\fIoptions\\fR]";
     const ops::Row* const row = ops::find_operation(command.name);
@@ -120,7 +120,7 @@ std::optional<std::string> usage_text(const std::vector<std::string>& words, con
     if (words[1] == "--completion") return completion(third, commands);
     if (words[1] != "--json") return std::nullopt;
     if (!third.empty()) return text_of(usage_of(command_of(third, commands)));
-    Json all{{"version", PCM_VERSION}, {"commands", Json::array()}};
+    Json all{{"version", ops::version()}, {"commands", Json::array()}};
     for (const Command& command : commands) all["commands"].push_back(usage_of(command));
     return text_of(all);
 }

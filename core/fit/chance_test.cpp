@@ -14,7 +14,7 @@ constexpr double least_side = 0.1;
 // Shapes differ where a parameter differs by about the threshold. Fits of points that are anywhere find what so many
 // different shapes let expect to this power; of a wide band at least as many as of a share of a tenth.
 constexpr double found_of_different = 0.8, largest_share = 0.1;
-constexpr double step = 1.189207115;  // between thresholds: the fourth root of 2
+constexpr double threshold_ratio = 1.189207115;  // between thresholds: the fourth root of 2
 constexpr double least_part = 1.0 / 64;
 
 std::vector<double> sorted_distances(const ShapeModel& model, const Shape& shape, const std::vector<double>& x,
@@ -87,7 +87,7 @@ double ChanceTest::best_threshold(const ShapeModel& model, const Shape& shape, d
     const std::vector<double> box = sorted_distances(model, shape, x_, y_, z_);
     const std::vector<double> near = sorted_distances(model, shape, points_.x, points_.y, points_.z);
     double best = most, least = 0;
-    for (double threshold = most; threshold > least_part * most; threshold /= step) {
+    for (double threshold = most; threshold > least_part * most; threshold /= threshold_ratio) {
         const double inliers = static_cast<double>(up_to(near, threshold));
         const double alarms = log_alarms(model, share_within(box, threshold), inliers);
         if (!(alarms < least)) continue;

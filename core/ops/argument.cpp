@@ -97,6 +97,9 @@ Argument::Argument(std::string key, Variable variable)
 {
     if (bool* const* flag = std::get_if<bool*>(&variable_)) default_on_ = **flag;
     allowed_.whole = kind_ == ValueKind::whole;
+    label_ = key_;
+    std::replace(label_.begin(), label_.end(), '_', ' ');
+    if (!label_.empty()) label_[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(label_[0])));
 }
 
 Argument& Argument::letter(char letter) { return letter_ = letter, *this; }
@@ -230,12 +233,14 @@ std::string Argument::default_text() const
 
 std::string Argument::command_help() const
 {
-    std::string text = help_;
-    if (!unit_.empty()) text += ", " + unit_;
-    if (required_ || kind_ == ValueKind::flag) return text;
-    if (!without_.empty()) return text + " (default: " + without_ + ")";
+    if (kind_ == ValueKind::flag) return default_on_ ? "Leave out: " + help_ : help_;
     const std::string value = default_text();
-    return value.empty() ? text : text + " (default " + value + ")";
+    std::string aside = unit_;
+    if (!required_ && !without_.empty())
+        aside += (aside.empty() ? "default: " : "; default: ") + without_;
+    else if (!required_ && !value.empty())
+        aside += (aside.empty() ? "default " : "; default ") + value;
+    return aside.empty() ? help_ : help_ + " (" + aside + ")";
 }
 
 std::string Argument::fault(std::string& word) const

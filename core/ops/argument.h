@@ -70,7 +70,7 @@ public:
 
     // ---- Declaration. Each returns *this.
     Argument& letter(char letter);                  // -k
-    Argument& label(const std::string& label);      // in dialogs
+    Argument& label(const std::string& label);      // in dialogs, where it is not the key in words
     Argument& help(const std::string& help);        // sentences without unit and default, which are added
     Argument& unit(const std::string& unit);        // "source units", "degrees", "s", "%"
     Argument& group(const std::string& heading);    // in the help of the command
@@ -128,7 +128,7 @@ public:
     std::string option_names() const;  // "-k,--neighbours"
     std::string script_name() const;   // "RadiusNeighbours"
     std::string default_text() const;  // "16", "512M", "off", "statistical"; empty: none
-    // The help with unit and default, as the end of an option's line: "Number of neighbours (default 16)".
+    // The help with unit and default: "Number of neighbours (default 16)".
     std::string command_help() const;
 
     // ---- Values. Each throws ArgumentError for what is not allowed, naming `name`.

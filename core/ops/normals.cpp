@@ -32,7 +32,7 @@ public:
         arguments_.add("confidence", wanted.confidence)
             .label("Confidence too")
             .help(
-                "The attribute normal_confidence: 0 good, 1 neighbours on a line, 2 no plane, 3 too few neighbours, 4 "
+                "the attribute normal_confidence: 0 good, 1 neighbours on a line, 2 no plane, 3 too few neighbours, 4 "
                 "on two surfaces, as of a thin plate: the side is a guess");
         declare_sides();
         target_.declare_target(arguments_, "normal_confidence, curvature and mean_distance");

@@ -32,6 +32,28 @@ std::string level_text(std::uint16_t level, double error)
            " to a point of this level";
 }
 
+std::vector<ResultKey> result_keys()
+{
+    return {{"bounds", "object?", "source units", "--count: min and max of the points; null: there are none"},
+             {"tree_bounds", "object?", "source units", "--count: min and max of the tree"},
+             {"chunks", "count?", "", "--count, --estimate: chunks that were or would be read"},
+             {"points_read", "count?", "points", "--count, --estimate: examined"},
+             {"bytes_read", "count?", "bytes", "--count"},
+             {"spacing", "number?", "source units", "--count: every point of the cloud is nearer to one of the level"},
+             {"points_least", "count?", "points", "--estimate"},
+             {"points_expected", "number?", "points", "--estimate"},
+             {"points_most", "count?", "points", "--estimate"},
+             {"conditions_reckoned_with", "flag?", "", "--estimate: false: numbers are before the conditions"},
+             {"bytes", "count?", "bytes", "--estimate: to be read"},
+             {"seconds_expected", "number?", "s", "--estimate: null: nothing was read from this tree yet"},
+             {"neighbours", "list?", "", "--nearest: of each distance, position, node and index"},
+             {"least_distance", "number?", "source units", "--nearest: no point of the cloud is nearer"},
+             {"points_compared", "count?", "points", "--nearest"},
+             {"error", "number?", "source units", "--nearest, --first-hit: 0 is exact"},
+             {"hit", "object?", "", "--first-hit: along, position, node and index"},
+             {"cache", "object?", "", "--statistics: of the cache of chunks"}};
+}
+
 class QueryPoints : public Operation {
 public:
     QueryPoints()
@@ -64,6 +86,7 @@ public:
         if (max_distance_ && nearest_.empty()) refuse("--max-distance needs --nearest", "");
         Result result;
         result.input = {tree_};
+        for (const ResultKey& key : result_keys()) result.values[key.key] = Json();  // those of other questions stay null
         if (estimate_)
             estimate(*cloud, query, result);
         else if (!nearest_.empty())
@@ -83,7 +106,7 @@ private:
     void declare_questions()
     {
         const char* const group = "Query";
-        arguments_.add("count", count_).group(group).help("Number of points and their bounding box (default)");
+        arguments_.add("count", count_).group(group).help("Number of points and their bounding box; this is what is asked where nothing else is");
         arguments_.add("estimate", estimate_)
             .group(group)
             .help("Estimated number of points and cost of reading them, without reading any");
@@ -259,24 +282,7 @@ Row query_row()
             "what reading them would cost, which are the nearest ones to a place, and which one a ray meets first.",
             0,
             nullptr,
-            {{"bounds", "object?", "source units", "--count: min and max of the points; null: there are none"},
-             {"tree_bounds", "object?", "source units", "--count: min and max of the tree"},
-             {"chunks", "count", "", "--count, --estimate: chunks that were or would be read"},
-             {"points_read", "count", "points", "--count, --estimate: examined"},
-             {"bytes_read", "count", "bytes", "--count"},
-             {"spacing", "number?", "source units", "--count: every point of the cloud is nearer to one of the level"},
-             {"points_least", "count", "points", "--estimate"},
-             {"points_expected", "number", "points", "--estimate"},
-             {"points_most", "count", "points", "--estimate"},
-             {"conditions_reckoned_with", "flag", "", "--estimate: false: numbers are before the conditions"},
-             {"bytes", "count", "bytes", "--estimate: to be read"},
-             {"seconds_expected", "number?", "s", "--estimate: null: nothing was read from this tree yet"},
-             {"neighbours", "list", "", "--nearest: of each distance, position, node and index"},
-             {"least_distance", "number?", "source units", "--nearest: no point of the cloud is nearer"},
-             {"points_compared", "count", "points", "--nearest"},
-             {"error", "number?", "source units", "--nearest, --first-hit: 0 is exact"},
-             {"hit", "object?", "", "--first-hit: along, position, node and index"},
-             {"cache", "object", "", "--statistics: of the cache of chunks"}},
+            result_keys(),
             make<QueryPoints>};
 }
 

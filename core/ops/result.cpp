@@ -27,12 +27,14 @@ double points_per_second(const Outcome& outcome)
     return outcome.seconds > 0 ? static_cast<double>(outcome.points_out) / outcome.seconds : 0.0;
 }
 
+const char* version() { return PCM_VERSION; }
+
 Json json_of(const std::string& command, const Result& result)
 {
     const Outcome& outcome = result.outcome;
     Json json;
     json["command"] = command;
-    json["version"] = PCM_VERSION;
+    json["version"] = version();
     json["input"] = result.input;
     json["output"] = result.output.empty() ? Json() : Json(result.output);
     json["points"] = outcome.points_out;

@@ -38,6 +38,7 @@ struct Result {
 };
 
 double points_per_second(const Outcome& outcome);
+const char* version();  // of the library and its programs
 
 // The head, then the values. `command` is the operation's name.
 Json json_of(const std::string& command, const Result& result);

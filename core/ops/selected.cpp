@@ -5,6 +5,7 @@
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/point_cloud.h"
+#include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
 namespace pcm::ops {
@@ -16,12 +17,22 @@ constexpr const char* about_selections =
     "Points of Point Cloud Tree</i>. A selection lasts until the tree changes or the project is closed; in a script of "
     "meshlabserver, for the one run.";
 
+const PointSet& selected_points(const Context& context)
+{
+    if (!context.window.selected || context.window.selected->empty())
+        throw Error(ErrorCode::invalid_argument,
+                    context.window.cloud ? context.window.cloud->tree()->folder() : std::filesystem::path(),
+                    "no point of the current layer is selected",
+                    "select points with the tool Select Points or the filter Select Points of Point Cloud Tree");
+    return *context.window.selected;
+}
+
 // A change of the selected points' tree.
 class SelectedChange : public Operation {
 public:
     Result run(const Context& context) override
     {
-        const PointSet& set = *context.window.selected;
+        const PointSet& set = selected_points(context);
         target_.tree = set.tree().folder().string();
         SetChangeOptions options;
         options.target = target_.choice(context.face, arguments_);
@@ -132,7 +143,7 @@ public:
     Result run(const Context& context) override
     {
         if (output_.empty()) throw ArgumentError("no output is given: name the tree or file to write");
-        const PointSet& set = *context.window.selected;
+        const PointSet& set = selected_points(context);
         ExtractOptions options;
         options.overwrite = overwrite_;
         options.memory_bytes = work_.memory;

@@ -231,6 +231,7 @@ public:
                      result.outcome.seconds);
         if (set.points == 0 && !assignments.empty())
             result.line("note: no point is selected; " + extent_text(cloud->info().bounds()));
+        json["cache"] = Json();
         if (statistics_) {
             json["cache"] = cache_json(statistics);
             put_cache_lines(result, statistics);
@@ -262,7 +263,7 @@ Row set_row()
              {"chunks_set", "count", "", "with such points"},
              {"chunks_written", "count", "", "that were written"},
              {"attributes_added", "count", "", "new attributes"},
-             {"cache", "object", "", "--statistics: of the cache of chunks"}},
+             {"cache", "object?", "", "--statistics: of the cache of chunks"}},
             make<Set>};
 }
 

@@ -155,7 +155,7 @@ OperationHooks at_points_of_layer()
 
 OperationHooks on_selection()
 {
-    return {[](const FilterRun& run, ops::Operation& operation, ops::Window& window) {
+    return {[](const FilterRun& run, ops::Operation&, ops::Window& window) {
                 auto [layer, shown] = layer_with_tree(run.document);
                 SceneState& scene = SceneState::of(run.document);
                 window.cloud = shown.cloud;
@@ -165,12 +165,6 @@ OperationHooks on_selection()
                     scene.select(*layer, std::make_shared<const PointSet>(std::move(points)),
                                  QString::fromStdString(how));
                 };
-                if (operation.arguments().find("operation")) return;  // it selects
-                if (!window.selected || window.selected->empty())
-                    throw Error(ErrorCode::invalid_argument, shown.cloud->tree()->folder(),
-                                "no point of the current layer is selected",
-                                "select points with the tool Select Points or the filter Select Points of Point Cloud "
-                                "Tree");
             },
             [](const FilterRun& run, const ops::Operation& operation, const ops::Result& result) {
                 if (operation.arguments().find("add_layer"))

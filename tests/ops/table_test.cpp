@@ -1,0 +1,134 @@
+// The table of operations: every row can be shown in every face, and nothing in it contradicts itself.
+#include "pcm/ops/operation.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace {
+
+using namespace pcm::ops;
+
+bool is_snake_case(const std::string& key)
+{
+    for (const char c : key)
+        if (!(c >= 'a' && c <= 'z') && !(c >= '0' && c <= '9') && c != '_') return false;
+    return !key.empty() && key.front() != '_' && key.back() != '_';
+}
+
+class EveryRow : public testing::TestWithParam<const Row*> {};
+
+TEST_P(EveryRow, HasAUniqueNameInEachFaceForEachArgument)
+{
+    const auto operation = GetParam()->make();
+    std::set<std::string> keys, options, scripts, labels;
+    std::set<char> letters;
+    for (const Argument& argument : operation->arguments().list()) {
+        EXPECT_TRUE(is_snake_case(argument.key())) << argument.key();
+        EXPECT_TRUE(keys.insert(argument.key()).second) << argument.key();
+        EXPECT_TRUE(options.insert(argument.option_name()).second) << argument.option_name();
+        if (argument.is_in(Face::dialog)) {
+            EXPECT_TRUE(scripts.insert(argument.script_name()).second) << argument.script_name();
+            EXPECT_TRUE(labels.insert(argument.label()).second) << argument.label();
+        }
+        if (argument.letter()) {
+            EXPECT_TRUE(letters.insert(argument.letter()).second) << argument.letter();
+        }
+        for (const char* taken : {"json", "quiet", "help", "version"}) EXPECT_NE(argument.option_name(), taken);
+        EXPECT_NE(argument.letter(), 'q');
+        EXPECT_NE(argument.letter(), 'h');
+    }
+}
+
+TEST_P(EveryRow, SaysWhatEachArgumentIs)
+{
+    const auto operation = GetParam()->make();
+    for (const Argument& argument : operation->arguments().list()) {
+        EXPECT_FALSE(argument.label().empty()) << argument.key();
+        EXPECT_GE(argument.help().size(), 10u) << argument.key();
+        EXPECT_NE(argument.help().back(), '.') << argument.key() << ": unit and default follow";
+        EXPECT_EQ(argument.help().find("default"), std::string::npos)
+            << argument.key() << ": the default comes from the variable, or from without()";
+        if (argument.kind() == ValueKind::numbers) {
+            EXPECT_GT(argument.most_count(), 0u) << argument.key();
+        }
+        if (argument.kind() == ValueKind::choice) {
+            EXPECT_GE(argument.choices().size(), 2u) << argument.key();
+        }
+    }
+}
+
+// What a face shows as the default is a value that the argument takes.
+TEST_P(EveryRow, TakesItsOwnDefaults)
+{
+    const auto operation = GetParam()->make();
+    for (const Argument& argument : operation->arguments().list()) {
+        const std::string given = argument.default_text();
+        if (given.empty() || argument.kind() == ValueKind::flag) continue;
+        std::string word = given;
+        EXPECT_EQ(argument.fault(word), "") << argument.key() << " " << given;
+    }
+}
+
+TEST_P(EveryRow, HasAnAnswerThatIsDescribed)
+{
+    std::set<std::string> keys{"command",   "version",           "input",         "output",
+                               "points",    "seconds",           "warnings",      "notes",
+                               "points_in", "points_per_second", "peak_rss_bytes"};
+    const std::set<std::string> types{"count", "count?", "number", "number?", "text",   "text?",
+                                      "flag",  "flag?",  "list",   "list?",   "object", "object?"};
+    for (const ResultKey& key : GetParam()->results) {
+        EXPECT_TRUE(is_snake_case(key.key)) << key.key;
+        EXPECT_TRUE(keys.insert(key.key).second) << key.key;
+        EXPECT_TRUE(types.count(key.type)) << key.key << " " << key.type;
+        EXPECT_NE(std::string(key.help), "") << key.key;
+    }
+    EXPECT_NE(std::string(GetParam()->help), "");
+    EXPECT_NE(std::string(GetParam()->details), "");
+}
+
+TEST_P(EveryRow, IsToldToProgramsAsItIs)
+{
+    const Json usage = usage_of(*GetParam());
+    EXPECT_EQ(usage["name"], GetParam()->name);
+    const auto operation = GetParam()->make();
+    ASSERT_EQ(usage["arguments"].size(), operation->arguments().list().size());
+    for (std::size_t i = 0; i < usage["arguments"].size(); ++i) {
+        const Argument& argument = operation->arguments().list()[i];
+        EXPECT_EQ(usage["arguments"][i]["key"], argument.key());
+        EXPECT_EQ(usage["arguments"][i]["option"], argument.option_names());
+        if (argument.default_text().empty()) {
+            EXPECT_TRUE(usage["arguments"][i]["default"].is_null());
+        } else {
+            EXPECT_EQ(usage["arguments"][i]["default"], argument.default_text());
+        }
+        if (argument.allowed().most) {
+            EXPECT_EQ(usage["arguments"][i]["most"], *argument.allowed().most);
+        }
+    }
+}
+
+std::vector<const Row*> all_rows()
+{
+    std::vector<const Row*> rows;
+    for (const Row& row : operations()) rows.push_back(&row);
+    return rows;
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryRow, testing::ValuesIn(all_rows()),
+                         [](const auto& info) { return std::string(info.param->name); });
+
+TEST(Table, HasEachNameOnce)
+{
+    std::set<std::string> names, titles;
+    for (const Row& row : operations()) {
+        EXPECT_TRUE(names.insert(row.name).second) << row.name;
+        if (row.title) {
+            EXPECT_TRUE(titles.insert(row.title).second) << row.title;
+        }
+        EXPECT_EQ(find_operation(row.name), &row);
+    }
+    EXPECT_EQ(find_operation("no such operation"), nullptr);
+}
+
+}  // namespace
