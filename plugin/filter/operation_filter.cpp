@@ -29,17 +29,6 @@ MeshFilterInterface::FilterClass class_of(unsigned menus)
     return F::FilterClass(bits);
 }
 
-// Shows the tree that was made, or loads those again that show one changed in place.
-void show(const FilterRun& run, const ops::Result& result)
-{
-    if (result.makes == ops::Makes::nothing || result.makes == ops::Makes::file) return;
-    TargetChoice target;
-    target.in_place = result.makes == ops::Makes::changed;
-    if (!target.in_place) target.copy = result.output;
-    show_result(run, result.input.empty() ? std::filesystem::path() : std::filesystem::path(result.input.front()),
-                target);
-}
-
 // The layers that show trees.
 std::vector<ops::Layer> layers_of(const FilterRun& run)
 {
@@ -80,7 +69,7 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
     context.set_matrix = [&](const std::filesystem::path& tree, const Affine& motion, const std::string& step) {
         return set_matrix(run, tree, motion, step);
     };
-    if (hooks.before) hooks.before(run, *operation);
+    if (hooks.before) hooks.before(run, *operation, context.window);
     const ops::Result result = operation->run(context);
     log_warnings(run, result.outcome.warnings);
     log_notes(run, result.notes);
@@ -88,10 +77,20 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
     if (hooks.after)
         hooks.after(run, *operation, result);
     else
-        show(run, result);
+        show_made(run, result);
 }
 
 }  // namespace
+
+void show_made(const FilterRun& run, const ops::Result& result)
+{
+    if (result.makes == ops::Makes::nothing || result.makes == ops::Makes::file) return;
+    TargetChoice target;
+    target.in_place = result.makes == ops::Makes::changed;
+    if (!target.in_place) target.copy = result.output;
+    show_result(run, result.input.empty() ? std::filesystem::path() : std::filesystem::path(result.input.front()),
+                target);
+}
 
 Filter operation_filter(const std::string& name, OperationHooks hooks)
 {

@@ -39,11 +39,12 @@ FitFields::FitFields()
     show_more(used);
 }
 
-void FitFields::add(const char* label, const char* tooltip, QWidget* field, bool is_basic)
+void FitFields::add(const ops::Argument& argument, QWidget* field, bool is_basic)
 {
+    const QString tooltip = tooltip_of(argument);
     const int row = rows_->rowCount();
     field->setToolTip(tooltip);
-    auto* words = new QLabel(label);
+    auto* words = new QLabel(QString::fromStdString(argument.label()));
     words->setToolTip(tooltip);
     rows_->addWidget(words, row, 0);
     rows_->addWidget(field, row, 1);
@@ -52,27 +53,32 @@ void FitFields::add(const char* label, const char* tooltip, QWidget* field, bool
     advanced_.push_back(field);
 }
 
-QComboBox* FitFields::add_choice(const char* name, const char* label, const char* tooltip, bool is_basic)
+QComboBox* FitFields::add_choice(const char* name, const char* argument, bool is_basic)
 {
     auto* box = new QComboBox;
     box->setObjectName(QString("PointCloudFit") + name);
     box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+    for (const ops::Choice& choice : fit_argument(argument).choices())
+        box->addItem(QString::fromStdString(choice.label), QString::fromStdString(choice.name));
     connect(box, QOverload<int>::of(&QComboBox::currentIndexChanged), this, &FitFields::report);
-    add(label, tooltip, box, is_basic);
+    add(fit_argument(argument), box, is_basic);
     return box;
 }
 
 void FitFields::add_number(const FitNumber& row)
 {
     auto* edit = new QLineEdit;
-    edit->setObjectName(QString("PointCloudFit") + row.key);
-    edit->setPlaceholderText(row.usual);
+    const ops::Argument& argument = fit_argument(row.argument);
+    edit->setObjectName(QString("PointCloudFit") + QString::fromStdString(row.key));
+    edit->setPlaceholderText(QString::fromStdString(argument.is_automatic() ? "automatic"
+                                                    : argument.without().empty() ? argument.default_text()
+                                                                                 : argument.without()));
     // Also when the field loses the focus: only what has changed counts.
     connect(edit, &QLineEdit::editingFinished, this, [this, edit] {
         if (edit->property("kept") != edit->text()) report();
     });
     numbers_.push_back(edit);
-    if (std::string(row.key) != "Neighbourhood") return add(row.label, row.tooltip, edit, row.is_basic);
+    if (!row.argument_by_radius) return add(argument, edit, row.is_basic);
     size_ = new QComboBox;
     size_->setObjectName("PointCloudFitNeighbourhoodKind");
     size_->addItems({"points", "radius"});
@@ -82,41 +88,22 @@ void FitFields::add_number(const FitNumber& row)
     beside->setContentsMargins(0, 0, 0, 0);
     beside->addWidget(edit, 1);
     beside->addWidget(size_);
-    add(row.label, row.tooltip, both, row.is_basic);
+    add(argument, both, row.is_basic);
 }
 
 void FitFields::add_choices()
 {
-    kind_ = add_choice("Shape", "Shape",
-                       "What is fitted at the clicked place. Any: all kinds are fitted, and the one that explains the "
-                       "points best, with the fewest parameters, is kept. Default Any.");
-    kind_->addItem("Any", any_kind);
-    for (const ShapeTraits& traits : shape_kinds()) kind_->addItem(traits.label, traits.name);
-    estimator_ = add_choice("Estimator", "Estimator",
-                            "How random samples of points are drawn and scored, where some of the points belong to "
-                            "something else. MSAC suits nearly all scans. Default MSAC.");
-    for (const EstimatorTraits& traits : estimators()) {
-        estimator_->addItem(traits.label, traits.name);
-        estimator_->setItemData(estimator_->count() - 1, traits.description, Qt::ToolTipRole);
-    }
+    kind_ = add_choice("Shape", "shape");
+    estimator_ = add_choice("Estimator", "estimator");
+    for (int i = 0; i < estimator_->count(); ++i)
+        estimator_->setItemData(i, estimators()[static_cast<std::size_t>(i)].description, Qt::ToolTipRole);
     for (const FitNumber& row : fit_numbers())
         if (row.is_basic) add_number(row);
-    grow_ = new QCheckBox("through the cloud");
+    grow_ = new QCheckBox;
     grow_->setObjectName("PointCloudFitGrow");
     connect(grow_, &QCheckBox::toggled, this, &FitFields::report);
-    add("Follow",
-        "On: all connected points of the whole cloud that lie on the surface belong to it, and it is fitted to them "
-        "again. Off: only those around the clicked places. Default on.",
-        grow_);
-    outline_ = add_choice("Outline", "Outline",
-                          "How a plane is bounded, and what its area is of: the rectangle of least area around its "
-                          "points, their convex hull, a concave outline that follows their edge and gaps, or the "
-                          "polygon in which the cloud's box cuts it. Cylinders and cones end where their points end, "
-                          "or at the cloud's box. Default Concave.");
-    outline_->addItem("Rectangle", name_of(OutlineKind::rectangle));
-    outline_->addItem("Convex", name_of(OutlineKind::convex));
-    outline_->addItem("Concave", name_of(OutlineKind::concave));
-    outline_->addItem("Cloud's box", name_of(OutlineKind::box));
+    add(fit_argument("grow"), grow_);
+    outline_ = add_choice("Outline", "outline");
     more_ = new QToolButton;
     more_->setText("More options");
     more_->setCheckable(true);
@@ -125,13 +112,8 @@ void FitFields::add_choices()
     rows_->addWidget(more_, rows_->rowCount(), 0, 1, 2);
     for (const FitNumber& row : fit_numbers())
         if (!row.is_basic) add_number(row);
-    backend_ =
-        add_choice("Backend", "Computed by",
-                   "This program's own search, or the Point Cloud Library's, for comparison, where its module is "
-                   "installed. Default: own.",
-                   false);
-    backend_->addItem("own", "own");
-    if (why_no_pcl().empty()) backend_->addItem("PCL", "pcl");
+    backend_ = add_choice("Backend", "backend", false);
+    if (!why_no_pcl().empty()) backend_->removeItem(backend_->findData("pcl"));
 }
 
 void FitFields::show(const FitSettings& settings)

@@ -28,8 +28,9 @@ signals:
     void changed();  // by the user; the settings are kept already
 
 private:
-    void add(const char* label, const char* tooltip, QWidget* field, bool is_basic = true);
-    QComboBox* add_choice(const char* name, const char* label, const char* tooltip, bool is_basic = true);
+    void add(const ops::Argument& argument, QWidget* field, bool is_basic = true);
+    // Of an argument that is a choice, with its names as data.
+    QComboBox* add_choice(const char* name, const char* argument, bool is_basic = true);
     void add_choices();
     void add_number(const FitNumber& row);
     void show(const FitSettings& settings);

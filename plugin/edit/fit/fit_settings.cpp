@@ -1,44 +1,33 @@
 #include "plugin/edit/fit/fit_settings.h"
 
+#include "pcm/ops/operation.h"
 #include "pcm/system/error.h"
-#include "pcm/system/text.h"
 
 #include <QLocale>
 #include <QSettings>
 
-#include <cmath>
+#include <memory>
+#include <stdexcept>
 
 namespace pcm::host {
 
 namespace {
 
 const char* const group = "PointCloudFit/";
-constexpr double any_length = 1e12, most_count = 1e6;
 
 std::vector<FitNumber> basic_numbers()
 {
     return {
-        {"Threshold", "Threshold",
-         "The largest distance of a point from the surface that counts as on it, source units. Default: empty, from "
-         "the "
-         "noise of the points around the place.",
-         "automatic", 0, any_length, false, true,
+        {"Threshold", "threshold", nullptr, true,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.threshold = number; }},
-        {"Neighbourhood", "Around",
-         "How much around a clicked place is fitted: the number of nearest points, or the radius in source units. The "
-         "points that belong to the surface are then found in the whole cloud. Default: empty, as many as the fit "
-         "needs.",
-         "automatic", 0, any_length, false, true,
+        {"Neighbourhood", "count", "radius", true,
          [](FitAtOptions& options, double number, const FitSettings& settings) {
              if (settings.by_radius)
                  options.radius = number;
              else
-                 options.count = static_cast<std::size_t>(std::min(number, most_count));
+                 options.count = static_cast<std::size_t>(number);
          }},
-        {"Step", "Longest step",
-         "How far apart neighbouring points of one surface are at most, source units: the surface is followed by steps "
-         "of this length. Default: empty, a few times the spacing of the points.",
-         "automatic", 0, any_length, false, true,
+        {"Step", "step", nullptr, true,
          [](FitAtOptions& options, double number, const FitSettings&) { options.step = number; }},
     };
 }
@@ -47,38 +36,29 @@ std::vector<FitNumber> basic_numbers()
 std::vector<FitNumber> search_numbers()
 {
     return {
-        {"NormalAngle", "Normals within",
-         "The largest angle between the shape and the surface of the points around a point, degrees: the shape is not "
-         "followed where it is larger. 90: not compared. Where it is given and the cloud has normals, these are "
-         "compared, too. Default: empty, 30, computed from the points, and with a threshold not compared.",
-         "30", 0, 90, false, false,
+        {"NormalAngle", "normal_angle", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
              options.fit.normal_angle = options.turned_angle = number * pi / 180;
          }},
-        {"LeastRadius", "Radius from",
-         "Smaller radii (of a torus: of its tube) are not considered, source units. Default: empty, any.", "any", 0,
-         any_length, false, false,
+        {"LeastRadius", "least_radius", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.least_radius = number; }},
-        {"LargestRadius", "Radius to",
-         "Larger radii (of a torus: of its tube) are not considered, source units. Default: empty, any.", "any", 0,
-         any_length, false, false,
+        {"LargestRadius", "largest_radius", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.largest_radius = number; }},
-        {"Iterations", "Samples", "The most samples of points that the search tries. Default: empty, 10000.", "10000",
-         1, 1e9, true, false,
+        {"Iterations", "iterations", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
              options.fit.iterations = static_cast<std::uint32_t>(number);
          }},
-        {"Probability", "Probability",
-         "The search ends when, with this probability, one of the samples was of good points alone. Above 0 and below "
-         "1. Default: empty, 0.99.",
-         "0.99", 1e-9, 1 - 1e-9, false, false,
+        {"Probability", "probability", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.probability = number; }},
-        {"Seconds", "Time limit", "Ends the search with the best shape so far, seconds. Default: empty, no limit.",
-         "none", 0, 1e6, false, false,
+        {"Seconds", "seconds", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.seconds = number; }},
-        {"Seed", "Seed",
-         "Start of the random numbers: the same seed gives the same result. A whole number. Default: empty, 1.", "1", 0,
-         1e9, true, false,
+        {"Rounds", "rounds", nullptr, false,
+         [](FitAtOptions& options, double number, const FitSettings&) {
+             options.rounds = static_cast<unsigned>(number);
+         }},
+        {"OutlineEdge", "outline_edge", nullptr, false,
+         [](FitAtOptions& options, double number, const FitSettings&) { options.outline.edge = number; }},
+        {"Seed", "seed", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
              options.fit.seed = static_cast<std::uint64_t>(number);
          }},
@@ -86,6 +66,23 @@ std::vector<FitNumber> search_numbers()
 }
 
 }  // namespace
+
+const ops::Argument& fit_argument(const std::string& key)
+{
+    static const std::unique_ptr<ops::Operation> operation = ops::find_operation("fit")->make();
+    const ops::Argument* const argument = operation->arguments().find(key);
+    if (!argument) throw std::logic_error("the operation fit has no argument " + key);
+    return *argument;
+}
+
+QString tooltip_of(const ops::Argument& argument)
+{
+    const std::string unit = argument.unit().empty() ? "" : ", " + argument.unit();
+    std::string usual = argument.without().empty() ? argument.default_text() : argument.without();
+    for (const ops::Choice& choice : argument.choices())
+        if (choice.name == usual) usual = choice.label;
+    return QString::fromStdString(argument.help() + unit + ". Default: " + usual + ".");
+}
 
 const std::vector<FitNumber>& fit_numbers()
 {
@@ -112,14 +109,13 @@ FitAtOptions options_of(const FitSettings& settings)
         const FitNumber& row = fit_numbers()[i];
         const QString text = settings.numbers[i].trimmed();
         if (text.isEmpty()) continue;
-        bool good = false;
-        const double number = QLocale::c().toDouble(text, &good);
-        if (!good || !(number >= row.least) || !(number <= row.most) || (row.is_whole && number != std::floor(number)))
-            throw Error(ErrorCode::invalid_argument, {},
-                        std::string(row.label) + ": '" + text.toStdString() + "' is no " +
-                            (row.is_whole ? "whole number" : "number") + " from " + exact(row.least) + " to " +
-                            exact(row.most),
+        const ops::Argument& argument = fit_argument(
+            settings.by_radius && row.argument_by_radius ? row.argument_by_radius : row.argument);
+        std::string word = text.toStdString();
+        if (const std::string fault = argument.fault(word); !fault.empty())
+            throw Error(ErrorCode::invalid_argument, {}, argument.label() + ": " + fault,
                         "change it, or empty the field");
+        const double number = QLocale::c().toDouble(QString::fromStdString(word));
         row.take(options, number, settings);
     }
     return options;
@@ -150,7 +146,7 @@ void keep(const FitSettings& settings)
     set("Outline", name_of(settings.outline));
     set("ByRadius", settings.by_radius);
     set("Grow", settings.grow);
-    for (const FitNumber& row : fit_numbers()) kept.remove(QString(group) + row.key);  // earlier versions kept them
+    for (const FitNumber& row : fit_numbers()) kept.remove(QString(group) + QString::fromStdString(row.key));  // earlier versions kept them
 }
 
 }  // namespace pcm::host

@@ -1,11 +1,13 @@
 // How the tool Fit Primitives fits, as its panel has it and the user's settings keep it.
 #pragma once
 
+#include "pcm/ops/argument.h"
 #include "pcm/place/fit_at.h"
 
 #include <QString>
 
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace pcm::host {
@@ -21,20 +23,22 @@ struct FitSettings {
     std::vector<QString> numbers;
 };
 
-// A number of the settings.
+// An argument of the operation `fit`, whose label, default, limits and help the panel shows. Throws std::logic_error
+// where there is none of this key.
+const ops::Argument& fit_argument(const std::string& key);
+QString tooltip_of(const ops::Argument& argument);  // with unit and default
+
+// A number of the settings: an argument of the operation `fit`.
 struct FitNumber {
-    const char* key;      // in the settings, and of its field: "Threshold"
-    const char* label;    // in the panel
-    const char* tooltip;  // with unit and default
-    const char* usual;    // shown where nothing is typed
-    double least, most;   // both ends are allowed
-    bool is_whole;
-    bool is_basic;  // shown without asking for more options
-    void (*take)(FitAtOptions& options, double number, const FitSettings& settings);
+    std::string key;                           // in the settings, and of its field: "Threshold"
+    const char* argument;                      // "threshold"
+    const char* argument_by_radius = nullptr;  // where the neighbourhood is a radius
+    bool is_basic = false;                     // shown without asking for more options
+    void (*take)(FitAtOptions& options, double number, const FitSettings& settings) = nullptr;
 };
 const std::vector<FitNumber>& fit_numbers();
 
-// Throws Error(invalid_argument), naming the field, for text that is no number in its range. Several kinds where
+// Throws Error(invalid_argument), naming the field, for text that is not a number in its range. Several kinds where
 // the best is asked for.
 FitAtOptions options_of(const FitSettings& settings);
 

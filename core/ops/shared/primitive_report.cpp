@@ -1,4 +1,4 @@
-#include "pcm/cli/primitive_output.h"
+#include "pcm/ops/shared/primitive_report.h"
 
 #include "pcm/cad/primitive_files.h"
 #include "pcm/cloud/numbers.h"
@@ -7,14 +7,24 @@
 #include "pcm/system/error.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/rounded_text.h"
+#include "pcm/system/text.h"
 #include "pcm/system/update_file.h"
 
-#include <cstdio>
+#include <algorithm>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
 
-void line(const char* name, const std::string& value) { std::printf("  %-11s %s\n", name, value.c_str()); }
+// Lines of names and values, in two columns.
+struct Lines {
+    Result& result;
+    void operator()(const char* name, const std::string& value) const
+    {
+        std::string text = name;
+        text.resize(std::max<std::size_t>(text.size(), 11), ' ');
+        result.line("  " + text + " " + value);
+    }
+};
 
 std::string with_error(double value, double error, const char* unit = "")
 {
@@ -22,7 +32,7 @@ std::string with_error(double value, double error, const char* unit = "")
 }
 
 // An end of a shape is known as well as its points are.
-void print_bounds(const Primitive& primitive)
+void put_bounds(const Lines& line, const Primitive& primitive)
 {
     const ShapeTraits& traits = traits_of(primitive.fit.shape.kind);
     const ShapeBounds& bounds = primitive.bounds;
@@ -43,12 +53,13 @@ std::string area_text(const Primitive& primitive)
            words_of(found.form);
 }
 
-void print_primitive(const Primitive& primitive)
+void put_lines(Result& result, const Primitive& primitive)
 {
+    const Lines line{result};
     const ShapeFit& fit = primitive.fit;
     const ShapeTraits& traits = traits_of(fit.shape.kind);
-    std::printf("%s: %s%s\n", traits.label, name_of(fit.verdict),
-                fit.message.empty() ? "" : (" (" + fit.message + ")").c_str());
+    result.line(std::string(traits.label) + ": " + name_of(fit.verdict) +
+                (fit.message.empty() ? "" : " (" + fit.message + ")"));
     if (!fit.has_shape()) return;
     line(traits.place.name, rounded_text(fit.shape.point, fit.errors.position) + " +- " + brief(fit.errors.position));
     if (traits.has_axis())
@@ -59,7 +70,7 @@ void print_primitive(const Primitive& primitive)
         line(size.name, size.unit == SizeUnit::angle ? with_error(value / degree, error / degree, " degrees")
                                                      : with_error(value, error));
     }
-    print_bounds(primitive);
+    put_bounds(line, primitive);
     line("noise",
          brief(fit.noise) + ", within " + brief(fit.threshold) + " of the surface; condition " + brief(fit.condition));
     line("search", grouped(fit.iterations) + " samples by " + primitive.estimator + ", fit and growth in " +
@@ -113,4 +124,4 @@ void add_to_list(const std::filesystem::path& file, Primitive& primitive)
     primitive = added;
 }
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops

@@ -1,11 +1,11 @@
-#include "pcm/cli/camera_options.h"
+#include "pcm/ops/shared/camera_arguments.h"
 
 #include "pcm/system/error.h"
 #include "pcm/view/first_view.h"
 
 #include <cstdio>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
 
 Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
@@ -45,37 +45,50 @@ PictureSize parse_size(const std::string& text)
     return size;
 }
 
-std::vector<Option> CameraOptions::add_to(Options& options, const char* group)
+void CameraArguments::declare(Arguments& arguments, const std::string& group)
 {
-    const Option of_eye = options.option("--eye", eye, "Camera position x y z, source coordinates: --eye 10 -40 30")
-                              .values(3)
-                              .group(group);
-    const Option of_target =
-        options.option("--target", target, "Point x y z that the camera looks at (default: the middle of the cloud)")
-            .values(3)
-            .group(group);
-    const Option of_up =
-        options.option("--up", up, "Direction that is up in the picture (default: 0 0 1)").values(3).group(group);
-    const Option of_angle =
-        options.option("--angle", angle, "Vertical angle of view, degrees (default 45)").group(group);
-    const Option parallel = options.flag("--orthographic", orthographic, "Parallel projection instead of perspective")
-                                .group(group)
-                                .excludes(of_angle);
-    const Option of_height =
-        options
-            .option("--height", height,
-                    "Parallel projection that shows so many source units from bottom to top: --height 25")
-            .group(group)
-            .excludes(of_angle);
-    return {of_eye, of_target, of_up, of_angle, parallel, of_height};
+    arguments.add("eye", eye)
+        .count(3)
+        .group(group)
+        .label("Camera")
+        .help("Camera position x y z, source coordinates: --eye 10 -40 30");
+    arguments.add("target", target)
+        .count(3)
+        .group(group)
+        .label("Target")
+        .help("Point x y z that the camera looks at")
+        .without("the middle of the cloud");
+    arguments.add("up", up)
+        .count(3)
+        .group(group)
+        .label("Up")
+        .help("Direction that is up in the picture")
+        .without("0 0 1");
+    arguments.add("angle", angle)
+        .unit("degrees")
+        .group(group)
+        .label("Angle of view")
+        .help("Vertical angle of view")
+        .without("45");
+    arguments.add("orthographic", orthographic)
+        .group(group)
+        .label("Parallel projection")
+        .help("Parallel projection instead of perspective");
+    arguments.add("height", height)
+        .unit("source units")
+        .group(group)
+        .label("Height of the view")
+        .help("Parallel projection that shows this much from bottom to top: --height 25")
+        .without("perspective");
 }
 
-CameraFrame CameraOptions::frame(const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box,
+CameraFrame CameraArguments::frame(const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box,
                                  PictureSize size) const
 {
     if (eye.empty() && target.empty() && up.empty() && !height && !orthographic)
         if (const auto frame = first_frame(clouds, angle.value_or(45), size)) return *frame;
     const bool parallel = orthographic || height;
+    if (parallel && angle) throw ArgumentError("a parallel projection has no angle of view: leave out --angle");
     CameraFrame frame =
         overview_of(box, parallel ? std::nullopt : std::optional<double>(angle.value_or(45)), size.width, size.height);
     if (height) frame.height = *height;
@@ -93,4 +106,4 @@ CameraFrame CameraOptions::frame(const std::vector<std::shared_ptr<PointCloud>>&
     return frame;
 }
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops

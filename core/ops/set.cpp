@@ -1,30 +1,18 @@
-#include "pcm/point_cloud.h"
-
-#include "pcm/cli/cache_statistics.h"
-#include "pcm/cli/common.h"
-#include "pcm/cli/region_options.h"
+// Values of attributes, and new attributes, written in one atomic change.
 #include "pcm/cloud/attribute_length.h"
 #include "pcm/cloud/attribute_names.h"
+#include "pcm/ops/shared/cache_report.h"
+#include "pcm/ops/shared/region_arguments.h"
+#include "pcm/ops/table.h"
+#include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
-#include "pcm/system/peak_memory.h"
+#include "pcm/system/text.h"
 
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <memory>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
-
-struct Arguments {
-    Common common;
-    RegionOptions region;
-    std::string tree;
-    std::vector<std::string> values, attributes;
-    std::optional<std::uint16_t> level;
-    std::uint64_t cache = std::uint64_t(512) << 20;
-    bool statistics = false;
-};
 
 [[noreturn]] void refuse(const std::string& text, const std::string& what, const std::string& hint)
 {
@@ -183,72 +171,100 @@ Counts change(PointCloud& cloud, const std::vector<Attribute>& added, std::vecto
     return set;
 }
 
-int set(Arguments& arguments)
-{
-    const auto start = std::chrono::steady_clock::now();
-    if (arguments.values.empty() && arguments.attributes.empty())
-        throw UsageError("nothing is to be set: give NAME=VALUE, or --new NAME:TYPE");
-    std::vector<Assignment> assignments;
-    for (const std::string& text : arguments.values) assignments.push_back(parse_assignment(text));
-    const Selection selection = arguments.region.get();
-    Query query;
-    query.choose(selection);
-    query.level = arguments.level;
-    query.progress = console_progress(arguments.common);
-    L2Options cache;
-    cache.capacity_bytes = arguments.cache;
-    std::vector<Attribute> added;
-    for (const std::string& text : arguments.attributes) added.push_back(parse_attribute(text));
+class Set : public Operation {
+public:
+    Set()
+    {
+        arguments_.add("tree", tree_)
+            .as(ValueKind::tree)
+            .positional()
+            .required()
+            .help("Tree folder, or any file of it");
+        arguments_.add("values", values_)
+            .as(ValueKind::texts)
+            .positional()
+            .help("Assignments: NAME=VALUE, NAME=VALUE,VALUE,... (one value per component), NAME[COMPONENT]=VALUE");
+        arguments_.add("new", attributes_)
+            .as(ValueKind::texts)
+            .help(
+                "Attribute to add first, such as height:f32 or tint:u8x3; its values are 0. height:f32:length has "
+                "lengths in source units, which grow when the cloud is scaled, area:f32:length^2 areas");
+        const char* const group = "Points to change (default: all)";
+        arguments_.add("level", level_).group(group).help("Only the points up to this level").without("all levels");
+        region_.declare(arguments_, group);
+        arguments_.add("cache", cache_.capacity_bytes)
+            .as(ValueKind::bytes)
+            .help("Cache for chunks, such as 256M or 2G");
+        arguments_.add("statistics", statistics_).help("Print cache statistics");
+    }
 
-    const auto cloud = PointCloud::open(arguments.tree, cache, Access::write);
-    const Counts set = change(*cloud, added, assignments, query);
-    end_progress(arguments.common);
-    const L2Statistics statistics = cloud->cache().statistics();
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    if (arguments.common.json) {
-        Json json;
-        json["tree"] = arguments.tree;
+    Result run(const Context& context) override
+    {
+        const auto start = std::chrono::steady_clock::now();
+        if (values_.empty() && attributes_.empty())
+            throw ArgumentError("nothing is to be set: give NAME=VALUE, or --new NAME:TYPE");
+        std::vector<Assignment> assignments;
+        for (const std::string& text : values_) assignments.push_back(parse_assignment(text));
+        Query query;
+        query.choose(region_.get());
+        query.level = level_;
+        query.progress = context.progress;
+        std::vector<Attribute> added;
+        for (const std::string& text : attributes_) added.push_back(parse_attribute(text));
+        const auto cloud = PointCloud::open(tree_, cache_, Access::write);
+        const Counts set = change(*cloud, added, assignments, query);
+        Result result;
+        result.input = {tree_};
+        result.output = tree_;
+        result.makes = Makes::changed;
+        result.outcome = set.outcome;
+        result.outcome.points_out = set.points;
+        result.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        const L2Statistics statistics = cloud->cache().statistics();
+        Json& json = result.values;
         json["points_set"] = set.points;
         json["chunks_set"] = set.chunks;
         json["chunks_written"] = statistics.written_chunks;
         json["attributes_added"] = added.size();
-        json["seconds"] = seconds;
-        json["peak_rss_bytes"] = peak_memory_bytes();
-        json["warnings"] = set.outcome.warnings;
-        if (arguments.statistics) json["cache"] = cache_json(statistics);
-        print_json(json);
-        return finished(set.outcome);
+        result.print("%s: %s points set in %s chunks, %s attributes added, in %.1f s", tree_.c_str(),
+                     grouped(set.points).c_str(), grouped(set.chunks).c_str(), grouped(added.size()).c_str(),
+                     result.outcome.seconds);
+        if (set.points == 0 && !assignments.empty())
+            result.line("note: no point is selected; " + extent_text(cloud->info().bounds()));
+        json["cache"] = Json();
+        if (statistics_) {
+            json["cache"] = cache_json(statistics);
+            put_cache_lines(result, statistics);
+        }
+        return result;
     }
-    std::printf("%s: %s points set in %s chunks, %s attributes added, in %.1f s\n", arguments.tree.c_str(),
-                grouped(set.points).c_str(), grouped(set.chunks).c_str(), grouped(added.size()).c_str(), seconds);
-    if (set.points == 0 && !assignments.empty())
-        std::printf("note: no point is selected; %s\n", extent_text(cloud->info().bounds()).c_str());
-    if (arguments.statistics) print(statistics);
-    return finished(set.outcome);
-}
+
+private:
+    std::string tree_;
+    std::vector<std::string> values_, attributes_;
+    RegionArguments region_;
+    std::optional<std::uint16_t> level_;
+    L2Options cache_;
+    bool statistics_ = false;
+};
 
 }  // namespace
 
-Run add_set(Options& options)
+Row set_row()
 {
-    auto arguments = std::make_shared<Arguments>();
-    options.positional("tree", arguments->tree, "Tree folder, or any file of it").required();
-    options.positional(
-        "values", arguments->values,
-        "Assignments: NAME=VALUE, NAME=VALUE,VALUE,... (one value per component), NAME[COMPONENT]=VALUE");
-    options
-        .option("--new", arguments->attributes,
-                "Attribute to add first, such as height:f32 or tint:u8x3; its values are 0. height:f32:length has "
-                "lengths in "
-                "source units, which grow when the cloud is scaled, area:f32:length^2 areas")
-        .one_value_each();
-    const char* const group = "Points to change (default: all)";
-    options.option("--level", arguments->level, "Only the points up to this level").group(group);
-    arguments->region.add_to(options, group);
-    options.option("--cache", arguments->cache, "Cache for chunks, e.g. 256M or 2G (default 512M)").bytes();
-    options.flag("--statistics", arguments->statistics, "Print cache statistics");
-    add_common(options, arguments->common);
-    return [arguments] { return set(*arguments); };
+    return {"set",
+            nullptr,
+            "Set attributes of a tree's points, and add attributes, atomically",
+            "Sets attributes of the points in a region, and adds attributes, in one change of the tree: either all of "
+            "it is done, or nothing.",
+            0,
+            nullptr,
+            {{"points_set", "count", "points", "whose values were set"},
+             {"chunks_set", "count", "", "with such points"},
+             {"chunks_written", "count", "", "that were written"},
+             {"attributes_added", "count", "", "new attributes"},
+             {"cache", "object?", "", "--statistics: of the cache of chunks"}},
+            make<Set>};
 }
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops

@@ -1,4 +1,4 @@
-#include "pcm/cli/measure_output.h"
+#include "pcm/ops/shared/measure_report.h"
 
 #include "pcm/cad/dxf_file.h"
 #include "pcm/system/error.h"
@@ -6,15 +6,14 @@
 #include "pcm/system/output_group.h"
 
 #include <algorithm>
-#include <cstdio>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
 
-std::vector<Vec3d> grouped_points(const std::vector<double>& numbers, const char* option, std::size_t size, double z)
+std::vector<Vec3d> grouped_points(const std::vector<double>& numbers, const std::string& called, std::size_t size, double z)
 {
     if (numbers.empty() || numbers.size() % size)
-        throw UsageError(std::string(option) + " takes " + (size == 3 ? "x y z" : "x y") + " of each point, not " +
+        throw ArgumentError(called + " takes " + (size == 3 ? "x y z" : "x y") + " of each point, not " +
                          std::to_string(numbers.size()) + " numbers");
     std::vector<Vec3d> points;
     for (std::size_t i = 0; i < numbers.size(); i += size)
@@ -24,14 +23,14 @@ std::vector<Vec3d> grouped_points(const std::vector<double>& numbers, const char
 
 }  // namespace
 
-std::vector<Vec3d> points_of(const std::vector<double>& numbers, const char* option)
+std::vector<Vec3d> points_of(const std::vector<double>& numbers, const std::string& called)
 {
-    return grouped_points(numbers, option, 3, 0);
+    return grouped_points(numbers, called, 3, 0);
 }
 
-std::vector<Vec3d> plan_points_of(const std::vector<double>& numbers, const char* option, double z)
+std::vector<Vec3d> plan_points_of(const std::vector<double>& numbers, const std::string& called, double z)
 {
-    return grouped_points(numbers, option, 2, z);
+    return grouped_points(numbers, called, 2, z);
 }
 
 std::optional<CoordinateSystem> system_of(const PointCloud& cloud)
@@ -56,25 +55,31 @@ Json json_of(const Measure& measure, const std::string& length_unit)
     return json;
 }
 
-void print(const Measure& measure, const std::string& length_unit)
+void put_lines(Result& result, const Measure& measure, const std::string& length_unit)
 {
-    std::printf("%s (%s)\n", measure.name.c_str(), name_of(measure.kind));
+    result.line(measure.name + " (" + name_of(measure.kind) + ")");
     try {
-        for (const MeasureValue& value : values_of(measure))
-            std::printf("  %-18s %s\n", value.name.c_str(), text_of(value, length_unit).c_str());
+        for (const MeasureValue& value : values_of(measure)) {
+            std::string name = value.name;
+            name.resize(std::max<std::size_t>(name.size(), 18), ' ');
+            result.line("  " + name + " " + text_of(value, length_unit));
+        }
     } catch (const Error& error) {
-        std::printf("  %s\n", error.what());
+        result.line(std::string("  ") + error.what());
     }
 }
 
-void MeasureFiles::add_to(Options& options)
+void MeasureFiles::declare(Arguments& arguments)
 {
-    options
-        .option("-o,--output", outputs,
-                std::string("File to write the measures to: .json (a list to be read again), .csv") +
-                    (writes_dxf() ? ", .geojson or .dxf" : " or .geojson") + "; may be given several times")
-        .one_value_each();
-    options.flag("--overwrite", overwrite, "Replace existing output files");
+    arguments.add("output", outputs)
+        .letter('o')
+        .as(ValueKind::outputs)
+        .script("OutputFile")
+        .label("Output file")
+        .help(std::string("File to write the measures to, in source coordinates: .json (a list to be read again), .csv") +
+              (writes_dxf() ? ", .geojson or .dxf" : " or .geojson") + "; may be given several times")
+        .without("no file");
+    arguments.add("overwrite", overwrite).label("Overwrite").help("Replace existing output files");
 }
 
 void MeasureFiles::check() const
@@ -98,6 +103,16 @@ void MeasureFiles::write(const MeasureList& list, const std::optional<Coordinate
     group.put_in_place();
 }
 
+void MeasureFiles::describe(Result& result, const std::string& content) const
+{
+    result.values["files"] = outputs;
+    if (outputs.empty()) return;
+    result.output = outputs.front();
+    result.makes = Makes::file;
+    for (const std::string& output : outputs)
+        result.line(output + (content.empty() ? " written" : ": " + content));
+}
+
 void check_level(const PointCloud& cloud, const std::optional<std::uint16_t>& level)
 {
     const std::uint16_t levels = cloud.info().levels;
@@ -107,4 +122,4 @@ void check_level(const PointCloud& cloud, const std::optional<std::uint16_t>& le
                         std::to_string(levels - 1));
 }
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops

@@ -1,18 +1,18 @@
-// How commands show primitives, and keep them in lists.
+// How operations show primitives, and keep them in lists.
 #pragma once
 
-#include "pcm/cli/common.h"
+#include "pcm/ops/result.h"
 #include "pcm/shapes/primitive.h"
 
 #include <filesystem>
 #include <string>
 
-namespace pcm::cli {
+namespace pcm::ops {
 
 // All of it, as in a list (cad/primitive_files.h).
 Json json_of(const Primitive& primitive);
 // Parameters with their standard deviations, bounds, and how good the fit is.
-void print_primitive(const Primitive& primitive);
+void put_lines(Result& result, const Primitive& primitive);
 // The area of a plane with an outline: "52.1 +- 3.2 in the concave outline of its points".
 std::string area_text(const Primitive& primitive);
 
@@ -24,4 +24,4 @@ void check_list(const std::filesystem::path& file);
 // check_list(), json_of() and update_file() throw.
 void add_to_list(const std::filesystem::path& file, Primitive& primitive);
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops
