@@ -8,11 +8,13 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/layer_matrix.h"
-#include "plugin/host/moved_tree.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/result_layer.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/registry.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/moved_tree.h"
+#include "plugin/scene/result_layer.h"
+#include "plugin/scene/text.h"
 
 namespace pcm::host {
 
@@ -83,8 +85,10 @@ void set_matrix(const FilterRun& run, const std::filesystem::path& path, const R
     if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), path, ignored))
         throw Error(ErrorCode::invalid_argument, path, "the current layer does not show this tree",
                     "choose its layer, or write a new tree");
-    LayerMatrices::of(run.document)
-        .set(*layer, matrix_of(fit.motion, shown->origin), QString("align by %1 pairs").arg(fit.residuals.size()));
+    scene_of(run.document)
+        .part<LayerMatrices>()
+        .set(layer_of(*layer), matrix_of(fit.motion, shown->origin),
+             QString("align by %1 pairs").arg(fit.residuals.size()));
     run.log("The matrix of the layer '" + layer->label().toStdString() +
             "' moves it; rounded to single precision, it moves points by up to " +
             brief(matrix_rounding(fit.motion, shown->origin, box)) + " source units more or less.");
@@ -113,8 +117,8 @@ void run(const FilterRun& run)
     build.progress = operation.progress();
     const BuildReport report = write_moved_tree(cloud->tree(), {fit.motion}, result.target.copy, build);
     log_result(run, "Aligned " + path.string(), report);
-    MeshModel* const former = layer_showing(run.document, path);
-    show_moved_result(run, result.target.copy, former ? std::vector<MeshModel*>{former} : std::vector<MeshModel*>());
+    SceneLayer* const former = layer_showing(scene_of(run.document), path);
+    show_moved_result(run, result.target.copy, former ? std::vector<SceneLayer*>{former} : std::vector<SceneLayer*>());
 }
 
 }  // namespace

@@ -7,8 +7,8 @@
 #include "plugin/filter/measure_parameters.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/text.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/text.h"
 
 namespace pcm::host {
 

@@ -6,9 +6,9 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/selection_text.h"
-#include "plugin/host/text.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/selection_text.h"
+#include "plugin/scene/text.h"
 
 namespace pcm::host {
 

@@ -9,13 +9,14 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/primitive_parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/drawn_primitives.h"
-#include "plugin/host/layer_matrix.h"
-#include "plugin/host/open_tool.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/primitive_book.h"
-#include "plugin/host/selection_text.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/open_tool.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/drawn_primitives.h"
+#include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/primitive_book.h"
+#include "plugin/scene/selection_text.h"
+#include "plugin/scene/text.h"
 
 #include <array>
 #include <limits>
@@ -121,7 +122,7 @@ void run(const FilterRun& run)
         labels.overwrite = run.parameters.getBool("Overwrite");
         labels.memory_bytes = options.memory_bytes;
         labels.threads = options.threads;
-        if (labels.target.in_place) refuse_locked(run.document, cloud.cloud->tree()->folder());
+        if (labels.target.in_place) refuse_locked(scene_of(run.document), cloud.cloud->tree()->folder());
     }
     if (labelled) check_label_attribute(*cloud.cloud->tree(), labels);
     DetectReport found;
@@ -132,7 +133,7 @@ void run(const FilterRun& run)
     }
     log_notes(run, found.notes);
     log_warnings(run, found.outcome.warnings);
-    const std::string name = cloud.layer ? cloud_name(*cloud.layer) : cloud.cloud->tree()->folder().string();
+    const std::string name = cloud.layer ? cloud_name(layer_of(*cloud.layer)) : cloud.cloud->tree()->folder().string();
     for (Primitive& primitive : found.primitives) {
         primitive.cloud = name;
         primitive.colour = colours[static_cast<std::size_t>(primitive.fit.shape.kind) % colours.size()];
@@ -143,7 +144,7 @@ void run(const FilterRun& run)
             grouped(found.outcome.points_in) + " points belong to one; threshold " + brief(found.threshold) + ", " +
             brief(found.outcome.seconds) + " s.");
     if (found.primitives.empty()) return run.log("Nothing was found: the list and the tree stay as they are.");
-    PrimitiveBook::of(run.document).change([&](PrimitiveList& list) { list.add_all(found.primitives); });
+    scene_of(run.document).part<PrimitiveBook>().change([&](PrimitiveList& list) { list.add_all(found.primitives); });
     open_tool(run.document, "Fit Primitives");  // its panel has the list
     OutputGroup drawing;                        // it is there only when the labels are
     write_drawing(run, found.primitives, cloud.unit);

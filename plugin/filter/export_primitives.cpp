@@ -4,8 +4,9 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/primitive_parameters.h"
-#include "plugin/host/primitive_book.h"
-#include "plugin/host/project_unit.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/scene/primitive_book.h"
+#include "plugin/scene/project_unit.h"
 
 #include <algorithm>
 
@@ -26,18 +27,18 @@ void add_parameters(RichParameterList& parameters)
 }
 
 // The unit that all clouds of the primitives state, or the project's where they state none; empty where they differ.
-std::string unit_of(const MeshDocument& document, const PrimitiveBook& book)
+std::string unit_of(const Scene& scene, const PrimitiveBook& book)
 {
     std::vector<std::string> units;
     for (std::size_t i = 0; i < book.list().size(); ++i) {
-        const MeshModel* layer = book.layer_of(book.list()[i]);
-        const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+        const SceneLayer* layer = book.layer_of(book.list()[i]);
+        const auto tree = layer ? layer->drawn() : std::nullopt;
         units.push_back(tree ? length_unit(*tree->cloud) : std::string());
     }
     const bool same = std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
     if (!same) return {};
     const std::string stated = units.empty() ? std::string() : units.front();
-    return stated.empty() ? chosen_unit(document).value_or("") : stated;
+    return stated.empty() ? chosen_unit(scene).value_or("") : stated;
 }
 
 void run(const FilterRun& run)
@@ -45,7 +46,7 @@ void run(const FilterRun& run)
     if (drawing_of(run.parameters).empty())
         throw Error(ErrorCode::invalid_argument, {}, "no output file is given", "name the file to write");
     check_drawing(run);
-    const PrimitiveBook& book = PrimitiveBook::of(run.document);
+    const PrimitiveBook& book = scene_of(run.document).part<PrimitiveBook>();
     const QString list = run.parameters.getString("ListFile").trimmed();
     if (!list.isEmpty()) return write_drawing(run, read_primitives(absolute_path(list)), {});
     if (book.list().empty())
@@ -55,7 +56,7 @@ void run(const FilterRun& run)
     for (std::size_t i = 0; i < book.list().size(); ++i) moved = moved || book.placement_of(book.list()[i]).has_value();
     const bool applied = run.parameters.getBool("ApplyMatrix");
     const bool everything = lower_extension(drawing_of(run.parameters)) == ".json";  // hidden ones too
-    write_drawing(run, applied ? book.placed(everything) : book.list().all(), unit_of(run.document, book));
+    write_drawing(run, applied ? book.placed(everything) : book.list().all(), unit_of(scene_of(run.document), book));
     if (moved)
         run.log(applied ? "The primitives are where the matrices of their layers move the clouds."
                         : "The matrices of layers were not applied.");

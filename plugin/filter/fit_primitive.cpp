@@ -11,11 +11,12 @@
 #include "plugin/filter/primitive_parameters.h"
 #include "plugin/filter/result_parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/open_tool.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/primitive_book.h"
-#include "plugin/host/scene_state.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/open_tool.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/primitive_book.h"
+#include "plugin/scene/scene_state.h"
+#include "plugin/scene/text.h"
 
 #include <QStringList>
 
@@ -194,8 +195,8 @@ void run(const FilterRun& run)
                         name_of(primitive.fit.issue) + ")",
                     primitive.fit.message);
     primitive.name = run.parameters.getString("Name").trimmed().toStdString();
-    primitive.cloud = cloud.layer ? cloud_name(*cloud.layer) : cloud.cloud->tree()->folder().string();
-    PrimitiveBook& book = PrimitiveBook::of(run.document);
+    primitive.cloud = cloud.layer ? cloud_name(layer_of(*cloud.layer)) : cloud.cloud->tree()->folder().string();
+    PrimitiveBook& book = scene_of(run.document).part<PrimitiveBook>();
     std::size_t index = 0;
     primitive.colour = next_colour(book.list());
     book.change([&](PrimitiveList& list) { index = list.add(primitive); });
@@ -206,8 +207,9 @@ void run(const FilterRun& run)
     if (kept.fit.verdict == FitVerdict::doubtful) run.warn(kept.name + " is doubtful: " + kept.fit.message);
     log_primitive(run, kept, cloud.unit);
     if (cloud.layer)
-        SceneState::of(run.document)
-            .select(*cloud.layer, points,
+        scene_of(run.document)
+            .part<SceneState>()
+            .select(layer_of(*cloud.layer), points,
                     QString("%1, %2 points")
                         .arg(QString::fromStdString(kept.name), QString::fromStdString(grouped(points->size()))));
     write_drawing(run, {kept}, cloud.unit);

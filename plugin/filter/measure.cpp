@@ -7,7 +7,7 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/measure_parameters.h"
 #include "plugin/filter/parameters.h"
-#include "plugin/host/text.h"
+#include "plugin/scene/text.h"
 
 #include <array>
 

@@ -2,7 +2,7 @@
 
 #include "pcm/system/error.h"
 #include "plugin/filter/parameters.h"
-#include "plugin/host/selection_text.h"
+#include "plugin/scene/selection_text.h"
 
 #include <QRegularExpression>
 

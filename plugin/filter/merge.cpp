@@ -6,9 +6,11 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/placement.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/registry.h"
+#include "plugin/meshlab/2020/placement.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/text.h"
 
 #include <utility>
 
@@ -34,7 +36,7 @@ void add_parameters(RichParameterList& parameters)
 }
 
 // Those of visible layers, which are added to `merged`, and those that are named.
-std::vector<MergeInput> inputs_of(const FilterRun& run, std::vector<MeshModel*>& merged)
+std::vector<MergeInput> inputs_of(const FilterRun& run, std::vector<SceneLayer*>& merged)
 {
     std::vector<MergeInput> inputs;
     const bool apply = run.parameters.getBool("ApplyMatrices");
@@ -44,7 +46,7 @@ std::vector<MergeInput> inputs_of(const FilterRun& run, std::vector<MeshModel*>&
             if (!tree || !layer->visible) continue;
             const auto map = placement_of(*layer, *tree);
             inputs.push_back({tree->cloud->tree()->folder(), apply ? map : std::nullopt});
-            merged.push_back(layer);
+            merged.push_back(&layer_of(*layer));
             if (map)
                 run.log("The layer '" + layer->label().toStdString() + "' has a matrix: it is " +
                         (apply ? "applied." : "not applied."));
@@ -62,7 +64,7 @@ void run(const FilterRun& run)
     MergeOptions options;
     options.ignore_crs = ignore_crs_of(run.parameters);
     options.source_id = run.parameters.getBool("SourceId");
-    std::vector<MeshModel*> merged;
+    std::vector<SceneLayer*> merged;
     const std::vector<MergeInput> inputs = inputs_of(run, merged);
     Operation operation(run.callback);
     result.progress = operation.progress();

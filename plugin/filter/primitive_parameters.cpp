@@ -6,10 +6,11 @@
 #include "plugin/filter/measure_parameters.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
-#include "plugin/host/drawn_primitives.h"
-#include "plugin/host/placement.h"
-#include "plugin/host/scene_state.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/placement.h"
+#include "plugin/scene/drawn_primitives.h"
+#include "plugin/scene/scene_state.h"
+#include "plugin/scene/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -71,7 +72,7 @@ Selection limit_of(const FilterRun& run, const PrimitiveCloud& cloud)
     Selection limit;
     limit.where = where_of(run.parameters);
     if (cloud.layer && run.parameters.getBool("InClip"))
-        if (const auto clip = clip_of(*cloud.layer)) limit.clips.push_back(*clip);
+        if (const auto clip = clip_of(layer_of(*cloud.layer))) limit.clips.push_back(*clip);
     return limit;
 }
 

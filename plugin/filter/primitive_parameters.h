@@ -5,7 +5,7 @@
 #include "pcm/cloud/selection.h"
 #include "pcm/io/crs/coordinate_system.h"
 #include "plugin/filter/filter.h"
-#include "plugin/host/registry.h"
+#include "plugin/meshlab/2020/registry.h"
 
 #include <filesystem>
 #include <memory>

@@ -3,7 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 #include "plugin/filter/parameters.h"
-#include "plugin/host/text.h"
+#include "plugin/scene/text.h"
 
 #include <QRegularExpression>
 

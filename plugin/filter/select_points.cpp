@@ -8,10 +8,11 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
 #include "plugin/filter/selected_points.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/scene_state.h"
-#include "plugin/host/selection_text.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/scene_state.h"
+#include "plugin/scene/selection_text.h"
+#include "plugin/scene/text.h"
 
 namespace pcm::host {
 
@@ -81,7 +82,7 @@ PointSet find(const FilterRun& run, const MeshModel& layer, const TreeLayer& sho
         throw Error(ErrorCode::invalid_argument, {},
                     "neither a region nor a condition nor a place to grow from is given", "give one of them");
     if (run.parameters.getBool("InClip"))
-        if (const auto clip = clip_of(layer)) selection.clips.push_back(*clip);
+        if (const auto clip = clip_of(layer_of(layer))) selection.clips.push_back(*clip);
     if (from) return grown(run, shown, *from, selection, progress);
     SelectOptions options;
     options.threads = threads_of(run.parameters);
@@ -102,8 +103,8 @@ void run(const FilterRun& run)
 {
     const auto step = static_cast<Step>(in_range(run.parameters, "Operation", "Operation", 0, 5));
     const auto [layer, shown] = layer_with_tree(run.document);
-    SceneState& scene = SceneState::of(run.document);
-    const auto before = scene.selection(*layer);
+    SceneState& scene = scene_of(run.document).part<SceneState>();
+    const auto before = scene.selection(layer_of(*layer));
     PointSet set = before ? *before : PointSet(shown.cloud->tree());
     QString words;
     if (step == Step::none) {
@@ -123,7 +124,7 @@ void run(const FilterRun& run)
     run.log(grouped(set.size()) + " of the " + grouped(shown.cloud->info().points) + " points of " +
             shown.cloud->tree()->folder().string() + " are selected.");
     words += QString(", %1 points").arg(QString::fromStdString(grouped(set.size())));
-    scene.select(*layer, std::make_shared<const PointSet>(std::move(set)), words);
+    scene.select(layer_of(*layer), std::make_shared<const PointSet>(std::move(set)), words);
 }
 
 }  // namespace

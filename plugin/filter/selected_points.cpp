@@ -3,7 +3,8 @@
 #include "pcm/system/error.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/scene_state.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/scene/scene_state.h"
 
 namespace pcm::host {
 
@@ -20,7 +21,7 @@ std::pair<MeshModel*, TreeLayer> layer_with_tree(MeshDocument& document)
 SelectedLayer selected_layer(MeshDocument& document)
 {
     auto [layer, shown] = layer_with_tree(document);
-    auto points = SceneState::of(document).selection(*layer);
+    auto points = scene_of(document).part<SceneState>().selection(layer_of(*layer));
     if (!points || points->empty())
         throw Error(ErrorCode::invalid_argument, shown.cloud->tree()->folder(),
                     "no point of the current layer is selected",

@@ -4,7 +4,7 @@
 #include "pcm/filter/set_changes.h"
 #include "pcm/query/point_set.h"
 #include "plugin/filter/filter.h"
-#include "plugin/host/registry.h"
+#include "plugin/meshlab/2020/registry.h"
 
 #include <filesystem>
 #include <memory>

@@ -5,8 +5,8 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/text.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/text.h"
 
 #include <limits>
 

@@ -6,11 +6,13 @@
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/moved_tree.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/placement.h"
-#include "plugin/host/result_layer.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/registry.h"
+#include "plugin/meshlab/2020/placement.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/moved_tree.h"
+#include "plugin/scene/result_layer.h"
+#include "plugin/scene/text.h"
 
 namespace pcm::host {
 
@@ -96,8 +98,8 @@ void run(const FilterRun& run)
     const BuildReport report = write_moved_tree(tree, maps, result.target.copy, build);
     log_result(run, "Transformed " + path.string() + (first ? ", by the layer's matrix" : ""), report);
     run.log("Largest position error: " + exact(report.outcome.error) + " source units.");
-    MeshModel* const former = layer_showing(run.document, path);
-    show_moved_result(run, result.target.copy, former ? std::vector<MeshModel*>{former} : std::vector<MeshModel*>());
+    SceneLayer* const former = layer_showing(scene_of(run.document), path);
+    show_moved_result(run, result.target.copy, former ? std::vector<SceneLayer*>{former} : std::vector<SceneLayer*>());
 }
 
 }  // namespace

@@ -3,7 +3,7 @@
 
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
-#include "plugin/host/text.h"
+#include "plugin/scene/text.h"
 
 namespace pcm::host {
 

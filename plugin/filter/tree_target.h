@@ -3,6 +3,7 @@
 
 #include "pcm/update/target.h"
 #include "plugin/filter/filter.h"
+#include "plugin/scene/scene.h"
 
 #include <filesystem>
 #include <functional>
@@ -25,10 +26,10 @@ void refresh_layers(const FilterRun& run, const std::filesystem::path& folder);
 // Runs `show` after the filter has changed the tree: what fails then is a warning, since the tree is changed already.
 void show_afterwards(const FilterRun& run, const std::function<void()>& show);
 
-// A copy gets a layer in place of the one that shows the tree `made_of` (host/result_layer.h); layers that show a tree
+// A copy gets a layer in place of the one that shows the tree `made_of` (scene/result_layer.h); layers that show a tree
 // changed in place are loaded again.
 void show_result(const FilterRun& run, const std::filesystem::path& made_of, const TargetChoice& target);
 // A tree that takes the place of these layers, and has their matrices applied.
-void show_moved_result(const FilterRun& run, const std::filesystem::path& folder, std::vector<MeshModel*> replaced);
+void show_moved_result(const FilterRun& run, const std::filesystem::path& folder, std::vector<SceneLayer*> replaced);
 
 }  // namespace pcm::host
