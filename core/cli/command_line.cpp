@@ -1,7 +1,8 @@
 #include "pcm/cli/command_line.h"
 
 #include "pcm/cli/common.h"
-#include "pcm/cli/option_values.h"
+#include "pcm/ops/result.h"
+#include "pcm/ops/values.h"
 #include "pcm/system/error.h"
 
 #include <CLI/CLI.hpp>
@@ -90,10 +91,10 @@ CLI::Validator check_first(const Fault& fault)
     return CLI::Validator([fault](std::string& word) { return fault(word); }, "");
 }
 
-Option restrict_numbers(CLI::Option* option, const AllowedNumbers& allowed)
+Option restrict_numbers(CLI::Option* option, const ops::AllowedNumbers& allowed)
 {
-    option->transform(check_first([allowed](std::string& word) { return number_fault(word, allowed); }));
-    option->type_name("NUMBER (" + brief_text_of(allowed) + ")");
+    option->transform(check_first([allowed](std::string& word) { return ops::number_fault(word, allowed); }));
+    option->type_name("NUMBER (" + ops::brief_text_of(allowed) + ")");
     return Option(option);
 }
 
@@ -115,7 +116,7 @@ struct ValueOf<std::vector<T>> {
 
 Option Option::one_of(const std::vector<std::string>& names) const
 {
-    option_->transform(check_first([names](std::string& word) { return choice_fault(word, names); }));
+    option_->transform(check_first([names](std::string& word) { return ops::choice_fault(word, names); }));
     std::string all;
     for (const std::string& name : names) all += (all.empty() ? "" : "|") + name;
     option_->type_name(all);
@@ -133,7 +134,7 @@ Option Option::not_negative() const { return restrict_numbers(option_, {0.0, std
 
 Option Option::bytes() const
 {
-    option_->transform(check_first(bytes_fault));
+    option_->transform(check_first(ops::bytes_fault));
     option_->type_name("SIZE");
     return *this;
 }
@@ -145,9 +146,9 @@ Option Options::option(const std::string& names, T& variable, const std::string&
     CLI::Option* const option = command_.add_option(names, variable, help);
     if constexpr (std::is_integral_v<Value>)
         option->transform(
-            check_first([](std::string& word) { return whole_fault(word, std::numeric_limits<Value>::max()); }));
+            check_first([](std::string& word) { return ops::whole_fault(word, std::numeric_limits<Value>::max()); }));
     else if constexpr (std::is_floating_point_v<Value>)
-        option->transform(check_first([](std::string& word) { return number_fault(word, {}); }));
+        option->transform(check_first([](std::string& word) { return ops::number_fault(word, {}); }));
     if constexpr (std::is_arithmetic_v<Value>) option->type_name("NUMBER");
     return Option(option);
 }
@@ -177,6 +178,54 @@ Option Options::flag(const std::string& names, bool& variable, const std::string
     return Option(command_.add_flag(names, variable, help));
 }
 
+namespace {
+
+std::string type_of(const ops::Argument& argument)
+{
+    if (!argument.choices().empty()) {
+        std::string all;
+        for (const ops::Choice& choice : argument.choices()) all += (all.empty() ? "" : "|") + choice.name;
+        return all;
+    }
+    switch (argument.kind()) {
+        case ops::ValueKind::bytes:
+            return "SIZE";
+        case ops::ValueKind::whole:
+        case ops::ValueKind::real:
+        case ops::ValueKind::numbers: {
+            const std::string limits = ops::brief_text_of(argument.allowed());
+            return limits.empty() ? "NUMBER" : "NUMBER (" + limits + ")";
+        }
+        default:
+            return "TEXT";
+    }
+}
+
+}  // namespace
+
+Option Options::argument(ops::Argument& argument)
+{
+    const std::string names = argument.option_names(), name = "--" + argument.option_name();
+    CLI::Option* option = nullptr;
+    if (argument.kind() == ops::ValueKind::flag) {
+        const bool on = argument.default_text() == "off";
+        option = command_.add_flag_callback(
+            names, [&argument, on] { argument.set(on); }, argument.command_help());
+    } else {
+        const auto set = [&argument, name](const std::vector<std::string>& words) { argument.set(words, name); };
+        option = command_.add_option_function<std::vector<std::string>>(names, set, argument.command_help());
+        option->transform(check_first([&argument](std::string& word) { return argument.fault(word); }));
+        if (argument.count())
+            option->expected(static_cast<int>(argument.count()))->allow_extra_args(false);
+        else if (!argument.is_list())
+            option->expected(1)->allow_extra_args(false);
+        option->type_name(type_of(argument));
+        if (argument.is_required()) option->required();
+    }
+    if (!argument.group().empty()) option->group(argument.group());
+    return Option(option).shown_if(argument.is_shown());
+}
+
 Option Options::off_flag(const std::string& names, bool& variable, const std::string& help)
 {
     return Option(command_.add_flag_callback(
@@ -201,7 +250,7 @@ std::string unexpected(const CLI::App& command)
     std::vector<std::string> names;
     for (const CLI::Option* known : command.get_options())
         for (const std::string& long_name : known->get_lnames()) names.push_back("--" + long_name);
-    return "there is no option " + name + perhaps(name, names);
+    return "there is no option " + name + ops::perhaps(name, names);
 }
 
 // The first option among the words of a command line that has too few or too many values.
@@ -227,8 +276,17 @@ std::string wrong_number_of_values(const CLI::App& command, const std::vector<st
     return otherwise;
 }
 
+// With --json what fails is an answer too; the text still goes to the error output.
+bool answers_in_json = false;
+
+bool has_json_flag(const std::vector<std::string>& words)
+{
+    return std::find(words.begin(), words.end(), "--json") != words.end();
+}
+
 int refuse_usage(const CLI::App& command, const std::string& what)
 {
+    if (answers_in_json) print_json(ops::json_of_error(UsageError(what)));
     const CLI::App* const parent = command.get_parent();
     std::fprintf(stderr, "%s%s: %s\nRun with --help for more information.\n",
                  parent ? (parent->get_name() + " ").c_str() : "", command.get_name().c_str(), what.c_str());
@@ -254,7 +312,7 @@ std::vector<std::string> end_lists(const std::vector<Runnable>& commands, const 
     bool ended = false;
     for (const std::string& word : words) {
         std::string number = word;
-        const bool is_number = number_fault(number, {}).empty();
+        const bool is_number = ops::number_fault(number, {}).empty();
         if (word.size() > 1 && word[0] == '-' && !is_number) {
             const CLI::Option* const option = named->app->get_option_no_throw(word);
             list = is_number_list(option) ? option : nullptr;
@@ -299,21 +357,27 @@ int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vec
     }
 }
 
+void print_error(const std::exception& error)
+{
+    leave_progress_line();
+    if (answers_in_json) print_json(ops::json_of_error(error));
+}
+
 int report_errors(const Run& run)
 {
     std::signal(SIGXFSZ, SIG_IGN);  // writing fails with EFBIG then
     try {
         return run();
     } catch (const Error& error) {
-        leave_progress_line();
+        print_error(error);
         std::fprintf(stderr, error.is_done() ? "pcmlab: warning: %s\n" : "pcmlab: %s\n", error.what());
         if (error.is_done()) return done_with_warnings;
         return error.code() == ErrorCode::cancelled ? 130 : 1;
-    } catch (const std::bad_alloc&) {
-        leave_progress_line();
+    } catch (const std::bad_alloc& error) {
+        print_error(error);
         std::fputs("pcmlab: out of memory\n", stderr);
     } catch (const std::exception& error) {
-        leave_progress_line();
+        print_error(error);
         std::fprintf(stderr, "pcmlab: %s\n", error.what());
     }
     return 1;
@@ -328,7 +392,7 @@ std::string unknown_command(const std::string& word, const std::vector<Command>&
 {
     std::vector<std::string> names;
     for (const Command& command : commands) names.push_back(command.name);
-    return "there is no command '" + word + "'" + perhaps(word, names);
+    return "there is no command '" + word + "'" + ops::perhaps(word, names);
 }
 
 std::string list_of(const char* name, const std::vector<Command>& commands)
@@ -372,6 +436,7 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
 {
     return report_errors([&] {
         std::vector<std::string> words = words_of(argc, argv);
+        answers_in_json = has_json_flag(words);
         if (words.empty()) return refuse_command(name, "a command is missing", commands);
         CLI::App app{help, name};
         app.set_version_flag("--version", std::string(name) + " " PCM_VERSION);
@@ -397,7 +462,9 @@ int run_program(const Command& command, int argc, char** argv)
     return report_errors([&] {
         CLI::App app{command.help, command.name};
         Options options(app);
-        return parse_and_run(app, {{&app, command.add(options)}}, {argv + 1, argv + argc});
+        const std::vector<std::string> words(argv + 1, argv + argc);
+        answers_in_json = has_json_flag(words);
+        return parse_and_run(app, {{&app, command.add(options)}}, words);
     });
 }
 

@@ -4,8 +4,9 @@
 // every command.
 #pragma once
 
+#include "pcm/ops/argument.h"
+
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,10 @@ class Option;
 }  // namespace CLI
 
 namespace pcm::cli {
+
+// The command line makes no sense: exit code 2, with the message and a hint at --help. For what the options below
+// cannot express.
+using UsageError = ops::ArgumentError;
 
 // One option of a command. A handle: copies mean the same option; valid while its Options are.
 class Option {
@@ -62,6 +67,8 @@ public:
     // Sets the variable to true, or, off_flag(), to false.
     Option flag(const std::string& names, bool& variable, const std::string& help);
     Option off_flag(const std::string& names, bool& variable, const std::string& help);
+    // An argument of the table of operations, which gets its value.
+    Option argument(ops::Argument& argument);
 
 private:
     CLI::App& command_;
@@ -74,16 +81,9 @@ struct Command {
     std::string name;
     std::string help;  // one line
     // Declares the options and returns what is to be done with them. Null for a command that has a `start`.
-    Run (*add)(Options& options) = nullptr;
+    std::function<Run(Options& options)> add;
     // Replaces this process by the program of the command. arguments[0] is the command's name.
     void (*start)(char** arguments) = nullptr;
-};
-
-// The command line makes no sense: exit code 2, with the message and a hint at --help. For what the options above
-// cannot express.
-class UsageError : public std::runtime_error {
-public:
-    using std::runtime_error::runtime_error;
 };
 
 // The exit code of a command whose result is in place, but a later step failed: it must not be repeated.

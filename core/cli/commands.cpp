@@ -1,5 +1,7 @@
 #include "pcm/cli/commands.h"
 
+#include "pcm/cli/operation_command.h"
+
 namespace pcm::cli {
 
 // Each in the source of its name.
@@ -15,13 +17,10 @@ Run add_generate(Options& options);
 Run add_info(Options& options);
 Run add_measure(Options& options);
 Run add_merge(Options& options);
-Run add_normals(Options& options);
-Run add_outliers(Options& options);
 Run add_pick(Options& options);
 Run add_primitives(Options& options);
 Run add_profile(Options& options);
 Run add_query(Options& options);
-Run add_radii(Options& options);
 Run add_repair(Options& options);
 Run add_select(Options& options);
 Run add_set(Options& options);
@@ -56,10 +55,9 @@ const std::vector<Command>& commands()
          "extract or delete it",
          add_fit},
         {"set", "Set attributes of a tree's points, and add attributes, atomically", add_set},
-        {"radii", "Compute the radius of every point's splat from its nearest neighbours", add_radii},
-        {"normals", "Compute the normal of every point from its nearest neighbours, and radii in the same pass",
-         add_normals},
-        {"outliers", "Remove or label points that stand apart from the others", add_outliers},
+        operation_command("radii"),
+        operation_command("normals"),
+        operation_command("outliers"),
         {"transform", "Translate, rotate or scale a tree into a new tree", add_transform},
         {"align", "Move a tree to another one by pairs of points, and report how well they agree", add_align},
         {"merge", "Merge trees into a new tree", add_merge},

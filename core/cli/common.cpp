@@ -54,10 +54,9 @@ void leave_progress_line()
     if (line_is_open.exchange(false)) std::fputs("\n", stderr);
 }
 
-void print_json(const Json& json)
-{
-    std::printf("%s\n", json.dump(2, ' ', false, Json::error_handler_t::replace).c_str());
-}
+std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+void print_json(const Json& json) { std::fputs(text_of(json).c_str(), stdout); }
 
 double points_per_second(const Outcome& outcome)
 {

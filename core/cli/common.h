@@ -32,6 +32,7 @@ void leave_progress_line();
 // JSON cannot: U+FFFD replaces them. Never throws for text, so finished work does not end as a failure. The only place
 // where commands write JSON.
 void print_json(const Json& json);
+std::string text_of(const Json& json);  // what it prints
 
 double points_per_second(const Outcome& outcome);
 // points, seconds, points_per_second, peak_rss_bytes, warnings: printed by every command that processes points.

@@ -37,8 +37,16 @@ ErrorCode code_of(int error_number)
 
 }  // namespace
 
+const char* name_of(ErrorCode code)
+{
+    static constexpr const char* names[] = {
+        "not_found",  "permission",        "no_space", "io",          "bad_format", "truncated",       "corrupt",
+        "not_a_tree", "interrupted_build", "exists",   "unsupported", "cancelled",  "invalid_argument"};
+    return names[static_cast<std::size_t>(code)];
+}
+
 Error::Error(ErrorCode code, const std::filesystem::path& path, const std::string& what, const std::string& hint)
-    : std::runtime_error(compose(path, what, hint)), code_(code), path_(path)
+    : std::runtime_error(compose(path, what, hint)), code_(code), path_(path), hint_(hint)
 {
 }
 

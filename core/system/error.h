@@ -26,6 +26,8 @@ enum class ErrorCode {
     invalid_argument,   // a parameter is outside its range
 };
 
+const char* name_of(ErrorCode code);  // "not_found"
+
 class Error : public std::runtime_error {
 public:
     // `path` is empty where no file is concerned; `hint` says what the user can do, or is empty.
@@ -40,6 +42,7 @@ public:
 
     ErrorCode code() const noexcept { return code_; }
     const std::filesystem::path& path() const noexcept { return path_; }
+    const std::string& hint() const noexcept { return hint_; }
     // The operation has done what it was asked for, and only a later step failed: the result may not survive a loss of
     // power, or remains could not be removed. Repeating the operation would do it twice. Functions that return an
     // Outcome report such failures as its warnings (system/progress.h); those that return nothing throw them.
@@ -48,6 +51,7 @@ public:
 private:
     ErrorCode code_;
     std::filesystem::path path_;
+    std::string hint_;
     bool done_ = false;
 };
 

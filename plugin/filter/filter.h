@@ -26,9 +26,9 @@ struct Filter {
     QString info;      // the help text, HTML
     // The menus that list it. After a filter the view is reset where the layers have outgrown what it showed.
     MeshFilterInterface::FilterClass menus;
-    void (*add_parameters)(RichParameterList& parameters);
+    std::function<void(RichParameterList& parameters)> add_parameters;
     // Anything thrown is reported to the user as the reason why the filter failed.
-    void (*run)(const FilterRun& run);
+    std::function<void(const FilterRun& run)> run;
     // The end of the name that dialogs propose for the result, as in NAME-normals.pct (meshlab/2020/proposed_output.h);
     // null: none is needed. Scripts name their outputs.
     const char* output = nullptr;

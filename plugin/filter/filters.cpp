@@ -1,4 +1,5 @@
 #include "plugin/filter/filter.h"
+#include "plugin/filter/operation_filter.h"
 
 namespace pcm::host {
 
@@ -16,9 +17,6 @@ Filter tree_information();
 Filter measure_filter();
 Filter profile_filter();
 Filter cut_volume();
-Filter estimate_radii();
-Filter estimate_normals();
-Filter remove_outliers();
 Filter select_points_filter();
 Filter save_selected();
 Filter extract_selected();
@@ -41,9 +39,9 @@ const std::vector<Filter>& filters()
         merge(),
         transform(),
         align(),
-        estimate_radii(),
-        estimate_normals(),
-        remove_outliers(),
+        operation_filter("radii"),
+        operation_filter("normals"),
+        operation_filter("outliers"),
         select_points_filter(),
         save_selected(),
         extract_selected(),

@@ -1,12 +1,12 @@
 // Words behind options: which are taken, and what is said of the others.
 
-#include "pcm/cli/option_values.h"
+#include "pcm/ops/values.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
 
 TEST(OptionValues, NumbersSayWhatIsAllowedInShortForm)
@@ -77,4 +77,4 @@ TEST(OptionValues, ChoicesSayWhatWasMeant)
 }
 
 }  // namespace
-}  // namespace pcm::cli
+}  // namespace pcm::ops

@@ -1,21 +1,14 @@
-#include "pcm/cli/option_values.h"
+#include "pcm/ops/values.h"
 
 #include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 
-namespace pcm::cli {
+namespace pcm::ops {
 namespace {
 
 std::string quoted(const std::string& word) { return "'" + word + "'"; }
-
-std::string short_text(double value)
-{
-    char text[40];
-    std::snprintf(text, sizeof text, "%.10g", value);
-    return text;
-}
 
 // All of the word as a number.
 std::errc read(const std::string& word, double& value)
@@ -44,6 +37,13 @@ bool resembles(const std::string& word, const std::string& name)
 }
 
 }  // namespace
+
+std::string short_text(double value)
+{
+    char text[40];
+    std::snprintf(text, sizeof text, "%.10g", value);
+    return text;
+}
 
 std::string text_of(const AllowedNumbers& allowed)
 {
@@ -136,4 +136,4 @@ std::string perhaps(const std::string& word, const std::vector<std::string>& nam
     return nearest.empty() ? "" : "; perhaps " + nearest;
 }
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-namespace pcm::cli {
+namespace pcm::ops {
 
 // Which numbers are allowed.
 struct AllowedNumbers {
@@ -19,6 +19,8 @@ struct AllowedNumbers {
 std::string text_of(const AllowedNumbers& allowed);  // "a whole number from 1 to 8", "a number greater than 0"
 // For a list of options: "1 to 8", "above 0".
 std::string brief_text_of(const AllowedNumbers& allowed);
+// Ten significant digits: limits and defaults in texts.
+std::string short_text(double value);
 
 std::string number_fault(const std::string& word, const AllowedNumbers& allowed);
 // A whole number from 0 to `most`, also as 1e6. Rewritten in decimal digits.
@@ -30,4 +32,4 @@ std::string choice_fault(const std::string& word, const std::vector<std::string>
 // What was meant by a word that is none of the names, as the end of a message: "; perhaps build". May be empty.
 std::string perhaps(const std::string& word, const std::vector<std::string>& names);
 
-}  // namespace pcm::cli
+}  // namespace pcm::ops

@@ -1,0 +1,59 @@
+#include "pcm/cli/operation_command.h"
+
+#include "pcm/cli/common.h"
+#include "pcm/cli/render.h"
+#include "pcm/ops/operation.h"
+
+#include <cstdio>
+#include <memory>
+
+namespace pcm::cli {
+namespace {
+
+struct Arguments {
+    explicit Arguments(const ops::Row& row) : operation(row.make()) {}
+    Common common;
+    std::unique_ptr<ops::Operation> operation;
+};
+
+int run(const ops::Row& row, Arguments& arguments)
+{
+    ops::Context context;
+    context.progress = console_progress(arguments.common);
+    context.gpu_radii = [&](const ops::GpuRadiiRequest& request) -> ops::Result {
+        GpuRadii radii;
+        radii.tree = request.tree;
+        radii.target = request.target;
+        radii.neighbours = request.neighbours;
+        radii.memory = request.memory_bytes;
+        radii.json = arguments.common.json;
+        radii.quiet = arguments.common.quiet;
+        start_gpu_radii(radii);
+    };
+    const ops::Result result = arguments.operation->run(context);
+    end_progress(arguments.common);
+    if (arguments.common.json) {
+        print_json(ops::json_of(row.name, result));
+    } else {
+        for (const std::string& note : result.notes) std::printf("note: %s\n", note.c_str());
+        for (const std::string& line : result.lines) std::printf("%s\n", line.c_str());
+    }
+    return finished(result.outcome);
+}
+
+}  // namespace
+
+Command operation_command(const std::string& name)
+{
+    const ops::Row* const row = ops::find_operation(name);
+    if (!row) throw std::logic_error("there is no operation " + name);
+    return {row->name, row->help, [row](Options& options) -> Run {
+                auto arguments = std::make_shared<Arguments>(*row);
+                for (ops::Argument& argument : arguments->operation->arguments().list())
+                    if (argument.is_in(ops::Face::command)) options.argument(argument);
+                add_common(options, arguments->common);
+                return [row, arguments] { return run(*row, *arguments); };
+            }};
+}
+
+}  // namespace pcm::cli

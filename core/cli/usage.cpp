@@ -1,0 +1,128 @@
+#include "pcm/cli/usage.h"
+
+#include "pcm/cli/common.h"
+#include "pcm/ops/operation.h"
+
+#include <algorithm>
+
+namespace pcm::cli {
+namespace {
+
+const Command& command_of(const std::string& name, const std::vector<Command>& commands)
+{
+    const auto found =
+        std::find_if(commands.begin(), commands.end(), [&](const Command& command) { return command.name == name; });
+    if (found == commands.end()) throw UsageError("there is no command '" + name + "'");
+    return *found;
+}
+
+Json usage_of(const Command& command)
+{
+    if (const ops::Row* const row = ops::find_operation(command.name)) return ops::usage_of(*row);
+    return {{"name", command.name}, {"help", command.help}};
+}
+
+// Text of a manual page: without HTML, and with what roff takes for its own escaped.
+std::string roff(const std::string& text)
+{
+    std::string out;
+    bool in_tag = false;
+    for (const char c : text) {
+        if (c == '<') in_tag = true;
+        if (!in_tag) {
+            if (c == '\\' || c == '-') out += '\\';
+            if ((c == '.' || c == '\'') && (out.empty() || out.back() == '\n')) out += "\\&";
+            out += c;
+        }
+        if (c == '>') in_tag = false;
+    }
+    return out;
+}
+
+std::string option_of(const ops::Argument& argument)
+{
+    if (argument.is_positional()) return "\\fI" + roff(argument.key()) + "\\fR";
+    std::string text = argument.letter() ? std::string("\\fB\\-") + argument.letter() + "\\fR, " : "";
+    text += "\\fB" + roff("--" + argument.option_name()) + "\\fR";
+    if (argument.kind() != ops::ValueKind::flag) text += " \\fI" + roff(ops::name_of(argument.kind())) + "\\fR";
+    return text;
+}
+
+std::string manual_page(const Command& command)
+{
+    std::string page =
+        ".TH " + roff("pcmlab-" + command.name) + " 1 \"\" \"pcmlab " PCM_VERSION "\" \"Point clouds\"\n";
+    page += ".SH NAME\n" + roff("pcmlab-" + command.name) + " \\- " + roff(command.help) + "\n";
+    page += ".SH SYNOPSIS\n\\fBpcmlab " + roff(command.name) + "\\fR [\\fIoptions\\fR]";
+    const ops::Row* const row = ops::find_operation(command.name);
+    if (!row) return page + "\n.SH OPTIONS\n\\fBpcmlab help " + roff(command.name) + "\\fR lists them.\n";
+    const auto operation = row->make();
+    const auto& arguments = operation->arguments().list();
+    for (const ops::Argument& argument : arguments)
+        if (argument.is_positional()) page += " " + option_of(argument);
+    page += "\n.SH DESCRIPTION\n" + roff(row->details) + "\n.SH OPTIONS\n";
+    for (const ops::Argument& argument : arguments) {
+        if (!argument.is_in(ops::Face::command) || !argument.is_shown()) continue;
+        page += ".TP\n" + option_of(argument) + "\n" + roff(argument.command_help()) + ".\n";
+    }
+    page +=
+        ".TP\n\\fB\\-\\-json\\fR\nPrint one JSON object instead of text.\n.TP\n\\fB\\-q\\fR, \\fB\\-\\-quiet\\fR\nShow "
+        "no "
+        "progress.\n.SH JSON\nBesides command, version, input, output, points, seconds, warnings and notes:\n";
+    for (const ops::ResultKey& key : row->results)
+        page += ".TP\n\\fB" + roff(key.key) + "\\fR (" + roff(key.type) + (*key.unit ? ", " + roff(key.unit) : "") +
+                ")\n" + roff(key.help) + ".\n";
+    return page +
+           ".SH EXIT STATUS\n0 done; 1 failed, nothing was changed; 2 the command line makes no sense; 3 done, with a "
+           "warning; 130 cancelled.\n";
+}
+
+// The options of a command, separated by blanks.
+std::string options_of(const Command& command)
+{
+    std::string options = "--help --json --quiet";
+    const ops::Row* const row = ops::find_operation(command.name);
+    if (!row) return options;
+    const auto operation = row->make();
+    for (const ops::Argument& argument : operation->arguments().list())
+        if (argument.is_in(ops::Face::command) && argument.is_shown() && !argument.is_positional())
+            options += " --" + argument.option_name();
+    return options;
+}
+
+std::string completion(const std::string& shell, const std::vector<Command>& commands)
+{
+    if (shell != "bash" && shell != "zsh") throw UsageError("there is no completion for '" + shell + "': bash or zsh");
+    std::string names, cases;
+    for (const Command& command : commands) {
+        names += (names.empty() ? "" : " ") + command.name;
+        cases += "        " + command.name + ") words='" + options_of(command) + "' ;;\n";
+    }
+    const std::string bash =
+        "# Completion of pcmlab, for bash: source it, or put it into bash-completion's folder.\n"
+        "_pcmlab() {\n    local word=${COMP_WORDS[COMP_CWORD]} words=''\n"
+        "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        COMPREPLY=($(compgen -W '" +
+        names + " help' -- \"$word\"))\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n" + cases +
+        "        help) words='" + names +
+        "' ;;\n    esac\n    case $word in\n        -*) COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
+        "        *) [ \"${COMP_WORDS[1]}\" != help ] || COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
+        "    esac\n}\ncomplete -o default -F _pcmlab pcmlab\n";
+    return shell == "bash" ? bash : "#compdef pcmlab\nautoload -U +X bashcompinit && bashcompinit\n" + bash;
+}
+
+}  // namespace
+
+std::optional<std::string> usage_text(const std::vector<std::string>& words, const std::vector<Command>& commands)
+{
+    if (words.size() < 2 || words[0] != "help") return std::nullopt;
+    const std::string third = words.size() > 2 ? words[2] : "";
+    if (words[1] == "--man") return manual_page(command_of(third, commands));
+    if (words[1] == "--completion") return completion(third, commands);
+    if (words[1] != "--json") return std::nullopt;
+    if (!third.empty()) return text_of(usage_of(command_of(third, commands)));
+    Json all{{"version", PCM_VERSION}, {"commands", Json::array()}};
+    for (const Command& command : commands) all["commands"].push_back(usage_of(command));
+    return text_of(all);
+}
+
+}  // namespace pcm::cli

@@ -1,0 +1,19 @@
+// What commands take, for programs: JSON, manual pages and completion of the shells, made from the table of operations.
+#pragma once
+
+#include "pcm/cli/command_line.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm::cli {
+
+// `words`: those of a command line. Answers
+//     help --json [COMMAND]           the usage of one or all commands
+//     help --man COMMAND              a manual page, for man(1)
+//     help --completion bash|zsh      a script for the shell
+// as text; nothing for any other line. Throws UsageError for a command or shell that there is not.
+std::optional<std::string> usage_text(const std::vector<std::string>& words, const std::vector<Command>& commands);
+
+}  // namespace pcm::cli

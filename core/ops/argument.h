@@ -1,0 +1,169 @@
+// One argument of an operation: its name, what people read about it, which values it takes, and where its value goes.
+//
+// An operation declares its arguments once (operation.h). The command line, MeshLab's dialogs and scripts, the usage as
+// JSON, man pages and completion are made of them, so that names, defaults and limits cannot differ between them.
+#pragma once
+
+#include "pcm/ops/values.h"
+
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace pcm::ops {
+
+// Arguments that make no sense as given, or together. The command line exits with its code for usage.
+class ArgumentError : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+// What a value is, and so how a face asks for it.
+enum class ValueKind : std::uint8_t {
+    flag,
+    whole,    // a whole number
+    real,     // a number
+    bytes,    // a size with a unit: 512M
+    text,     //
+    choice,   // one of a few names
+    words,    // names or texts, any number of them
+    numbers,  // a fixed number of numbers: x y z
+    file,     // an existing file
+    output,   // a file or folder to write
+    tree,     // a tree folder, or a file in it; in a window the current layer's where it is empty
+    trees,    // several of these
+    inputs,   // files, folders of files, trees
+};
+const char* name_of(ValueKind kind);  // "whole"
+
+struct Choice {
+    std::string name;   // on the command line: "statistical"
+    std::string label;  // in dialogs: "Statistical"
+};
+
+// One of a few values of an enumeration, by their place in the list of choices.
+struct ChoiceVariable {
+    std::function<std::size_t()> get;
+    std::function<void(std::size_t)> set;
+};
+
+// Where an operation is asked for, which decides how arguments are called in messages.
+enum class Face : std::uint8_t { command, dialog };
+
+// Where the value goes. Optional variables are empty where nothing is given.
+using Variable = std::variant<bool*, double*, std::uint32_t*, std::uint64_t*, std::string*, std::vector<std::string>*,
+                              std::vector<double>*, std::optional<double>*, std::optional<std::uint16_t>*,
+                              std::optional<std::uint32_t>*, std::optional<std::uint64_t>*, ChoiceVariable>;
+
+class Argument {
+public:
+    Argument(std::string key, Variable variable);
+
+    // ---- Declaration. Each returns *this.
+    Argument& letter(char letter);                  // -k
+    Argument& label(const std::string& label);      // in dialogs
+    Argument& help(const std::string& help);        // sentences without unit and default, which are added
+    Argument& unit(const std::string& unit);        // "source units", "degrees", "s", "%"
+    Argument& group(const std::string& heading);    // in the help of the command
+    Argument& script(const std::string& name);      // in MeshLab's scripts, where it is not the key in camel case
+    Argument& without(const std::string& meaning);  // what happens where nothing is given: "one per processor"
+    Argument& as(ValueKind kind);                   // of a text: file, output, tree; of words: inputs, trees
+    Argument& positional();                         // on the command line: by its place
+    Argument& required();
+    Argument& advanced();         // for few: below the others, and in --help-all
+    Argument& only(Face face);    // other faces do not have it
+    Argument& shown(bool shown);  // else it is accepted and in no help or dialog
+    Argument& on_in_dialogs();    // of a flag: where people see the picture, this is the better default
+    Argument& between(double least, double most);
+    Argument& positive();
+    Argument& not_negative();
+    Argument& count(std::size_t numbers);           // of ValueKind::numbers
+    Argument& degrees();                            // the variable holds radians
+    Argument& one_of(std::vector<Choice> choices);  // of a text or words
+
+    // ---- What was declared.
+    const std::string& key() const { return key_; }
+    ValueKind kind() const { return kind_; }
+    char letter() const { return letter_; }
+    const std::string& label() const { return label_; }
+    const std::string& help() const { return help_; }
+    const std::string& unit() const { return unit_; }
+    const std::string& group() const { return group_; }
+    const std::string& without() const { return without_; }
+    bool is_shown() const { return shown_; }
+    bool is_on_in_dialogs() const { return on_in_dialogs_; }
+    bool is_positional() const { return positional_; }
+    bool is_required() const { return required_; }
+    bool is_advanced() const { return advanced_; }
+    bool is_in(Face face) const { return !only_ || *only_ == face; }
+    bool is_optional() const;  // nothing may be given
+    bool is_list() const;      // words, trees, inputs
+    const AllowedNumbers& allowed() const { return allowed_; }
+    const std::vector<Choice>& choices() const { return choices_; }
+    std::size_t count() const { return count_; }
+
+    // A flag that is on by default is switched off on the command line: --no-confidence.
+    std::string option_name() const;   // "radius-neighbours", "no-confidence"; without dashes
+    std::string option_names() const;  // "-k,--neighbours"
+    std::string script_name() const;   // "RadiusNeighbours"
+    std::string default_text() const;  // "16", "512M", "off", "statistical"; empty: none
+    // The help with unit and default, as the end of an option's line: "Number of neighbours (default 16)".
+    std::string command_help() const;
+
+    // ---- Values. Each throws ArgumentError for what is not allowed, naming `name`.
+    void set(const std::vector<std::string>& words, const std::string& name);  // empty: nothing is given
+    void set(bool on);                                                         // of a flag
+    // Why a word is not a value of this argument, or empty; a word may be rewritten ("1e3" as "1000").
+    std::string fault(std::string& word) const;
+    bool is_given() const { return given_; }
+
+private:
+    void write(const std::vector<std::string>& words);
+
+    std::string key_, label_, help_, unit_, group_, script_, without_, default_;
+    char letter_ = 0;
+    ValueKind kind_;
+    bool positional_ = false, required_ = false, advanced_ = false, shown_ = true, on_in_dialogs_ = false,
+         given_ = false, default_on_ = false;
+    std::optional<Face> only_;
+    AllowedNumbers allowed_;
+    std::vector<Choice> choices_;
+    std::size_t count_ = 0;
+    double scale_ = 1;  // variable = value * scale
+    Variable variable_;
+};
+
+// The arguments of one operation, in the order of help and dialogs. References stay valid.
+class Arguments {
+public:
+    template <class T>
+    Argument& add(const std::string& key, T& variable)
+    {
+        return list_.emplace_back(key, Variable(&variable));
+    }
+    // An enumeration whose values are those of `choices`, from 0 on.
+    template <class Enum>
+    Argument& choice(const std::string& key, Enum& variable, std::vector<Choice> choices)
+    {
+        return list_
+            .emplace_back(key, ChoiceVariable{[&variable] { return static_cast<std::size_t>(variable); },
+                                              [&variable](std::size_t i) { variable = static_cast<Enum>(i); }})
+            .one_of(std::move(choices));
+    }
+
+    std::deque<Argument>& list() { return list_; }
+    const std::deque<Argument>& list() const { return list_; }
+    Argument* find(const std::string& key);
+    const Argument* find(const std::string& key) const;
+    bool given(const std::string& key) const;  // Throws std::logic_error for an argument that is not declared
+
+private:
+    std::deque<Argument> list_;
+};
+
+}  // namespace pcm::ops

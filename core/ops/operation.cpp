@@ -1,0 +1,65 @@
+#include "pcm/ops/operation.h"
+
+#include <algorithm>
+
+namespace pcm::ops {
+
+std::string called(Face face, const Argument& argument)
+{
+    if (face == Face::dialog) return "'" + argument.label() + "'";
+    if (argument.is_positional()) return argument.key();
+    return argument.letter() ? std::string("-") + argument.letter() : "--" + argument.option_name();
+}
+
+std::string Operation::called(const Context& context, const std::string& key) const
+{
+    const Argument* const argument = arguments_.find(key);
+    if (!argument) throw std::logic_error("no argument " + key + " is declared");
+    return ops::called(context.face, *argument);
+}
+
+const Row* find_operation(const std::string& name)
+{
+    const auto& rows = operations();
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return row.name == name; });
+    return found == rows.end() ? nullptr : &*found;
+}
+
+namespace {
+
+Json usage_of(const Argument& argument)
+{
+    Json json{{"key", argument.key()},     {"option", argument.option_names()}, {"script", argument.script_name()},
+              {"label", argument.label()}, {"help", argument.help()},           {"type", name_of(argument.kind())}};
+    json["unit"] = argument.unit().empty() ? Json() : Json(argument.unit());
+    json["default"] = argument.default_text().empty() ? Json() : Json(argument.default_text());
+    if (argument.is_on_in_dialogs()) json["default_in_dialogs"] = "on";
+    if (!argument.without().empty()) json["without"] = argument.without();
+    const AllowedNumbers& allowed = argument.allowed();
+    if (allowed.least) json[allowed.above_least ? "above" : "least"] = *allowed.least;
+    if (allowed.most) json["most"] = *allowed.most;
+    for (const Choice& choice : argument.choices()) json["choices"].push_back(choice.name);
+    if (argument.count()) json["count"] = argument.count();
+    json["required"] = argument.is_required();
+    json["advanced"] = argument.is_advanced();
+    return json;
+}
+
+}  // namespace
+
+Json usage_of(const Row& row)
+{
+    Json json{{"name", row.name}};
+    json["title"] = row.title ? Json(row.title) : Json();
+    json["help"] = row.help;
+    json["details"] = row.details;
+    json["arguments"] = Json::array();
+    const auto operation = row.make();
+    for (const Argument& argument : operation->arguments().list()) json["arguments"].push_back(usage_of(argument));
+    json["results"] = Json::array();
+    for (const ResultKey& key : row.results)
+        json["results"].push_back({{"key", key.key}, {"type", key.type}, {"unit", key.unit}, {"help", key.help}});
+    return json;
+}
+
+}  // namespace pcm::ops

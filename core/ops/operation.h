@@ -1,0 +1,90 @@
+// The table of operations: what a person can do with a point cloud, described once.
+//
+// An operation is one source in this folder, with a class that declares its arguments in its constructor and a row in
+// operations.cpp. The command line (cli/operation_command.h), MeshLab's filters, `pcmlab help --json`, man pages and
+// completion are made of the rows.
+#pragma once
+
+#include "pcm/ops/argument.h"
+#include "pcm/ops/result.h"
+#include "pcm/system/progress.h"
+#include "pcm/update/target.h"
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace pcm::ops {
+
+// Radii by compute shaders (gl/compute/gpu_radii.h), of a face that has OpenGL.
+struct GpuRadiiRequest {
+    std::string tree;
+    TargetChoice target;
+    std::uint32_t neighbours;
+    std::uint64_t memory_bytes;
+};
+
+struct Context {
+    Face face = Face::command;
+    ProgressFunction progress;
+    std::function<Result(const GpuRadiiRequest&)> gpu_radii;  // empty: this face has no such device
+};
+
+// One run of an operation: its arguments are set, then run() is called, once. Not thread safe; not copied, because
+// arguments point into it.
+class Operation {
+public:
+    virtual ~Operation() = default;
+    Operation(const Operation&) = delete;
+    Operation& operator=(const Operation&) = delete;
+
+    Arguments& arguments() { return arguments_; }
+    const Arguments& arguments() const { return arguments_; }
+    // Throws ArgumentError for arguments that contradict each other, and what the library's function throws.
+    virtual Result run(const Context& context) = 0;
+
+protected:
+    Operation() = default;
+    // "--radius" or 'Radius'. Throws std::logic_error for an argument that is not declared.
+    std::string called(const Context& context, const std::string& key) const;
+
+    Arguments arguments_;
+};
+std::string called(Face face, const Argument& argument);
+
+// A key of an operation's answer besides the head of all.
+struct ResultKey {
+    const char* key;
+    const char* type;  // "count", "number", "text", "flag", "list", "object"; "number?" may be null
+    const char* unit;  // "source units", "bytes"; empty: none
+    const char* help;
+};
+
+// The menus of MeshLab's filters, bits.
+namespace menu {
+inline constexpr unsigned create = 1, points = 2, sampling = 4, layers = 8, measure = 16, select = 32, quality = 64,
+                          normals = 128, clean = 256;
+}
+
+struct Row {
+    const char* name;     // the command
+    const char* title;    // in MeshLab, where scripts spell it too; null: it is a command alone
+    const char* help;     // one line
+    const char* details;  // for dialogs and manual pages; HTML's <b> and <i> may occur
+    unsigned menus;
+    const char* ending;  // names proposed for results end so: "-clean.pct"; null: none is proposed
+    std::vector<ResultKey> results;
+    std::unique_ptr<Operation> (*make)();
+};
+
+// In the order of the help.
+const std::vector<Row>& operations();
+const Row* find_operation(const std::string& name);  // null: there is none
+
+// All that a row says, for programs: name, title, help, arguments (key, option, script, label, help, unit, type,
+// default, least, most, choices, required, advanced), results. Made from a new operation, so defaults are the real
+// ones.
+Json usage_of(const Row& row);
+
+}  // namespace pcm::ops

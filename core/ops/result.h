@@ -1,0 +1,44 @@
+// What an operation returns: one structure behind the text of a command, its JSON, MeshLab's log, and Python.
+//
+// Every answer has the same head: command, version, input, output, points, seconds, warnings, notes. What an operation
+// has besides is declared in its row (operation.h: ResultKey), so that scripts can rely on names and types.
+#pragma once
+
+#include "pcm/system/progress.h"
+
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace pcm::ops {
+
+using Json = nlohmann::ordered_json;
+
+enum class Makes : std::uint8_t {
+    nothing,  // an answer
+    cloud,    // another tree, `output`
+    changed,  // `output` is an input that was changed in place
+    file,     // `output` is no tree
+};
+
+struct Result {
+    std::vector<std::string> input;
+    std::string output;  // empty: nothing was written
+    Makes makes = Makes::nothing;
+    Outcome outcome;  // its `points_out` are the head's points
+    std::vector<std::string> notes;
+    std::vector<std::string> lines;  // for people, without notes and warnings
+    Json values = Json::object();    // what the operation has besides the head
+
+    void line(const std::string& text) { lines.push_back(text); }
+};
+
+// The head, then the values. `command` is the operation's name.
+Json json_of(const std::string& command, const Result& result);
+
+// The errors of one operation as JSON: {"error": {"code", "text", "path", "hint"}}.
+Json json_of_error(const std::exception& error);
+
+}  // namespace pcm::ops

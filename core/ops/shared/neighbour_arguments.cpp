@@ -1,0 +1,80 @@
+#include "pcm/ops/shared/neighbour_arguments.h"
+
+#include "pcm/ops/shared/attribute_report.h"
+
+namespace pcm::ops {
+
+void NeighbourArguments::declare(Arguments& arguments, const std::string& meaning)
+{
+    arguments.add("neighbours", neighbours)
+        .letter('k')
+        .between(1, most_neighbours)
+        .label("Neighbours")
+        .help("Number of nearest neighbours " + meaning + ", without the point itself");
+    arguments.add("max_distance", max_distance)
+        .positive()
+        .unit("source units")
+        .label("Farthest neighbour")
+        .help("Neighbours that are farther from the point do not count")
+        .without("none")
+        .advanced();
+    const char* const group = "Precision (default: exact)";
+    arguments.add("level", level)
+        .label("Level")
+        .help("Compute the points up to this level of detail; the others take their nearest one's values")
+        .without("all points, exactly")
+        .group(group)
+        .advanced();
+    arguments.add("time_limit", time_limit)
+        .positive()
+        .unit("s")
+        .label("Time limit")
+        .help(
+            "Choose the finest level that is predicted to take no longer; where it takes longer, the rest is computed "
+            "at coarser levels")
+        .without("none")
+        .group(group)
+        .advanced();
+    arguments.add("error_target", error_target)
+        .not_negative()
+        .unit("%")
+        .label("Error target")
+        .help(
+            "Choose the coarsest level at which 95 % of the points are predicted to have no larger error; for normals "
+            "1 is an angle of 0.01")
+        .without("none")
+        .group(group)
+        .advanced();
+    work.declare(arguments, least_attribute_memory);
+    flann_argument(arguments, flann);
+}
+
+void NeighbourArguments::put_into(NeighbourAttributeOptions& options, const std::string& called_memory) const
+{
+    work.keep_memory_limit(called_memory);
+    options.neighbours = neighbours;
+    if (max_distance) options.max_distance = *max_distance;
+    options.level = level;
+    options.time_limit = time_limit;
+    options.error_target_percent = error_target;
+    options.memory_bytes = work.memory;
+    options.threads = work.threads;
+    options.backend = flann ? NeighbourBackend::flann : NeighbourBackend::own;
+}
+
+Result compute_attributes(const Context& context, const TargetArguments& choice, const Arguments& arguments,
+                          NeighbourAttributeOptions options)
+{
+    options.progress = context.progress;
+    options.overwrite = choice.overwrite;
+    UpdateTarget target(choice.tree, choice.choice(context.face, arguments));
+    NeighbourAttributeReport report = target.update(
+        [&](const std::filesystem::path& folder) { return compute_neighbour_attributes(folder, options); });
+    note_memory(report, options.memory_bytes);
+    Result result;
+    choice.describe(result, target.path().string());
+    put_attribute_report(result, options.wanted, report);
+    return result;
+}
+
+}  // namespace pcm::ops

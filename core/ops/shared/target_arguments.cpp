@@ -1,0 +1,54 @@
+#include "pcm/ops/shared/target_arguments.h"
+
+namespace pcm::ops {
+
+void TargetArguments::declare_tree(Arguments& arguments)
+{
+    arguments.add("tree", tree)
+        .as(ValueKind::tree)
+        .positional()
+        .required()
+        .label("Tree folder")
+        .help("Tree folder, or any file of it");
+}
+
+void TargetArguments::declare_target(Arguments& arguments, const std::string& lost)
+{
+    arguments.add("output", output)
+        .letter('o')
+        .as(ValueKind::output)
+        .label("Output folder")
+        .help(
+            "Tree folder to write, by convention NAME.pct: a copy that shares unchanged data with the original where "
+            "the file system allows");
+    arguments.add("in_place", in_place).label("In place").help("Change the tree itself, atomically");
+    arguments.add("overwrite", overwrite)
+        .label("Overwrite")
+        .help("Replace an existing tree of the output's name" +
+              (lost.empty() ? ""
+                            : "; also write " + lost +
+                                  " where the tree has an attribute of this name from elsewhere, whose values are "
+                                  "lost"));
+}
+
+TargetChoice TargetArguments::choice(Face face, const Arguments& arguments) const
+{
+    const std::string output_name = called(face, *arguments.find("output")),
+                      in_place_name = called(face, *arguments.find("in_place"));
+    if (output.empty() && !in_place)
+        throw ArgumentError("no output is given: name the tree to write by " + output_name + ", or give " +
+                            in_place_name + " to change this one");
+    if (!output.empty() && in_place && face == Face::command)
+        throw ArgumentError("give either " + output_name + ", a tree to write, or " + in_place_name + ", not both");
+    if (in_place) return {{}, true, overwrite};
+    return {output, false, overwrite};
+}
+
+void TargetArguments::describe(Result& result, const std::string& changed) const
+{
+    result.input = {tree};
+    result.output = changed;
+    result.makes = in_place ? Makes::changed : Makes::cloud;
+}
+
+}  // namespace pcm::ops

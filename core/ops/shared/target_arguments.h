@@ -1,0 +1,24 @@
+// The tree that an operation changes, and where the result goes: a copy, or the tree itself.
+#pragma once
+
+#include "pcm/ops/operation.h"
+#include "pcm/update/target.h"
+
+#include <string>
+
+namespace pcm::ops {
+
+struct TargetArguments {
+    std::string tree, output;
+    bool in_place = false, overwrite = false;
+    // `lost`: attributes of these names that the operation did not make are written with --overwrite alone; empty: it
+    // writes none.
+    void declare_tree(Arguments& arguments);
+    void declare_target(Arguments& arguments, const std::string& lost);
+    // Throws ArgumentError unless exactly one of the two was given.
+    TargetChoice choice(Face face, const Arguments& arguments) const;
+    // What was changed, for the result.
+    void describe(Result& result, const std::string& changed) const;
+};
+
+}  // namespace pcm::ops

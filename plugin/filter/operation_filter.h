@@ -1,0 +1,22 @@
+// A row of the table of operations (core/ops) as a filter.
+#pragma once
+
+#include "pcm/ops/operation.h"
+#include "plugin/filter/filter.h"
+
+#include <string>
+
+namespace pcm::host {
+
+// What a filter does besides: for operations whose inputs or results live in the window too.
+struct OperationHooks {
+    // Before the operation runs; the arguments are set.
+    std::function<void(const FilterRun& run, ops::Operation& operation)> before;
+    // After it, in place of showing the tree that it has made.
+    std::function<void(const FilterRun& run, const ops::Operation& operation, const ops::Result& result)> after;
+};
+
+// Throws std::logic_error where the table has no such operation.
+Filter operation_filter(const std::string& name, OperationHooks hooks = {});
+
+}  // namespace pcm::host

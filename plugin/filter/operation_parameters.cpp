@@ -1,0 +1,188 @@
+#include "plugin/filter/operation_parameters.h"
+
+#include "plugin/filter/parameters.h"
+#include "plugin/filter/result_parameters.h"
+
+#include <QRegularExpression>
+
+namespace pcm::host {
+
+namespace {
+
+using ops::Argument;
+using ops::ValueKind;
+
+constexpr int megabyte_bits = 20;
+
+QString quoted_default(const Argument& argument)
+{
+    if (argument.kind() == ValueKind::tree) return "Empty, the default: the tree that the current layer shows.";
+    if (!argument.without().empty()) return "Default: " + QString::fromStdString(argument.without()) + ".";
+    const QString value = argument.is_on_in_dialogs() ? QString("on") : QString::fromStdString(argument.default_text());
+    if (argument.kind() == ValueKind::output) return "A dialog proposes a name; scripts have no default.";
+    if (argument.kind() == ValueKind::choice) {
+        for (const ops::Choice& choice : argument.choices())
+            if (choice.name == argument.default_text())
+                return "Default " + QString::fromStdString(choice.label).toLower() + ".";
+    }
+    return value.isEmpty() ? "No default." : "Default " + value + ".";
+}
+
+QString tooltip_of(const Argument& argument)
+{
+    QString text = QString::fromStdString(argument.help());
+    if (!argument.unit().empty()) text += ", in " + QString::fromStdString(argument.unit());
+    if (argument.kind() == ValueKind::bytes) text += ", in megabytes";
+    if (argument.is_optional() && argument.kind() == ValueKind::real) text += "; 0: none";
+    if (argument.is_optional() && argument.kind() == ValueKind::whole) text += "; -1: none";
+    if (argument.is_list()) text += "; several are separated by semicolons";
+    if (!text.endsWith('.')) text += ".";
+    return text + " " + quoted_default(argument);
+}
+
+std::string label_of(const Argument& argument)
+{
+    if (argument.kind() == ValueKind::bytes) return argument.label() + " (MB)";
+    return argument.unit().empty() || argument.unit() == "source units"
+               ? argument.label()
+               : argument.label() + " (" + argument.unit() + ")";
+}
+
+int megabytes_of(const std::string& size)
+{
+    std::string word = size;
+    ops::bytes_fault(word);
+    return static_cast<int>(std::stoull(word) >> megabyte_bits);
+}
+
+void add_parameter(const Argument& argument, RichParameterList& parameters)
+{
+    const QString name = QString::fromStdString(argument.script_name()),
+                  label = QString::fromStdString(label_of(argument)), tip = tooltip_of(argument),
+                  value = QString::fromStdString(argument.default_text());
+    switch (argument.kind()) {
+        case ValueKind::flag:
+            parameters.addParam(RichBool(name, value == "on" || argument.is_on_in_dialogs(), label, tip));
+            return;
+        case ValueKind::whole:
+            parameters.addParam(RichInt(name, argument.is_optional() ? -1 : value.toInt(), label, tip));
+            return;
+        case ValueKind::real:
+            parameters.addParam(RichFloat(name, argument.is_optional() ? 0 : value.toFloat(), label, tip));
+            return;
+        case ValueKind::bytes:
+            parameters.addParam(RichInt(name, megabytes_of(argument.default_text()), label, tip));
+            return;
+        case ValueKind::choice: {
+            QStringList labels;
+            int at = 0;
+            for (const ops::Choice& choice : argument.choices()) {
+                if (choice.name == argument.default_text()) at = labels.size();
+                labels << QString::fromStdString(choice.label);
+            }
+            parameters.addParam(RichEnum(name, at, labels, label, tip));
+            return;
+        }
+        default:
+            parameters.addParam(RichString(name, value, label, tip));
+    }
+}
+
+std::vector<std::string> split(const QString& text, const char* separators)
+{
+    std::vector<std::string> words;
+    for (const QString& part : text.split(QRegularExpression(separators), Qt::SkipEmptyParts))
+        if (!part.trimmed().isEmpty()) words.push_back(part.trimmed().toStdString());
+    return words;
+}
+
+// The words of a field of text.
+std::vector<std::string> words_of(const Argument& argument, const QString& text)
+{
+    switch (argument.kind()) {
+        case ValueKind::numbers:
+            return split(text, "[\\s,;]+");
+        case ValueKind::words:
+            return split(text, "[,;]");
+        case ValueKind::inputs:
+        case ValueKind::trees: {
+            std::vector<std::string> paths;
+            for (const auto& path : split_paths(text)) paths.push_back(path.string());
+            return paths;
+        }
+        case ValueKind::file:
+        case ValueKind::output:
+            if (text.trimmed().isEmpty()) return {};
+            return {absolute_path(text).string()};
+        default:
+            return text.trimmed().isEmpty() ? std::vector<std::string>{} : std::vector<std::string>{text.toStdString()};
+    }
+}
+
+std::vector<std::string> choice_of(const Argument& argument, int index)
+{
+    const auto& choices = argument.choices();
+    if (index < 0 || static_cast<std::size_t>(index) >= choices.size())
+        throw ops::ArgumentError("'" + argument.label() + "' is " + std::to_string(index) + "; it must be 0 to " +
+                                 std::to_string(choices.size() - 1));
+    return {choices[static_cast<std::size_t>(index)].name};
+}
+
+void set(Argument& argument, const FilterRun& run)
+{
+    const RichParameterList& parameters = run.parameters;
+    const QString name = QString::fromStdString(argument.script_name());
+    const std::string called = "'" + argument.label() + "'";
+    if (argument.kind() == ValueKind::tree) {
+        argument.set({tree_of(parameters, run.document).string()}, called);
+        return;
+    }
+    if (!parameters.hasParameter(name)) {
+        run.log("The script does not have the parameter " + name.toStdString() + ": " +
+                quoted_default(argument).toStdString());
+        return;
+    }
+    switch (argument.kind()) {
+        case ValueKind::flag:
+            argument.set(parameters.getBool(name));
+            return;
+        case ValueKind::whole: {
+            const int value = parameters.getInt(name);
+            if (value < 0 && argument.is_optional()) return;
+            argument.set({std::to_string(value)}, called);
+            return;
+        }
+        case ValueKind::real: {
+            const double value = decimal_of(parameters, argument.script_name().c_str());
+            if (value == 0 && argument.is_optional()) return;
+            argument.set({exact(value)}, called);
+            return;
+        }
+        case ValueKind::bytes:
+            argument.set({std::to_string(parameters.getInt(name)) + "M"}, called);
+            return;
+        case ValueKind::choice:
+            argument.set(choice_of(argument, parameters.getEnum(name)), called);
+            return;
+        default:
+            argument.set(words_of(argument, parameters.getString(name)), called);
+    }
+}
+
+}  // namespace
+
+void add_parameters(const ops::Arguments& arguments, RichParameterList& parameters)
+{
+    for (const bool advanced : {false, true})
+        for (const Argument& argument : arguments.list())
+            if (argument.is_in(ops::Face::dialog) && argument.is_shown() && argument.is_advanced() == advanced)
+                add_parameter(argument, parameters);
+}
+
+void set_arguments(ops::Arguments& arguments, const FilterRun& run)
+{
+    for (Argument& argument : arguments.list())
+        if (argument.is_in(ops::Face::dialog) && argument.is_shown()) set(argument, run);
+}
+
+}  // namespace pcm::host

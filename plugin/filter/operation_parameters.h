@@ -1,0 +1,20 @@
+// The arguments of an operation as parameters of MeshLab's dialogs and scripts.
+#pragma once
+
+#include "pcm/ops/argument.h"
+#include "plugin/filter/filter.h"
+
+namespace pcm::host {
+
+// One parameter for each argument that dialogs have, basic ones first: a flag is a RichBool, a whole number a RichInt
+// (-1: none, where there may be none), a number a RichFloat (0: none), a size a RichInt in megabytes, a choice a
+// RichEnum, and all else a RichString (lists separated by semicolons, numbers by blanks). The tooltip has unit and
+// default.
+void add_parameters(const ops::Arguments& arguments, RichParameterList& parameters);
+
+// Sets the arguments. A script of an earlier version lacks newer parameters: these keep their defaults, and the log
+// says so. An empty tree is that of the current layer. Throws ops::ArgumentError for values that are not allowed, and
+// Error(invalid_argument) where there is no such layer.
+void set_arguments(ops::Arguments& arguments, const FilterRun& run);
+
+}  // namespace pcm::host
