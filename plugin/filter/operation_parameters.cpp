@@ -1,5 +1,6 @@
 #include "plugin/filter/operation_parameters.h"
 
+#include "pcm/system/text.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
 

@@ -16,36 +16,12 @@ const char* const owner = "measure";
 
 }  // namespace
 
-MeasureBook::MeasureBook(Scene& scene) : QObject(&scene), scene_(scene)
+MeasureBook::MeasureBook(Scene& scene) : ListBook(scene)
 {
     unit_ = length_unit_of(scene);
     // Other layers may have other units.
     connect(&scene, &Scene::cloud_attached, this, &MeasureBook::refresh_unit);
     connect(&scene, &Scene::cloud_detached, this, &MeasureBook::refresh_unit);
-}
-
-void MeasureBook::change(const std::function<void(MeasureList& list)>& step)
-{
-    MeasureList changed = list_;
-    step(changed);
-    list_ = std::move(changed);
-    if (selected_ && *selected_ >= list_.size()) selected_.reset();
-    show();
-}
-
-void MeasureBook::replace(MeasureList list)
-{
-    list_ = std::move(list);
-    selected_.reset();
-    show();
-}
-
-void MeasureBook::select(std::optional<std::size_t> index)
-{
-    if (index && *index >= list_.size()) index.reset();
-    if (index == selected_) return;
-    selected_ = index;
-    show();
 }
 
 void MeasureBook::refresh_unit()
@@ -59,8 +35,8 @@ void MeasureBook::refresh_unit()
 void MeasureBook::show()
 {
     std::vector<Measure> measures;
-    for (std::size_t i = 0; i < list_.size(); ++i) measures.push_back(list_[i]);
-    scene_.part<Annotations>().set(owner, drawn_measures(measures, unit_.symbol, selected_));
+    for (std::size_t i = 0; i < list().size(); ++i) measures.push_back(list()[i]);
+    scene_.part<Annotations>().set(owner, drawn_measures(measures, unit_.symbol, selected()));
     emit changed();
 }
 

@@ -40,7 +40,7 @@ std::string cloud_name(const SceneLayer& layer)
     return tree && !tree->is_copy() ? tree->cloud->tree()->folder().string() : layer.label().toStdString();
 }
 
-PrimitiveBook::PrimitiveBook(Scene& scene) : QObject(&scene), scene_(scene)
+PrimitiveBook::PrimitiveBook(Scene& scene) : ListBook(scene)
 {
     timer_.setInterval(look_ms);
     connect(&timer_, &QTimer::timeout, this, &PrimitiveBook::follow_matrices);
@@ -49,30 +49,6 @@ PrimitiveBook::PrimitiveBook(Scene& scene) : QObject(&scene), scene_(scene)
         for (auto each = points_.begin(); each != points_.end();)
             each = is_drawn(each->second->tree()) ? std::next(each) : points_.erase(each);
     });
-}
-
-void PrimitiveBook::change(const std::function<void(PrimitiveList& list)>& step)
-{
-    PrimitiveList changed = list_;
-    step(changed);
-    list_ = std::move(changed);
-    if (selected_ && *selected_ >= list_.size()) selected_.reset();
-    show();
-}
-
-void PrimitiveBook::replace(PrimitiveList list)
-{
-    list_ = std::move(list);
-    selected_.reset();
-    show();
-}
-
-void PrimitiveBook::select(std::optional<std::size_t> index)
-{
-    if (index && *index >= list_.size()) index.reset();
-    if (index == selected_) return;
-    selected_ = index;
-    show();
 }
 
 SceneLayer* PrimitiveBook::layer_of(const Primitive& primitive) const
@@ -98,7 +74,7 @@ std::optional<Affine> PrimitiveBook::placement_of(const Primitive& primitive) co
 
 std::vector<Primitive> PrimitiveBook::placed(bool hidden_too) const
 {
-    std::vector<Primitive> all = list_.all();
+    std::vector<Primitive> all = list().all();
     for (Primitive& primitive : all) {
         const auto placement = placement_of(primitive);
         if (!placement || (primitive.hidden && !hidden_too)) continue;
@@ -139,8 +115,8 @@ const ReachedFrom* PrimitiveBook::reached(const Primitive& primitive) const
 QString PrimitiveBook::reached_text() const
 {
     std::map<std::string, ReachedFrom> known;
-    for (std::size_t i = 0; i < list_.size(); ++i)
-        if (const ReachedFrom* from = reached(list_[i])) known[key_of(list_[i])] = *from;
+    for (std::size_t i = 0; i < list().size(); ++i)
+        if (const ReachedFrom* from = reached(list()[i])) known[key_of(list()[i])] = *from;
     return known.empty() ? QString() : text_of(known);
 }
 
@@ -160,13 +136,13 @@ void PrimitiveBook::show()
     std::vector<Annotation> drawn;
     placements_.clear();
     std::size_t shown = 0;
-    for (std::size_t i = 0; i < list_.size(); ++i) shown += !list_[i].hidden;
-    for (std::size_t i = 0; i < list_.size(); ++i) {
-        const Primitive& primitive = list_[i];
+    for (std::size_t i = 0; i < list().size(); ++i) shown += !list()[i].hidden;
+    for (std::size_t i = 0; i < list().size(); ++i) {
+        const Primitive& primitive = list()[i];
         const auto [place, is_new] = placements_.try_emplace(primitive.cloud);
         if (is_new) place->second = placement_of(primitive);
         if (primitive.hidden) continue;
-        const bool is_selected = selected_ == i;
+        const bool is_selected = selected() == i;
         const bool labelled = is_selected || shown <= most_labels;
         for (Annotation& line : drawn_primitive(
                  primitive, place->second,
@@ -174,15 +150,15 @@ void PrimitiveBook::show()
             drawn.push_back(std::move(line));
     }
     scene_.part<Annotations>().set(owner, std::move(drawn));
-    list_.empty() ? timer_.stop() : timer_.start();
+    list().empty() ? timer_.stop() : timer_.start();
     emit changed();
 }
 
 void PrimitiveBook::follow_matrices()
 {
-    for (std::size_t i = 0; i < list_.size(); ++i) {
-        const auto drawn = placements_.find(list_[i].cloud);
-        if (drawn == placements_.end() || !same_map(drawn->second, placement_of(list_[i]))) return show();
+    for (std::size_t i = 0; i < list().size(); ++i) {
+        const auto drawn = placements_.find(list()[i].cloud);
+        if (drawn == placements_.end() || !same_map(drawn->second, placement_of(list()[i]))) return show();
     }
 }
 

@@ -8,13 +8,11 @@
 #include "pcm/place/reached_from.h"
 #include "pcm/query/point_set.h"
 #include "pcm/shapes/primitive_list.h"
-#include "plugin/scene/scene_view.h"
+#include "plugin/scene/list_book.h"
 
-#include <QObject>
 #include <QTimer>
 
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -26,21 +24,11 @@ namespace pcm::host {
 // What Primitive::cloud is for the cloud of a layer: the folder of its tree, or the label of an ordinary layer.
 std::string cloud_name(const SceneLayer& layer);
 
-class PrimitiveBook : public QObject {
+class PrimitiveBook : public ListBook<PrimitiveList> {
     Q_OBJECT
 
 public:
     explicit PrimitiveBook(Scene& scene);
-
-    const PrimitiveList& list() const { return list_; }
-    // Passes on what `step` throws; the list is then as it was.
-    void change(const std::function<void(PrimitiveList& list)>& step);
-    // In place of the present ones, which cannot be had back.
-    void replace(PrimitiveList list);
-
-    // The one that is shown in bold.
-    std::optional<std::size_t> selected() const { return selected_; }
-    void select(std::optional<std::size_t> index);
 
     // The layer that shows the primitive's cloud; null: none does.
     SceneLayer* layer_of(const Primitive& primitive) const;
@@ -62,17 +50,11 @@ public:
     QString reached_text() const;
     void take_reached(const QString& text);
 
-signals:
-    void changed();  // the list or the selection
-
 private:
-    void show();
+    void show() override;
     void follow_matrices();
     bool is_drawn(const Tree& tree) const;
 
-    Scene& scene_;
-    PrimitiveList list_;
-    std::optional<std::size_t> selected_;
     std::map<std::string, std::shared_ptr<const PointSet>> points_;  // by cloud and shape
     std::map<std::string, ReachedFrom> reached_;                     // likewise
     std::map<std::string, std::optional<Affine>> placements_;        // of the clouds, as drawn

@@ -181,7 +181,7 @@ TEST_F(PrimitiveBooks, AreKeptInProjects)
     EXPECT_EQ(text_of(back.fit.shape), text_of(odd.fit.shape));
     EXPECT_EQ(back.fit.errors.radius, odd.fit.errors.radius);
     EXPECT_EQ(back.bounds.to, odd.bounds.to);
-    EXPECT_EQ(book().layer_of(back), layer_);
+    EXPECT_EQ(book().layer_of(back), &layer_of(*layer_));
     EXPECT_FALSE(book().list().can_undo()) << "undo would empty a project that was opened";
     // What cannot be read changes nothing.
     take_parts(QByteArray(file).replace("cylinder", "potato"), scene_of(document_));
@@ -228,7 +228,7 @@ TEST_F(PrimitiveBooks, AnotherCloudOfTheSameNameIsNotTheirs)
     const test::TemporaryFolder other;
     const fs::path same_name = other / tree_.filename();
     Primitive primitive = pipe(same_name.string());
-    EXPECT_EQ(book().layer_of(primitive), layer_) << "the project was moved";
+    EXPECT_EQ(book().layer_of(primitive), &layer_of(*layer_)) << "the project was moved";
     fs::create_directory(same_name);
     EXPECT_EQ(book().layer_of(primitive), nullptr) << "it is where it was, and not open";
 }

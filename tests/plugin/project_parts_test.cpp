@@ -89,7 +89,7 @@ TEST_F(ProjectParts, TheUnitOfLengths)
     }
     EXPECT_THROW(choose_unit(scene_of(document), "yard"), Error);
     MeshDocument other;
-    take_parts(QByteArray(with_parts(project, scene_of(document))).replace("unknown", "yard"), other);
+    take_parts(QByteArray(with_parts(project, scene_of(document))).replace("unknown", "yard"), scene_of(other));
     EXPECT_EQ(chosen_unit(scene_of(other)), std::nullopt);
 }
 

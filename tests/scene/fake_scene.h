@@ -4,6 +4,7 @@
 #include "tests/support.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/cloud/vector.h"
 #include "pcm/generate/scene.h"
 #include "plugin/scene/scene_view.h"
 
@@ -11,6 +12,7 @@
 #include <QString>
 #include <QStringList>
 
+#include <algorithm>
 #include <memory>
 #include <string>
 #include <utility>
@@ -142,7 +144,7 @@ private:
     int current_ = -1, next_id_ = 0;
 };
 
-// Looks straight down at far_away from 100 units above it, 800 x 600 pixels, orthographic: a pixel is 0.1 units.
+// 800 x 600 pixels, orthographic, straight down from 100 units above a place: a pixel is 0.1 units.
 class FakeView : public SceneView {
 public:
     explicit FakeView(FakeScene& scene) : SceneView(nullptr), scene_(scene)
@@ -172,13 +174,14 @@ public:
     void give_to_camera(const QEvent&) override { ++camera_events; }
     void show_line(const QString& title, const QString& text) override { line = title + ": " + text; }
 
-    // A picture of these layers.
-    void paint(std::vector<int> layers)
+    // A picture of these layers; `centre` is in its middle.
+    void paint(std::vector<int> layers, const Vec3d& centre = far_away)
     {
         Camera camera;
         camera.width = 800;
         camera.height = 600;
-        camera.modelview = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, -100, 1};
+        const Vec3d eye = centre - far_away + Vec3d{0, 0, 100};
+        camera.modelview = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -eye[0], -eye[1], -eye[2], 1};
         const double near = 1, far = 1000;
         camera.projection = {
             1.0 / 40, 0, 0, 0, 0, 1.0 / 30, 0, 0, 0, 0, -2 / (far - near), 0, 0, 0, -(far + near) / (far - near), 1};
@@ -197,7 +200,7 @@ private:
     FakeScene& scene_;
     QMainWindow window_;
     QWidget* widget_ = nullptr;
-    ViewPose pose_;
+    ViewPose pose_{{}, 60};
 };
 
 }  // namespace pcm::host

@@ -4,6 +4,7 @@
 #include "plugin/scene/annotations.h"
 #include "plugin/scene/clip_history.h"
 #include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/proxy.h"
 #include "plugin/tools/align/align_session.h"
 #include "plugin/tools/all/tools.h"
 #include "plugin/tools/clip/clip_tool.h"
@@ -16,6 +17,9 @@
 #include <QKeyEvent>
 #include <QMouseEvent>
 #include <QVariantMap>
+
+#include <algorithm>
+#include <functional>
 
 namespace pcm::host {
 namespace {
@@ -115,23 +119,26 @@ TEST_F(ToolInScene, DragsAwayFromTheHandlesAreTheCameras)
 TEST_F(ToolInScene, AClickPicksTheVisiblePoint)
 {
     FakeLayer& city = scene_.add("city", make_tree(folder_, "city", 20000));
-    view_.paint({city.id()});
+    const Proxy sample = make_proxy(*city.cloud->cloud, far_away);
+    const auto highest = std::max_element(sample.points.begin(), sample.points.end(),
+                                          [](const auto& p, const auto& q) { return p.position[2] < q.position[2]; });
+    const Vec3d top = far_away + Vec3d{highest->position[0], highest->position[1], highest->position[2]};
+    view_.paint({city.id()}, top);
     PickTool tool;
     ASSERT_TRUE(tool.start(view_));
     const auto answer = [this] { return view_.widget().property("pcm_pick").toMap(); };
-    const auto bounds = city.cloud->cloud->info().bounds();
-    const Vec3d middle = bounds.centre() - far_away;
-    click(tool, {400 + middle[0] * 10, 300 - middle[1] * 10});
+    const QPointF middle(400, 300);
+    click(tool, middle);
     ASSERT_TRUE(wait_until([&] { return answer()["final"].toBool(); }));
     EXPECT_EQ(answer()["message"].toString(), QString());
     const QVariantMap point = answer()["point"].toMap();
     EXPECT_EQ(point["layer"].toString(), "city");
-    EXPECT_NEAR(point["x"].toDouble(), bounds.centre()[0], 1);
-    EXPECT_NEAR(point["y"].toDouble(), bounds.centre()[1], 1);
+    EXPECT_NEAR(point["x"].toDouble(), top[0], 0.6);
+    EXPECT_NEAR(point["y"].toDouble(), top[1], 0.6);
     // A face of another layer that is nearer hides it.
     view_.occluder = {1e-3, "roof"};
-    click(tool, {400 + middle[0] * 10, 300 - middle[1] * 10});
-    ASSERT_TRUE(wait_until([&] { return answer()["message"].toString().contains("in front of the layer roof"); }));
+    click(tool, middle);
+    EXPECT_TRUE(wait_until([&] { return answer()["message"].toString().contains("in front of the layer roof"); }));
     tool.end();
 }
 

@@ -4,8 +4,8 @@
 #include "pcm/system/text.h"
 #include "plugin/panels/message_area.h"
 #include "plugin/panels/tool_dock.h"
-#include "plugin/tools/clip/box_handles.h"
 #include "plugin/scene/tidy_numbers.h"
+#include "plugin/tools/clip/box_handles.h"
 
 #include <QAction>
 #include <QCheckBox>

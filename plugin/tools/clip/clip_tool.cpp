@@ -7,8 +7,8 @@
 #include "plugin/scene/scene_view.h"
 #include "plugin/scene/shown_points.h"
 #include "plugin/scene/text.h"
-#include "plugin/tools/clip/clip_drawing.h"
 #include "plugin/scene/tidy_numbers.h"
+#include "plugin/tools/clip/clip_drawing.h"
 #include "plugin/tools/view_camera.h"
 
 #include "pcm/cloud/vector.h"

@@ -7,10 +7,10 @@
 #pragma once
 
 #include "plugin/scene/picker.h"
+#include "plugin/scene/worker.h"
 #include "plugin/tools/fit/fit_panel.h"
 #include "plugin/tools/list_tool.h"
 #include "plugin/tools/selection_uses.h"
-#include "plugin/tools/worker.h"
 
 #include <QPointer>
 
@@ -88,7 +88,7 @@ private:
     std::string unit_;    // of lengths
     bool again_ = false;  // the wanted fit has changed while it ran
     int fits_ = 0;        // that were answered
-    Worker worker_;
+    Worker worker_{"a shape is being fitted"};
 };
 
 }  // namespace pcm::host

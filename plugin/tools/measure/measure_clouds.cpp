@@ -100,7 +100,7 @@ void MeasureTool::plot(const Measure& measure)
     data->options.clips = shown.clips;
     data->title = QString::fromStdString(measure.name);
     data->unit = QString::fromStdString(book().unit().symbol);
-    begin("Profile", [this, data](const ProgressFunction& progress) -> CloudWork::Result {
+    begin("Profile", [this, data](const ProgressFunction& progress) -> Afterwards {
         read_profile(*data, most_plotted, progress);
         return [this, data] {
             if (!view_) return;
@@ -126,7 +126,7 @@ void MeasureTool::write_points(const std::shared_ptr<const ProfileData>& data, c
     if (!typed) file += "." + extension;
     begin("Writing",
           [this, data, file, typed,
-           shown = QPointer<ProfileWindow>(&window)](const ProgressFunction& progress) -> CloudWork::Result {
+           shown = QPointer<ProfileWindow>(&window)](const ProgressFunction& progress) -> Afterwards {
               ProfileOptions options = data->options;
               options.progress = progress;
               for (const Attribute& attribute : data->cloud->info().schema)
@@ -175,8 +175,7 @@ void MeasureTool::find_volume(const Measure& measure)
         const VolumeReport report = measure_volume(*cloud, running);
         std::vector<MeasureValue> values = report.values();
         if (!compared) values.push_back({"level", level, 0, ""});
-        return CloudWork::Result(
-            [this, measure, values, notes = report.notes()] { take_volume(measure, values, notes); });
+        return Afterwards([this, measure, values, notes = report.notes()] { take_volume(measure, values, notes); });
     });
 }
 
@@ -200,9 +199,18 @@ void MeasureTool::take_volume(const Measure& measure, const std::vector<MeasureV
     say("the volume's measure has been deleted");
 }
 
-void MeasureTool::begin(const QString& what, const std::function<CloudWork::Result(const ProgressFunction&)>& work)
+void MeasureTool::begin(const QString& what, const std::function<Afterwards(const ProgressFunction& progress)>& work)
 {
-    work_.start(work);
+    const auto afterwards = std::make_shared<Afterwards>();
+    work_.start([work, afterwards](const ProgressFunction& progress) { *afterwards = work(progress); },
+                [this, afterwards](std::exception_ptr failure) {
+                    if (panel_) panel_->show_progress(std::nullopt);
+                    if (work_.is_cancelled()) return;  // what was found in spite of that is dropped
+                    guarded([&] {
+                        if (failure) std::rethrow_exception(failure);
+                        (*afterwards)();
+                    });
+                });
     panel_->show_progress(std::make_pair(what, 0.0));
 }
 

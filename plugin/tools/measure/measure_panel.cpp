@@ -8,8 +8,8 @@
 #include "plugin/scene/measure_text.h"
 #include "plugin/scene/project_unit.h"
 #include "plugin/scene/text.h"
-#include "plugin/tools/measure/draft.h"
 #include "plugin/scene/tidy_numbers.h"
+#include "plugin/tools/measure/draft.h"
 
 #include <QComboBox>
 #include <QGridLayout>

@@ -66,12 +66,8 @@ QString so_far(const Draft& draft, const std::string& unit)
 
 MeasureTool::MeasureTool() : ListTool("Measure"), picks_(std::make_unique<QObject>())
 {
-    connect(&work_, &CloudWork::progressed, this, [this](const QString& stage, double fraction) {
+    connect(&work_, &Worker::progressed, this, [this](double fraction, const QString& stage) {
         if (panel_) panel_->show_progress(std::make_pair(stage, fraction));
-    });
-    connect(&work_, &CloudWork::ended, this, [this](const QString& error) {
-        if (panel_) panel_->show_progress(std::nullopt);
-        if (!error.isEmpty()) say(error);
     });
 }
 
@@ -226,7 +222,7 @@ bool MeasureTool::cancel()
 
 bool MeasureTool::stop()
 {
-    const bool did = !draft_.empty() || work_.running();
+    const bool did = !draft_.empty() || work_.is_running();
     work_.cancel();
     picks_ = std::make_unique<QObject>();
     clear_draft();

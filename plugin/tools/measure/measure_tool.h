@@ -5,8 +5,8 @@
 #pragma once
 
 #include "plugin/scene/picker.h"
+#include "plugin/scene/worker.h"
 #include "plugin/tools/list_tool.h"
-#include "plugin/tools/measure/cloud_work.h"
 #include "plugin/tools/measure/draft.h"
 #include "plugin/tools/measure/measure_panel.h"
 
@@ -79,14 +79,16 @@ private:
     void find_volume(const Measure& measure);
     void take_volume(const Measure& measure, const std::vector<MeasureValue>& values,
                      const std::vector<std::string>& notes);
-    void begin(const QString& what, const std::function<CloudWork::Result(const ProgressFunction&)>& work);
+    // On a thread of its own; what it returns is done afterwards, in the GUI thread.
+    using Afterwards = std::function<void()>;
+    void begin(const QString& what, const std::function<Afterwards(const ProgressFunction& progress)>& work);
 
     QPointer<MeasurePanel> panel_;
     Draft draft_;
     std::unique_ptr<QObject> picks_;  // parent of the contexts of picks that are not answered
     std::optional<int> first_layer_;  // that the draft's first point was picked on
     std::vector<double> spacings_;    // of the points around the draft's points, in the scene
-    CloudWork work_;
+    Worker work_{"another profile or volume is being computed"};
     QPoint mouse_;
     bool tracked_mouse_ = false;
 };

@@ -6,11 +6,11 @@
 #pragma once
 
 #include "plugin/scene/picker.h"
+#include "plugin/scene/worker.h"
 #include "plugin/tools/select/screen_shape.h"
 #include "plugin/tools/select/select_panel.h"
 #include "plugin/tools/select/selection_tasks.h"
 #include "plugin/tools/selection_uses.h"
-#include "plugin/tools/worker.h"
 
 #include "plugin/tools/view_tool.h"
 
@@ -80,8 +80,9 @@ private:
     void selection_changed();
 
     QPointer<SelectPanel> panel_;
-    Worker worker_, counter_;  // of points; of what is known about the selected ones
-    QString statistics_;       // of the selection that is shown
+    Worker worker_{"points are being selected"};
+    Worker counter_{"points are being counted"};  // finds what is known about the selected ones
+    QString statistics_;                          // of the selection that is shown
     bool tracked_mouse_ = false;
 
     ScreenShape shape_;              // being drawn

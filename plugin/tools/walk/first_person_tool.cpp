@@ -303,8 +303,9 @@ void FirstPersonTool::draw(QPainter*)
 
 bool FirstPersonTool::eventFilter(QObject* receiver, QEvent* event)
 {
-    if (view_ && receiver == &view_->widget() && (event->type() == QEvent::FocusOut || event->type() == QEvent::WindowDeactivate ||
-                              event->type() == QEvent::Hide)) {
+    if (view_ && receiver == &view_->widget() &&
+        (event->type() == QEvent::FocusOut || event->type() == QEvent::WindowDeactivate ||
+         event->type() == QEvent::Hide)) {
         hold(0);
         looking_ = false;
     }

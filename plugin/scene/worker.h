@@ -26,7 +26,8 @@ public:
     // In the GUI thread, never at once: what the work has thrown, or null.
     using Done = std::function<void(std::exception_ptr failure)>;
 
-    Worker();
+    // `busy` is what the error says that a second start() throws: "points are being selected".
+    explicit Worker(const char* busy);
     ~Worker() override;
 
     bool is_running() const { return thread_.joinable(); }
@@ -34,6 +35,8 @@ public:
     void start(Work work, Done done);
     // Its failure is Error(cancelled) then, unless it ends before it notices.
     void cancel() { cancelled_ = true; }
+    // Of the last work.
+    bool is_cancelled() const { return cancelled_; }
 
 signals:
     void progressed(double fraction, const QString& stage);
@@ -41,6 +44,7 @@ signals:
 private:
     void look();
 
+    const char* const busy_;
     Done done_;
     std::thread thread_;
     QTimer timer_;  // while it works

@@ -1,4 +1,4 @@
-#include "plugin/tools/worker.h"
+#include "plugin/scene/worker.h"
 
 #include "pcm/system/error.h"
 
@@ -12,7 +12,7 @@ constexpr int look_ms = 30;
 
 }  // namespace
 
-Worker::Worker()
+Worker::Worker(const char* busy) : busy_(busy)
 {
     timer_.setInterval(look_ms);
     connect(&timer_, &QTimer::timeout, this, &Worker::look);
@@ -26,9 +26,7 @@ Worker::~Worker()
 
 void Worker::start(Work work, Done done)
 {
-    if (is_running())
-        throw Error(ErrorCode::invalid_argument, {}, "points are being selected",
-                    "wait until it is done, or press Esc");
+    if (is_running()) throw Error(ErrorCode::invalid_argument, {}, busy_, "wait until it is done, or press Esc");
     done_ = std::move(done);
     failure_ = nullptr;
     cancelled_ = finished_ = false;
