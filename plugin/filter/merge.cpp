@@ -7,8 +7,8 @@
 #include "plugin/filter/result_parameters.h"
 #include "plugin/filter/tree_target.h"
 #include "plugin/meshlab/2020/document_scene.h"
-#include "plugin/meshlab/2020/registry.h"
 #include "plugin/meshlab/2020/placement.h"
+#include "plugin/meshlab/2020/registry.h"
 #include "plugin/panels/operation.h"
 #include "plugin/scene/text.h"
 

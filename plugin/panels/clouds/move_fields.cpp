@@ -71,9 +71,8 @@ MoveFields::MoveFields(QWidget* parent) : QWidget(parent)
                    [this] { guarded([](SceneLayer& layer) { layer.scene().part<LayerMatrices>().redo(layer); }); });
     reset_ =
         button(3, 3, "Reset Matrix", "Puts the layer where its cloud is; Undo Move gives the matrix back.", [this] {
-            guarded([](SceneLayer& layer) {
-                layer.scene().part<LayerMatrices>().set(layer, identity_matrix, "reset");
-            });
+            guarded(
+                [](SceneLayer& layer) { layer.scene().part<LayerMatrices>().set(layer, identity_matrix, "reset"); });
         });
     words_ = new QLabel;
     words_->setObjectName("PointCloudMoveMessage");

@@ -17,7 +17,6 @@
 #include "plugin/scene/selection_text.h"
 #include "plugin/scene/text.h"
 
-
 namespace pcm::host {
 
 namespace {

@@ -17,7 +17,6 @@
 #include "plugin/panels/operation.h"
 #include "plugin/scene/text.h"
 
-
 #include <QDir>
 #include <QFileInfo>
 #include <QTimer>

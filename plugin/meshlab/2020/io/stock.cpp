@@ -1,6 +1,5 @@
 #include "plugin/meshlab/2020/io/stock.h"
 
-
 #include <QDir>
 #include <QLibrary>
 #include <QPluginLoader>

@@ -2,7 +2,6 @@
 
 #include "plugin/meshlab/2020/meshlab.h"
 
-
 namespace pcm::host {
 
 void draw_selected_vertices(GLArea& area, MeshModel& layer)
