@@ -1,8 +1,9 @@
 #include "plugin/filter/operation_parameters.h"
 
+#include "pcm/system/text.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
-#include "plugin/host/text.h"
+#include "plugin/scene/text.h"
 
 #include <QRegularExpression>
 
@@ -97,7 +98,8 @@ void add_parameter(const Argument& argument, RichParameterList& parameters)
             parameters.addParam(RichBool(name, value == "on", label, tip));
             return;
         case ValueKind::whole:
-            parameters.addParam(RichInt(name, has_none_value(argument) ? none_value(argument) : value.toInt(), label, tip));
+            parameters.addParam(
+                RichInt(name, has_none_value(argument) ? none_value(argument) : value.toInt(), label, tip));
             return;
         case ValueKind::real:
             parameters.addParam(RichFloat(name, has_none_value(argument) ? 0 : value.toFloat(), label, tip));

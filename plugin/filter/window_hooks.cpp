@@ -6,14 +6,15 @@
 #include "pcm/system/error.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/drawn_primitives.h"
-#include "plugin/host/layer_matrix.h"
-#include "plugin/host/open_tool.h"
-#include "plugin/host/placement.h"
-#include "plugin/host/primitive_book.h"
-#include "plugin/host/project_unit.h"
-#include "plugin/host/scene_state.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/open_tool.h"
+#include "plugin/meshlab/2020/registry.h"
+#include "plugin/scene/drawn_primitives.h"
+#include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/primitive_book.h"
+#include "plugin/scene/project_unit.h"
+#include "plugin/scene/scene_state.h"
+#include "plugin/scene/text.h"
 
 #include <algorithm>
 #include <array>
@@ -26,27 +27,29 @@ constexpr const char* fit_tool = "Fit Primitives";  // its panel has the list
 
 // ---- Layers.
 
+Scene& scene_of(const FilterRun& run) { return host::scene_of(run.document); }
+
 // The current layer, where it is the one that shows the tree of the parameters; null: another one does, or none.
-const MeshModel* layer_of(const FilterRun& run)
+SceneLayer* shown_layer(const FilterRun& run)
 {
-    const MeshModel* const layer = run.document.mm();
-    const auto shown = layer ? Registry::instance().find(*layer) : std::nullopt;
+    SceneLayer* const layer = scene_of(run).current();
+    const auto shown = layer ? layer->tree() : std::nullopt;
     return shown && shown->cloud->tree()->folder() == tree_of(run.parameters, run.document) ? layer : nullptr;
 }
 
 // Clouds as the window has them, so that points that are found are points of the layers.
 void give_clouds(const FilterRun& run, ops::Window& window)
 {
-    const MeshModel* const layer = layer_of(run);
+    const SceneLayer* const layer = shown_layer(run);
     window.open = [](const std::string& tree) { return Registry::instance().open(tree); };
     if (layer) window.clip = clip_of(*layer);
-    window.refuse_change = [&run](const std::string& tree) { refuse_locked(run.document, tree); };
+    window.refuse_change = [&run](const std::string& tree) { refuse_locked(scene_of(run), tree); };
 }
 
-std::pair<MeshModel*, TreeLayer> layer_with_tree(MeshDocument& document)
+std::pair<SceneLayer*, LayerCloud> layer_with_tree(const FilterRun& run)
 {
-    MeshModel* const layer = document.mm();
-    auto shown = layer ? Registry::instance().find(*layer) : std::nullopt;
+    SceneLayer* const layer = scene_of(run).current();
+    auto shown = layer ? layer->tree() : std::nullopt;
     if (!shown)
         throw Error(ErrorCode::invalid_argument, {}, "the current layer shows no point cloud tree",
                     "choose a layer that does, or open a tree first");
@@ -54,7 +57,7 @@ std::pair<MeshModel*, TreeLayer> layer_with_tree(MeshDocument& document)
 }
 
 // A tree that points were extracted to; the layer's matrix holds for it, too.
-void show_extracted(const FilterRun& run, const ops::Result& result, const MeshModel* layer)
+void show_extracted(const FilterRun& run, const ops::Result& result, const SceneLayer* layer)
 {
     if (result.makes == ops::Makes::cloud) show_afterwards(run, [&] { add_tree_layer(run, result.output, layer); });
 }
@@ -65,34 +68,34 @@ std::string length_unit(const PointCloud& cloud) { return length_unit_of(coordin
 
 std::string name_of_cloud(const FilterRun& run)
 {
-    const MeshModel* const layer = layer_of(run);
+    const SceneLayer* const layer = shown_layer(run);
     return layer ? cloud_name(*layer) : tree_of(run.parameters, run.document).string();
 }
 
 // Drawings have the coordinates of the cloud.
 void note_matrix(const FilterRun& run)
 {
-    const MeshModel* const layer = layer_of(run);
-    const auto tree = layer ? Registry::instance().find(*layer) : std::nullopt;
-    if (run.parameters.getString("OutputFile").trimmed().isEmpty() || !tree || !placement_of(*layer, *tree)) return;
+    const SceneLayer* const layer = shown_layer(run);
+    if (run.parameters.getString("OutputFile").trimmed().isEmpty() || !layer || !layer->placement()) return;
     run.log("The file has the cloud's own coordinates, without the matrix of its layer; Export Primitives applies it.");
 }
 
 void keep_found(const FilterRun& run, std::vector<Primitive>& found)
 {
-    static constexpr std::array<std::array<std::uint8_t, 3>, 3> colours{{{90, 190, 255}, {255, 200, 0}, {120, 220, 90}}};
+    static constexpr std::array<std::array<std::uint8_t, 3>, 3> colours{
+        {{90, 190, 255}, {255, 200, 0}, {120, 220, 90}}};
     const std::string name = name_of_cloud(run);
     for (Primitive& primitive : found) {
         primitive.cloud = name;
         primitive.colour = colours[static_cast<std::size_t>(primitive.fit.shape.kind) % colours.size()];
     }
-    PrimitiveBook::of(run.document).change([&](PrimitiveList& list) { list.add_all(found); });
+    scene_of(run).part<PrimitiveBook>().change([&](PrimitiveList& list) { list.add_all(found); });
     open_tool(run.document, fit_tool);
 }
 
 void keep_fitted(const FilterRun& run, FittedPrimitive& fitted)
 {
-    PrimitiveBook& book = PrimitiveBook::of(run.document);
+    PrimitiveBook& book = scene_of(run).part<PrimitiveBook>();
     Primitive& primitive = fitted.primitive;
     primitive.cloud = name_of_cloud(run);
     primitive.colour = next_colour(book.list());
@@ -104,38 +107,37 @@ void keep_fitted(const FilterRun& run, FittedPrimitive& fitted)
     primitive = book.list()[index];
     if (primitive.fit.verdict == FitVerdict::doubtful)
         run.warn(primitive.name + " is doubtful: " + primitive.fit.message);
-    if (const MeshModel* const layer = layer_of(run))
-        SceneState::of(run.document)
-            .select(*layer, points,
-                    QString("%1, %2 points")
-                        .arg(QString::fromStdString(primitive.name), QString::fromStdString(grouped(points->size()))));
+    if (const SceneLayer* const layer = shown_layer(run))
+        scene_of(run).part<SceneState>().select(
+            *layer, points,
+            QString("%1, %2 points")
+                .arg(QString::fromStdString(primitive.name), QString::fromStdString(grouped(points->size()))));
 }
 
 // The unit that all clouds of the primitives state, or the project's where they state none; empty where they differ.
-std::string unit_of(const MeshDocument& document, const PrimitiveBook& book)
+std::string unit_of(const Scene& scene, const PrimitiveBook& book)
 {
     std::vector<std::string> units;
     for (std::size_t i = 0; i < book.list().size(); ++i) {
-        const MeshModel* layer = book.layer_of(book.list()[i]);
-        const auto tree = layer ? Registry::instance().drawn(*layer) : std::nullopt;
+        const SceneLayer* const layer = book.layer_of(book.list()[i]);
+        const auto tree = layer ? layer->drawn() : std::nullopt;
         units.push_back(tree ? length_unit(*tree->cloud) : std::string());
     }
     const bool same = std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) == units.end();
     if (!same) return {};
     const std::string stated = units.empty() ? std::string() : units.front();
-    return stated.empty() ? chosen_unit(document).value_or("") : stated;
+    return stated.empty() ? chosen_unit(scene).value_or("") : stated;
 }
 
-ops::WindowPrimitives primitives_of(MeshDocument& document, bool applied, bool hidden_too)
+ops::WindowPrimitives primitives_of(Scene& scene, bool applied, bool hidden_too)
 {
-    const PrimitiveBook& book = PrimitiveBook::of(document);
+    const PrimitiveBook& book = scene.part<PrimitiveBook>();
     if (book.list().empty())
         throw Error(ErrorCode::invalid_argument, {}, "the project has no primitives",
                     "fit some, or name a list (.json)");
     bool moved = false;
     for (std::size_t i = 0; i < book.list().size(); ++i) moved = moved || book.placement_of(book.list()[i]).has_value();
-    ops::WindowPrimitives found{
-        applied ? book.placed(hidden_too) : book.list().all(), unit_of(document, book), {}};
+    ops::WindowPrimitives found{applied ? book.placed(hidden_too) : book.list().all(), unit_of(scene, book), {}};
     if (moved)
         found.notes.push_back(applied ? "The primitives are where the matrices of their layers move the clouds."
                                       : "The matrices of layers were not applied.");
@@ -156,8 +158,8 @@ OperationHooks at_points_of_layer()
 OperationHooks on_selection()
 {
     return {[](const FilterRun& run, ops::Operation&, ops::Window& window) {
-                auto [layer, shown] = layer_with_tree(run.document);
-                SceneState& scene = SceneState::of(run.document);
+                auto [layer, shown] = layer_with_tree(run);
+                SceneState& scene = scene_of(run).part<SceneState>();
                 window.cloud = shown.cloud;
                 window.clip = clip_of(*layer);
                 window.selected = scene.selection(*layer);
@@ -168,7 +170,7 @@ OperationHooks on_selection()
             },
             [](const FilterRun& run, const ops::Operation& operation, const ops::Result& result) {
                 if (operation.arguments().find("add_layer"))
-                    show_extracted(run, result, run.document.mm());
+                    show_extracted(run, result, scene_of(run).current());
                 else
                     show_made(run, result);
             }};
@@ -182,7 +184,7 @@ OperationHooks fitting_primitives()
             },
             [](const FilterRun& run, const ops::Operation&, const ops::Result& result) {
                 note_matrix(run);
-                show_extracted(run, result, layer_of(run));
+                show_extracted(run, result, shown_layer(run));
             }};
 }
 
@@ -202,7 +204,7 @@ OperationHooks exporting_primitives()
 {
     return {[](const FilterRun& run, ops::Operation&, ops::Window& window) {
                 window.primitives = [&run](bool moved, bool hidden_too) {
-                    return primitives_of(run.document, moved, hidden_too);
+                    return primitives_of(scene_of(run), moved, hidden_too);
                 };
             },
             {}};
