@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <iterator>
 #include <set>
 #include <sstream>
@@ -119,8 +120,15 @@ std::vector<const Row*> all_rows()
     return rows;
 }
 
-INSTANTIATE_TEST_SUITE_P(Table, EveryRow, testing::ValuesIn(all_rows()),
-                         [](const auto& info) { return std::string(info.param->name); });
+// Names of tests have no hyphens.
+std::string test_name(const testing::TestParamInfo<const Row*>& info)
+{
+    std::string name = info.param->name;
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryRow, testing::ValuesIn(all_rows()), test_name);
 
 TEST(Table, HasEachNameOnce)
 {
