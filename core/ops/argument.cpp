@@ -86,9 +86,9 @@ std::string text_of_bytes(std::uint64_t bytes)
 
 const char* name_of(ValueKind kind)
 {
-    static constexpr const char* names[] = {"flag",  "whole", "real",    "bytes", "text",   "choice",
-                                            "words", "texts", "numbers", "file",  "output", "outputs",
-                                            "output_tree", "tree",  "trees", "inputs",  "cloud"};
+    static constexpr const char* names[] = {"flag",        "whole", "real",    "bytes",  "text",   "choice",
+                                            "words",       "texts", "numbers", "file",   "output", "outputs",
+                                            "output_tree", "tree",  "trees",   "inputs", "cloud"};
     return names[static_cast<std::size_t>(kind)];
 }
 

@@ -78,8 +78,8 @@ public:
     Argument& without(const std::string& meaning);  // what happens where nothing is given: "one per processor"
     // The same of a number whose variable is 0 then: 0 is no value but chooses it, in dialogs too.
     Argument& automatic(const std::string& meaning);
-    Argument& as(ValueKind kind);                   // of a text: file, output, tree; of words: inputs, trees
-    Argument& positional();                         // on the command line: by its place
+    Argument& as(ValueKind kind);  // of a text: file, output, tree; of words: inputs, trees
+    Argument& positional();        // on the command line: by its place
     Argument& required();
     Argument& advanced();         // for few: below the others, and in --help-all
     Argument& only(Face face);    // other faces do not have it

@@ -21,7 +21,7 @@
 namespace pcm::ops {
 namespace {
 
-std::string text_of(const Primitive& p)
+std::string shape_text(const Primitive& p)
 {
     const ShapeFit& fit = p.fit;
     const ShapeTraits& traits = traits_of(fit.shape.kind);
@@ -267,7 +267,7 @@ private:
         json["points_changed"] = labels.outcome.points_out;
         if (!found.primitives.empty()) result.line(columns("label", "points", "noise", "shape"));
         for (const Primitive& p : found.primitives)
-            result.line(columns(std::to_string(p.label), grouped(p.points), brief(p.fit.noise), text_of(p)));
+            result.line(columns(std::to_string(p.label), grouped(p.points), brief(p.fit.noise), shape_text(p)));
         if (!out_.empty() && !found.primitives.empty()) result.line(out_ + ": written");
         if (!label_.empty())
             result.line(labels.tree.string() + ": attribute " + label_ + " written, " +

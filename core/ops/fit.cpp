@@ -20,14 +20,14 @@
 namespace pcm::ops {
 namespace {
 
-std::vector<Choice> shapes()
+std::vector<Choice> shape_choices()
 {
     std::vector<Choice> all{{"any", "Any"}};
     for (const ShapeTraits& row : shape_kinds()) all.push_back({row.name, row.label});
     return all;
 }
 
-std::vector<Choice> methods()
+std::vector<Choice> estimator_choices()
 {
     std::vector<Choice> all;
     for (const EstimatorTraits& row : estimators()) all.push_back({row.name, row.label});
@@ -112,13 +112,8 @@ private:
     void declare_shape()
     {
         const char* const group = "Shape";
-        arguments_.add("at", at_)
-            .required()
-            .count(1, 3000)
-            .script("Places")
-            .group(group)
-            .label("Places")
-            .help("A place \"X Y Z\" on the surface, source coordinates; more of them refine the fit");
+        arguments_.add("at", at_).required().count(1, 3000).script("Places").group(group).label("Places").help(
+            "A place \"X Y Z\" on the surface, source coordinates; more of them refine the fit");
         arguments_.add("not_at", not_at_)
             .count(1, 3000)
             .script("NotPlaces")
@@ -128,7 +123,7 @@ private:
             .without("none");
         arguments_.add("shape", shape_)
             .as(ValueKind::choice)
-            .one_of(shapes())
+            .one_of(shape_choices())
             .group(group)
             .label("Shape")
             .help(
@@ -167,7 +162,7 @@ private:
     void declare_estimator()
     {
         const char* const group = "Estimator";
-        arguments_.choice("estimator", options_.fit.estimator, methods())
+        arguments_.choice("estimator", options_.fit.estimator, estimator_choices())
             .group(group)
             .label("Estimator")
             .help(
@@ -244,7 +239,8 @@ private:
             .between(0, 100)
             .group(group)
             .label("Rounds")
-            .help("Maximum number of rounds of growing and fitting to all points reached; 0: the shape of the first fit")
+            .help(
+                "Maximum number of rounds of growing and fitting to all points reached; 0: the shape of the first fit")
             .advanced();
         arguments_.add("outline", outline_)
             .as(ValueKind::choice)
@@ -385,7 +381,8 @@ Row fit_row()
     return {
         "fit",
         "Fit Primitive",
-        "Fit a plane, cylinder, sphere, cone or torus at a place of a tree, follow it through the cloud; export, extract "
+        "Fit a plane, cylinder, sphere, cone or torus at a place of a tree, follow it through the cloud; export, "
+        "extract "
         "or delete it",
         "Fits a plane, cylinder, sphere, cone or torus to the points around given places of a <b>point cloud tree</b> "
         "and follows it through the whole cloud, with standard deviations. In a project the primitive is added to its "

@@ -15,13 +15,13 @@ namespace pcm::ops {
 namespace {
 
 // In the order of dialogs. Volumes and profiles take a pass over clouds: they are operations of their own.
-const std::vector<Choice> kinds{{"distance", "Distance along points"},
-                                {"height", "Height between two points"},
-                                {"angle", "Angle at the second of three points"},
-                                {"area", "Area of a polygon"},
-                                {"plane", "Distance of the first point to the plane through the others"},
-                                {"surface", "Distance to a plane, cylinder, sphere, cone or torus"},
-                                {"point", "Coordinates of a point"}};
+const std::vector<Choice> kinds_of_measures{{"distance", "Distance along points"},
+                                            {"height", "Height between two points"},
+                                            {"angle", "Angle at the second of three points"},
+                                            {"area", "Area of a polygon"},
+                                            {"plane", "Distance of the first point to the plane through the others"},
+                                            {"surface", "Distance to a plane, cylinder, sphere, cone or torus"},
+                                            {"point", "Coordinates of a point"}};
 
 // What is to be shown and written: the measures of the list, then the new one.
 MeasureList list_with(const std::string& file, const std::optional<Measure>& added)
@@ -38,7 +38,7 @@ public:
     {
         arguments_.add("kind", kind_)
             .as(ValueKind::choice)
-            .one_of(kinds)
+            .one_of(kinds_of_measures)
             .positional()
             .label("What to measure")
             .help(

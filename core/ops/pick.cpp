@@ -16,19 +16,19 @@ namespace {
 
 constexpr double default_pixel_angle = 0.05;  // degrees: about that of a picture 1000 pixels high
 
-[[noreturn]] void refuse(const std::string& what, const std::string& hint)
+[[noreturn]] void refuse_pick(const std::string& what, const std::string& hint)
 {
     throw Error(ErrorCode::invalid_argument, {}, what, hint);
 }
 
 // A number where the text is one; else, as for NaN, the text.
-Json value_of(const std::string& text)
+Json json_of_text(const std::string& text)
 {
     Json value = Json::parse(text, nullptr, false);
     return value.is_number() ? value : Json(text);
 }
 
-void put(Result& result, const PickResult& found, const PointDescription* point, const PointCloud& cloud)
+void put_point(Result& result, const PickResult& found, const PointDescription* point, const PointCloud& cloud)
 {
     result.outcome = found.outcome;
     Json& json = result.values;
@@ -43,7 +43,7 @@ void put(Result& result, const PickResult& found, const PointDescription* point,
     Json attributes = Json::object();
     for (const DescribedAttribute& attribute : point->attributes) {
         Json values = Json::array();
-        for (const std::string& value : attribute.values) values.push_back(value_of(value));
+        for (const std::string& value : attribute.values) values.push_back(json_of_text(value));
         attributes[attribute.name] = values.size() == 1 ? values[0] : values;
     }
     json["point"] = {{"node", found.hit->node},
@@ -79,13 +79,9 @@ public:
             .required()
             .help("Tree folder, or any file of it");
         const char* group = "Pixel of a view (default camera: as that of pcmlab render)";
-        arguments_.add("at", at_)
-            .count(2)
-            .group(group)
-            .help("Place x y in the picture: pixels from its upper left corner, right and down: --at 640 360");
-        arguments_.add("size", size_)
-            .group(group)
-            .help("Width and height of the picture, pixels: --size 1920x1080");
+        arguments_.add("at", at_).count(2).group(group).help(
+            "Place x y in the picture: pixels from its upper left corner, right and down: --at 640 360");
+        arguments_.add("size", size_).group(group).help("Width and height of the picture, pixels: --size 1920x1080");
         camera_.declare(arguments_, group);
         group = "Or a ray";
         arguments_.add("ray", ray_)
@@ -126,7 +122,7 @@ public:
         if (found.hit) point = describe_point(cloud->cache(), picker.sizes(), found.hit->node, found.hit->index);
         Result result;
         result.input = {tree_};
-        put(result, found, point ? &*point : nullptr, *cloud);
+        put_point(result, found, point ? &*point : nullptr, *cloud);
         return result;
     }
 
@@ -135,22 +131,23 @@ private:
     {
         const Box3d box = cloud->info().bounds();
         if (!ray_.empty()) return given_ray();
-        if (at_.empty()) refuse("neither --ray nor --at was given", "give a ray, or a pixel of a view");
+        if (at_.empty()) refuse_pick("neither --ray nor --at was given", "give a ray, or a pixel of a view");
         if (pixel_angle_ || pixel_size_)
-            refuse("--pixel-angle and --pixel-size belong to --ray",
-                   "the size of a view's pixel follows from its camera");
+            refuse_pick("--pixel-angle and --pixel-size belong to --ray",
+                        "the size of a view's pixel follows from its camera");
         const PictureSize size = parse_size(size_);
         const Camera camera = view_of(camera_.frame({cloud}, box, size), box.centre(), box, size.width, size.height);
         const auto ray = PickRay::through(camera, at_[0], at_[1]);
-        if (!ray) refuse("this camera shows nothing at the pixel " + exact(at_[0]) + " " + exact(at_[1]), "");
+        if (!ray) refuse_pick("this camera shows nothing at the pixel " + exact(at_[0]) + " " + exact(at_[1]), "");
         return *ray;
     }
 
     PickRay given_ray() const
     {
-        if (camera_.given() || !at_.empty()) refuse("--ray and a camera or --at were both given", "give one of them");
+        if (camera_.given() || !at_.empty())
+            refuse_pick("--ray and a camera or --at were both given", "give one of them");
         if (pixel_angle_ && (!(*pixel_angle_ > 0) || !(*pixel_angle_ < 90)))
-            refuse("--pixel-angle " + exact(*pixel_angle_) + " is not between 0 and 90 degrees", "");
+            refuse_pick("--pixel-angle " + exact(*pixel_angle_) + " is not between 0 and 90 degrees", "");
         const double angle = pixel_angle_.value_or(pixel_size_ ? 0 : default_pixel_angle);
         return PickRay::along({ray_[0], ray_[1], ray_[2]}, {ray_[3], ray_[4], ray_[5]}, pixel_size_.value_or(0),
                               std::tan(angle * pi / 180));
@@ -177,7 +174,8 @@ Row pick_row()
             nullptr,
             {{"points_compared", "count", "points", "with the ray"},
              {"chunks", "count", "", "that were read"},
-             {"point", "object?", "", "node, index, position, along, beside, depth, level, spacing, grid_step, attributes"}},
+             {"point", "object?", "",
+              "node, index, position, along, beside, depth, level, spacing, grid_step, attributes"}},
             make<Pick>};
 }
 

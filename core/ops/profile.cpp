@@ -16,10 +16,7 @@ namespace {
 struct Extent {
     Box3d box;  // station, offset, z
     void add(const ProfilePoint& point) { box.extend(Vec3d{point.station, point.offset, point.position[2]}); }
-    Json range(std::size_t axis) const
-    {
-        return box.empty() ? Json() : Json::array({box.min[axis], box.max[axis]});
-    }
+    Json range(std::size_t axis) const { return box.empty() ? Json() : Json::array({box.min[axis], box.max[axis]}); }
     std::string text(std::size_t axis) const { return exact(box.min[axis]) + " to " + exact(box.max[axis]); }
 };
 
@@ -61,8 +58,8 @@ public:
     {
         const auto cloud = context.open(tree_);
         check_level(*cloud, options_.level);
-        options_.line = plan_points_of(line_, called(context, "line"),
-                                       cloud->info().points ? cloud->info().bounds().min[2] : 0);
+        options_.line =
+            plan_points_of(line_, called(context, "line"), cloud->info().points ? cloud->info().bounds().min[2] : 0);
         if (!heights_.empty()) {
             options_.lowest = heights_[0];
             options_.highest = heights_[1];
@@ -78,9 +75,10 @@ public:
         if (!output_.empty()) result.makes = Makes::file;
         Extent extent;
         result.outcome =
-            output_.empty() ? visit_profile(*cloud, options_,
-                                            [&](const ProfilePoint& p, const PointView&, std::size_t) { extent.add(p); })
-                            : write_profile(*cloud, options_, output_, file_);
+            output_.empty()
+                ? visit_profile(*cloud, options_,
+                                [&](const ProfilePoint& p, const PointView&, std::size_t) { extent.add(p); })
+                : write_profile(*cloud, options_, output_, file_);
         put(result, length, extent);
         return result;
     }
@@ -123,9 +121,8 @@ private:
             result.line("height      " + extent.text(2));
         }
         if (outcome.error > 0)
-            result.line("level " + std::to_string(*options_.level) +
-                        " only: every point of the cloud is nearer than " + brief(outcome.error) +
-                        " to a point of this level");
+            result.line("level " + std::to_string(*options_.level) + " only: every point of the cloud is nearer than " +
+                        brief(outcome.error) + " to a point of this level");
         if (!output_.empty()) result.line(output_ + " written");
     }
 

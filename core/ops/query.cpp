@@ -21,7 +21,7 @@ Json json_of(const Box3d& box)
 
 Json finite(double value) { return std::isfinite(value) ? Json(value) : Json(); }
 
-void refuse(const std::string& what, const std::string& hint)
+void refuse_query(const std::string& what, const std::string& hint)
 {
     throw Error(ErrorCode::invalid_argument, {}, what, hint);
 }
@@ -32,26 +32,26 @@ std::string level_text(std::uint16_t level, double error)
            " to a point of this level";
 }
 
-std::vector<ResultKey> result_keys()
+std::vector<ResultKey> query_keys()
 {
     return {{"bounds", "object?", "source units", "--count: min and max of the points; null: there are none"},
-             {"tree_bounds", "object?", "source units", "--count: min and max of the tree"},
-             {"chunks", "count?", "", "--count, --estimate: chunks that were or would be read"},
-             {"points_read", "count?", "points", "--count, --estimate: examined"},
-             {"bytes_read", "count?", "bytes", "--count"},
-             {"spacing", "number?", "source units", "--count: every point of the cloud is nearer to one of the level"},
-             {"points_least", "count?", "points", "--estimate"},
-             {"points_expected", "number?", "points", "--estimate"},
-             {"points_most", "count?", "points", "--estimate"},
-             {"conditions_reckoned_with", "flag?", "", "--estimate: false: numbers are before the conditions"},
-             {"bytes", "count?", "bytes", "--estimate: to be read"},
-             {"seconds_expected", "number?", "s", "--estimate: null: nothing was read from this tree yet"},
-             {"neighbours", "list?", "", "--nearest: of each distance, position, node and index"},
-             {"least_distance", "number?", "source units", "--nearest: no point of the cloud is nearer"},
-             {"points_compared", "count?", "points", "--nearest"},
-             {"error", "number?", "source units", "--nearest, --first-hit: 0 is exact"},
-             {"hit", "object?", "", "--first-hit: along, position, node and index"},
-             {"cache", "object?", "", "--statistics: of the cache of chunks"}};
+            {"tree_bounds", "object?", "source units", "--count: min and max of the tree"},
+            {"chunks", "count?", "", "--count, --estimate: chunks that were or would be read"},
+            {"points_read", "count?", "points", "--count, --estimate: examined"},
+            {"bytes_read", "count?", "bytes", "--count"},
+            {"spacing", "number?", "source units", "--count: every point of the cloud is nearer to one of the level"},
+            {"points_least", "count?", "points", "--estimate"},
+            {"points_expected", "number?", "points", "--estimate"},
+            {"points_most", "count?", "points", "--estimate"},
+            {"conditions_reckoned_with", "flag?", "", "--estimate: false: numbers are before the conditions"},
+            {"bytes", "count?", "bytes", "--estimate: to be read"},
+            {"seconds_expected", "number?", "s", "--estimate: null: nothing was read from this tree yet"},
+            {"neighbours", "list?", "", "--nearest: of each distance, position, node and index"},
+            {"least_distance", "number?", "source units", "--nearest: no point of the cloud is nearer"},
+            {"points_compared", "count?", "points", "--nearest"},
+            {"error", "number?", "source units", "--nearest, --first-hit: 0 is exact"},
+            {"hit", "object?", "", "--first-hit: along, position, node and index"},
+            {"cache", "object?", "", "--statistics: of the cache of chunks"}};
 }
 
 class QueryPoints : public Operation {
@@ -67,9 +67,7 @@ public:
         const char* const group = "Points";
         arguments_.add("level", level_).group(group).help("Only the points up to this level").without("all levels");
         region_.declare(arguments_, group);
-        arguments_.add("reads", reads_)
-            .between(1, 64)
-            .help("Chunks read concurrently; use more on slow file systems");
+        arguments_.add("reads", reads_).between(1, 64).help("Chunks read concurrently; use more on slow file systems");
         arguments_.add("cache", cache_.capacity_bytes)
             .as(ValueKind::bytes)
             .help("Cache for whole chunks, such as 256M or 2G");
@@ -81,12 +79,13 @@ public:
         const auto cloud = PointCloud::open(tree_, cache_);
         const Query query = make_query(context, *cloud);
         if (estimate_ + count_ + first_hit_ + !nearest_.empty() > 1)
-            refuse("--estimate, --count, --nearest and --first-hit cannot be combined", "give one of them");
-        if (headers_ && !estimate_) refuse("--headers needs --estimate", "");
-        if (max_distance_ && nearest_.empty()) refuse("--max-distance needs --nearest", "");
+            refuse_query("--estimate, --count, --nearest and --first-hit cannot be combined", "give one of them");
+        if (headers_ && !estimate_) refuse_query("--headers needs --estimate", "");
+        if (max_distance_ && nearest_.empty()) refuse_query("--max-distance needs --nearest", "");
         Result result;
         result.input = {tree_};
-        for (const ResultKey& key : result_keys()) result.values[key.key] = Json();  // those of other questions stay null
+        for (const ResultKey& key : query_keys())
+            result.values[key.key] = Json();  // those of other questions stay null
         if (estimate_)
             estimate(*cloud, query, result);
         else if (!nearest_.empty())
@@ -106,7 +105,9 @@ private:
     void declare_questions()
     {
         const char* const group = "Query";
-        arguments_.add("count", count_).group(group).help("Number of points and their bounding box; this is what is asked where nothing else is");
+        arguments_.add("count", count_)
+            .group(group)
+            .help("Number of points and their bounding box; this is what is asked where nothing else is");
         arguments_.add("estimate", estimate_)
             .group(group)
             .help("Estimated number of points and cost of reading them, without reading any");
@@ -132,9 +133,9 @@ private:
         query.level = level_;
         const std::uint16_t levels = cloud.info().levels;
         if (query.level && levels > 0 && *query.level >= levels)
-            refuse("there is no level " + std::to_string(*query.level) + "; this tree has levels 0 to " +
-                       std::to_string(levels - 1),
-                   "");
+            refuse_query("there is no level " + std::to_string(*query.level) + "; this tree has levels 0 to " +
+                             std::to_string(levels - 1),
+                         "");
         if (arguments_.given("neighbours") && nearest_.empty()) throw ArgumentError("-k requires --nearest");
         query.choose(region_.get());
         query.reads_in_flight = reads_;
@@ -143,10 +144,7 @@ private:
     }
 
     // After an answer without points: where they would have been.
-    static void put_extent(const PointCloud& cloud, Result& result)
-    {
-        result.line(extent_text(cloud.info().bounds()));
-    }
+    static void put_extent(const PointCloud& cloud, Result& result) { result.line(extent_text(cloud.info().bounds())); }
 
     void estimate(PointCloud& cloud, const Query& query, Result& result) const
     {
@@ -209,8 +207,8 @@ private:
     void nearest(PointCloud& cloud, const Query& query, Result& result) const
     {
         if (query.region || query.box || !query.where.empty())
-            refuse("--nearest cannot be combined with a region, a box or a condition",
-                   "it searches the whole cloud, or one --level");
+            refuse_query("--nearest cannot be combined with a region, a box or a condition",
+                         "it searches the whole cloud, or one --level");
         NearestOptions options;
         options.level = query.level;
         if (max_distance_) options.max_distance = *max_distance_;
@@ -229,9 +227,10 @@ private:
         json["points_compared"] = outcome.points_in;
         if (found.points.empty()) put_extent(cloud, result);
         const std::string precision =
-            outcome.error == 0 ? "exact"
-                               : "level " + std::to_string(*query.level) + " only: no point of the cloud is nearer than " +
-                                     brief(found.least_distance) + ", which is " + brief(outcome.error) + " less";
+            outcome.error == 0
+                ? "exact"
+                : "level " + std::to_string(*query.level) + " only: no point of the cloud is nearer than " +
+                      brief(found.least_distance) + ", which is " + brief(outcome.error) + " less";
         result.line(std::to_string(found.points.size()) + " points in " + time_text(outcome.seconds) + ", " +
                     grouped(outcome.points_in) + " compared; " + precision);
     }
@@ -239,8 +238,9 @@ private:
     void first_hit(PointCloud& cloud, const Query& query, Result& result) const
     {
         if (!query.region || (query.region->kind() != Region::Kind::ray && query.region->kind() != Region::Kind::cone))
-            refuse("--first-hit needs --ray or --cone", "give an origin, a direction and a width");
-        if (query.box || !query.where.empty()) refuse("--first-hit cannot be combined with a box or a condition", "");
+            refuse_query("--first-hit needs --ray or --cone", "give an origin, a direction and a width");
+        if (query.box || !query.where.empty())
+            refuse_query("--first-hit cannot be combined with a box or a condition", "");
         const HitResult found = cloud.first_hit(*query.region, query.level);
         result.outcome = found.outcome;
         const double error = found.outcome.error;
@@ -282,7 +282,7 @@ Row query_row()
             "what reading them would cost, which are the nearest ones to a place, and which one a ray meets first.",
             0,
             nullptr,
-            result_keys(),
+            query_keys(),
             make<QueryPoints>};
 }
 

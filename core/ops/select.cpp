@@ -32,7 +32,7 @@ SetOperation set_operation(Step step)
                                      : SetOperation::replace;
 }
 
-Json json_of(const Box3d& box) { return box.empty() ? Json() : Json({{"min", box.min}, {"max", box.max}}); }
+Json range_of(const Box3d& box) { return box.empty() ? Json() : Json({{"min", box.min}, {"max", box.max}}); }
 
 class Select : public Operation {
 public:
@@ -136,7 +136,8 @@ private:
         arguments_.add("grow", grow_)
             .group(group)
             .label("Grow")
-            .help("Add to the chosen points all that steps of at most the longest step reach from them; clips limit it");
+            .help(
+                "Add to the chosen points all that steps of at most the longest step reach from them; clips limit it");
         arguments_.add("distance", distance_)
             .positive()
             .text_in_dialogs()
@@ -183,8 +184,7 @@ private:
         const auto name = [&](const char* key) { return called(context, key); };
         const auto refuse = [](const std::string& what) { throw ArgumentError(what); };
         if (context.face == Face::command) actions_.check(tree_, true);
-        if (brush_.empty() != !radius_)
-            refuse(name("brush") + " X Y Z ... and " + name("radius") + " need each other");
+        if (brush_.empty() != !radius_) refuse(name("brush") + " X Y Z ... and " + name("radius") + " need each other");
         if (brush_.size() % 3 != 0) refuse(name("brush") + " takes three numbers for each point of the stroke");
         const bool grows = grow_ || !grow_from_.empty();
         if (grows != distance_.has_value())
@@ -236,8 +236,8 @@ private:
         like_seed.normal_angle = normal_angle_;
         result.line("grown from the point at " + exact(seed.position) + ", " + brief(seed.distance()) +
                     " source units from the one given");
-        PointSet set = grow_from(cloud.tree(), seed.node, seed.index, *distance_, like_seed,
-                                 growth(context, std::move(limit)));
+        PointSet set =
+            grow_from(cloud.tree(), seed.node, seed.index, *distance_, like_seed, growth(context, std::move(limit)));
         if (set.empty())
             throw Error(ErrorCode::invalid_argument, folder,
                         "the point nearest to " + exact(given) + ", at " + exact(seed.position) +
@@ -278,9 +278,9 @@ private:
         if (!grow_from_.empty()) return grown_from_point(context, cloud, selection, result);
         if (!front_.empty()) return front_of_lasso(context, cloud, selection);
         if (!chooses && brush_.empty() && !level_)
-            throw Error(ErrorCode::invalid_argument, cloud.tree()->folder(), "no points were chosen",
-                        "give a region, a condition, " + called(context, "brush") + " or " +
-                            called(context, "grow_from"));
+            throw Error(
+                ErrorCode::invalid_argument, cloud.tree()->folder(), "no points were chosen",
+                "give a region, a condition, " + called(context, "brush") + " or " + called(context, "grow_from"));
         std::vector<Vec3d> stroke;
         for (std::size_t i = 0; i < brush_.size(); i += 3) stroke.push_back({brush_[i], brush_[i + 1], brush_[i + 2]});
         PointSet set = stroke.empty()
@@ -315,7 +315,8 @@ private:
         }
         result.outcome.points_in = info.points;
         result.outcome.points_out = set.size();
-        result.line(grouped(set.size()) + " of the " + grouped(info.points) + " points of " + folder + " are selected.");
+        result.line(grouped(set.size()) + " of the " + grouped(info.points) + " points of " + folder +
+                    " are selected.");
         how += ", " + grouped(set.size()) + " points";
         context.window.select(std::move(set), how);
     }
@@ -333,10 +334,10 @@ private:
         result.outcome.points_out = statistics.points;
         result.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         Json& json = result.values;
-        json["box"] = json_of(statistics.box);
+        json["box"] = range_of(statistics.box);
         json["classes"] = Json::object();
         for (const auto& [value, points] : statistics.classes) json["classes"][std::to_string(value)] = points;
-        json["tree_bounds"] = json_of(cloud);
+        json["tree_bounds"] = range_of(cloud);
         json["set_bytes"] = set.bytes();
         if (statistics.points == 0) {
             result.line("note: no point is selected; " + extent_text(cloud));
@@ -366,22 +367,23 @@ private:
 
 Row select_row()
 {
-    return {"select",
-            "Select Points of Point Cloud Tree",
-            "Select points of a tree by region, condition, brush or connectivity; count, save, extract, classify or "
-            "delete them",
-            "Selects points of the <b>point cloud tree</b> that the current layer shows, at full resolution: those in a "
-            "region, that meet conditions, or that are connected with a place. The selection is shown in colour; the "
-            "filters <i>Selected Points</i> save, extract, classify and delete it. It can be taken back with the tool "
-            "<i>Select Points</i>. A selection lasts until the tree changes or the project is closed; in a script of "
-            "meshlabserver, for the one run.",
-            menu::select | menu::points,
-            nullptr,
-            with_done_keys({{"box", "object?", "source units", "min and max of the selected points"},
-                            {"classes", "object", "points", "how many of each class"},
-                            {"tree_bounds", "object?", "source units", "min and max of the tree"},
-                            {"set_bytes", "count", "bytes", "memory of the set of points"}}),
-            make<Select>};
+    return {
+        "select",
+        "Select Points of Point Cloud Tree",
+        "Select points of a tree by region, condition, brush or connectivity; count, save, extract, classify or "
+        "delete them",
+        "Selects points of the <b>point cloud tree</b> that the current layer shows, at full resolution: those in a "
+        "region, that meet conditions, or that are connected with a place. The selection is shown in colour; the "
+        "filters <i>Selected Points</i> save, extract, classify and delete it. It can be taken back with the tool "
+        "<i>Select Points</i>. A selection lasts until the tree changes or the project is closed; in a script of "
+        "meshlabserver, for the one run.",
+        menu::select | menu::points,
+        nullptr,
+        with_done_keys({{"box", "object?", "source units", "min and max of the selected points"},
+                        {"classes", "object", "points", "how many of each class"},
+                        {"tree_bounds", "object?", "source units", "min and max of the tree"},
+                        {"set_bytes", "count", "bytes", "memory of the set of points"}}),
+        make<Select>};
 }
 
 }  // namespace pcm::ops

@@ -176,7 +176,7 @@ Row save_selected_row()
             "Writes which points are selected into an attribute of the <b>point cloud tree</b>, in a copy of it or in "
             "place.") +
         about_selections;
-    return {"save-selected",
+    return {"save_selected",
             "Selected Points: Save as Attribute",
             "Save which points are selected as an attribute",
             details.c_str(),
@@ -188,12 +188,12 @@ Row save_selected_row()
 
 Row extract_selected_row()
 {
-    static const std::string details =
-        std::string(
-            "Writes the selected points of a <b>point cloud tree</b>, with all attributes and bit for bit, as a tree of "
-            "their own or as a file. The tree stays as it is.") +
-        about_selections;
-    return {"extract-selected",
+    static const std::string details = std::string(
+                                           "Writes the selected points of a <b>point cloud tree</b>, with all "
+                                           "attributes and bit for bit, as a tree of "
+                                           "their own or as a file. The tree stays as it is.") +
+                                       about_selections;
+    return {"extract_selected",
             "Selected Points: Extract",
             "Write the selected points as a tree or a file",
             details.c_str(),
@@ -210,14 +210,9 @@ Row classify_selected_row()
             "Sets the class, or another integer attribute, of the selected points of a <b>point cloud tree</b>, in a "
             "copy of it or in place.") +
         about_selections;
-    return {"classify-selected",
-            "Selected Points: Classify",
-            "Set the class of the selected points",
-            details.c_str(),
-            menu::select | menu::points,
-            "-classified.pct",
-            with_done_keys({}),
-            make<ClassifySelected>};
+    return {"classify_selected", "Selected Points: Classify", "Set the class of the selected points",
+            details.c_str(),     menu::select | menu::points, "-classified.pct",
+            with_done_keys({}),  make<ClassifySelected>};
 }
 
 Row delete_selected_row()
@@ -227,14 +222,9 @@ Row delete_selected_row()
             "Deletes the selected points of a <b>point cloud tree</b>, from a copy of it or in place. Only chunks that "
             "lose points are rewritten.") +
         about_selections;
-    return {"delete-selected",
-            "Selected Points: Delete",
-            "Delete the selected points",
-            details.c_str(),
-            menu::select | menu::points,
-            "-without.pct",
-            with_done_keys({}),
-            make<DeleteSelected>};
+    return {"delete_selected",  "Selected Points: Delete",   "Delete the selected points",
+            details.c_str(),    menu::select | menu::points, "-without.pct",
+            with_done_keys({}), make<DeleteSelected>};
 }
 
 }  // namespace pcm::ops

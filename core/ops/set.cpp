@@ -14,7 +14,7 @@
 namespace pcm::ops {
 namespace {
 
-[[noreturn]] void refuse(const std::string& text, const std::string& what, const std::string& hint)
+[[noreturn]] void refuse_text(const std::string& text, const std::string& what, const std::string& hint)
 {
     throw Error(ErrorCode::invalid_argument, {}, "'" + text + "': " + what, hint);
 }
@@ -28,18 +28,18 @@ Attribute parse_attribute(std::string text)
     Attribute attribute;
     if (const auto unit = text.rfind(":length"); unit != std::string::npos && unit > 0) {
         attribute.description = std::string(attribute_unit::length) + text.substr(unit + 7);
-        if (length_power(attribute) == 0) refuse(text, "the length has no exponent of one digit", expected);
+        if (length_power(attribute) == 0) refuse_text(text, "the length has no exponent of one digit", expected);
         text.resize(unit);
     }
     const auto colon = text.rfind(':');
-    if (colon == std::string::npos || colon == 0) refuse(text, "a name and a type are expected", expected);
+    if (colon == std::string::npos || colon == 0) refuse_text(text, "a name and a type are expected", expected);
     attribute.name = text.substr(0, colon);
     std::string type = text.substr(colon + 1);
     if (const auto x = type.find('x'); x != std::string::npos) {
         const std::string number = type.substr(x + 1);
         if (number.empty() || number.size() > 3 || number.find_first_not_of("0123456789") != std::string::npos ||
             std::stoul(number) == 0)
-            refuse(text, "'" + number + "' is not a number of components", expected);
+            refuse_text(text, "'" + number + "' is not a number of components", expected);
         attribute.components = static_cast<std::uint32_t>(std::stoul(number));
         type.resize(x);
     }
@@ -48,7 +48,7 @@ Attribute parse_attribute(std::string text)
             attribute.type = static_cast<ScalarType>(t);
             return attribute;
         }
-    refuse(text, "unknown type '" + type + "'", "types are i8, u8, i16, u16, i32, u32, i64, u64, f32 and f64");
+    refuse_text(text, "unknown type '" + type + "'", "types are i8, u8, i16, u16, i32, u32, i64, u64, f32 and f64");
 }
 
 // "name=value", "name=value,value,value" (one value per component) or "name[component]=value"
@@ -68,18 +68,18 @@ Assignment parse_assignment(const std::string& text)
     Assignment assignment;
     assignment.text = text;
     const auto written = written_name(text, "=");
-    if (!written) refuse(text, "the quotes around the attribute's name do not match", expected);
+    if (!written) refuse_text(text, "the quotes around the attribute's name do not match", expected);
     const std::size_t equals = written->end;
-    if (equals == text.size() || written->name.empty()) refuse(text, "an attribute and = are expected", expected);
+    if (equals == text.size() || written->name.empty()) refuse_text(text, "an attribute and = are expected", expected);
     assignment.name = written->name;
     if (!written->quoted && is_number(assignment.name))
-        refuse(text, "an attribute stands before the =, and '" + assignment.name + "' is a number",
-               "an attribute of this name is written in quotes, as in \"'" + assignment.name + "'=2\"");
+        refuse_text(text, "an attribute stands before the =, and '" + assignment.name + "' is a number",
+                    "an attribute of this name is written in quotes, as in \"'" + assignment.name + "'=2\"");
     if (const auto open = assignment.name.rfind('['); open != std::string::npos && !written->quoted) {
         const std::string number = assignment.name.substr(open + 1, assignment.name.size() - open - 2);
         if (assignment.name.back() != ']' || number.empty() || number.size() > 3 ||
             number.find_first_not_of("0123456789") != std::string::npos)
-            refuse(text, "the brackets hold no component", expected);
+            refuse_text(text, "the brackets hold no component", expected);
         assignment.component = static_cast<std::uint32_t>(std::stoul(number));
         assignment.name.resize(open);
     }
@@ -91,7 +91,7 @@ Assignment parse_assignment(const std::string& text)
             assignment.values.push_back(std::stod(word, &used));
         } catch (const std::exception&) {
         }
-        if (used == 0 || used != word.size()) refuse(text, "'" + word + "' is not a number", expected);
+        if (used == 0 || used != word.size()) refuse_text(text, "'" + word + "' is not a number", expected);
         at = comma + 1;
     }
     return assignment;
@@ -102,12 +102,13 @@ void make_raw(Assignment& assignment, const Attribute& attribute)
 {
     const std::size_t wanted = assignment.component ? 1 : attribute.components;
     if (assignment.values.size() != wanted)
-        refuse(assignment.text,
-               "it has " + std::to_string(assignment.values.size()) + " values, not " + std::to_string(wanted),
-               "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components");
+        refuse_text(assignment.text,
+                    "it has " + std::to_string(assignment.values.size()) + " values, not " + std::to_string(wanted),
+                    "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components");
     if (assignment.component && *assignment.component >= attribute.components)
-        refuse(assignment.text, "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components",
-               "they are counted from 0");
+        refuse_text(assignment.text,
+                    "'" + attribute.name + "' has " + std::to_string(attribute.components) + " components",
+                    "they are counted from 0");
     const bool scaled = attribute.scale != 1 || attribute.offset != 0;
     const bool real = attribute.type == ScalarType::f32 || attribute.type == ScalarType::f64;
     for (const double value : assignment.values) {
@@ -125,8 +126,8 @@ void resolve(std::vector<Assignment>& assignments, const Schema& schema, Query& 
         if (!slot) {
             std::string names;
             for (const Attribute& attribute : schema) names += (names.empty() ? "" : ", ") + attribute.name;
-            refuse(assignment.text, "this cloud has no attribute '" + assignment.name + "'",
-                   names.empty() ? "it has none; --new adds one" : "it has " + names + "; --new adds one");
+            refuse_text(assignment.text, "this cloud has no attribute '" + assignment.name + "'",
+                        names.empty() ? "it has none; --new adds one" : "it has " + names + "; --new adds one");
         }
         make_raw(assignment, schema[*slot]);
         assignment.slot = query.attributes.size();

@@ -25,7 +25,7 @@ std::string headline(const VolumeReport& report)
            (report.area_interpolated > 0 ? ", the rest is interpolated" : ", the rest is left out");
 }
 
-void put_lines(Result& result, const VolumeReport& report, const std::string& unit)
+void put_volume_lines(Result& result, const VolumeReport& report, const std::string& unit)
 {
     for (const MeasureValue& value : report.values()) {
         if (value.unit != "^3") continue;
@@ -35,20 +35,20 @@ void put_lines(Result& result, const VolumeReport& report, const std::string& un
     }
     result.line("cells       " + grouped(report.cells) + " of " + brief(report.side) + " wide; " +
                 grouped(report.outcome.points_out) + " points");
-    std::string area = "area        " + brief(report.area) + " in plan, " + brief(report.area_without_data) +
-                       " of it without points";
+    std::string area =
+        "area        " + brief(report.area) + " in plan, " + brief(report.area_without_data) + " of it without points";
     if (report.area_interpolated > 0)
         area += std::string(": interpolated") +
                 (report.area_extrapolated > 0 ? ", " + brief(report.area_extrapolated) + " extrapolated" : "");
     else if (report.area_without_data > 0)
         area += ": left out";
     result.line(area);
-    result.line("uncertainty spread in cells " + brief(report.net_spread) + "; interpolation " + brief(report.net_gaps) +
-                "; cells twice as wide change the net volume by " +
+    result.line("uncertainty spread in cells " + brief(report.net_spread) + "; interpolation " +
+                brief(report.net_gaps) + "; cells twice as wide change the net volume by " +
                 brief(report.cut_coarse - report.fill_coarse - (report.cut_measured - report.fill_measured)));
 }
 
-void put_values(Json& json, const VolumeReport& report)
+void put_volume(Json& json, const VolumeReport& report)
 {
     for (const MeasureValue& value : report.values()) {
         if (value.unit != "^3") continue;
@@ -128,8 +128,8 @@ public:
 private:
     void declare_reference()
     {
-        arguments_.choice("compare_with", compare_with_,
-                          {{"height", "Height"}, {"plane", "Plane"}, {"tree", "Another tree"}})
+        arguments_
+            .choice("compare_with", compare_with_, {{"height", "Height"}, {"plane", "Plane"}, {"tree", "Another tree"}})
             .only(Face::dialog)  // on the command line the option that is given is compared with
             .script("Reference")
             .label("Compare with")
@@ -225,10 +225,10 @@ private:
         const std::string unit = length_unit_of(system);
         Json& values = result.values;
         values["before"] = before_.empty() ? Json() : Json(before_);
-        put_values(values, report);
+        put_volume(values, report);
         values["points_before"] = before_.empty() ? Json() : Json(report.points[1]);
         values["unit"] = unit;
-        put_lines(result, report, unit);
+        put_volume_lines(result, report, unit);
         files_.describe(result);
         return result;
     }
@@ -242,7 +242,7 @@ private:
     VolumeOptions options_;
 };
 
-std::vector<ResultKey> keys()
+std::vector<ResultKey> volume_keys()
 {
     const char* const cubed = "source units^3";
     const char* const squared = "source units^2";
@@ -286,7 +286,7 @@ Row volume_row()
             "interpolation of cells without points. It takes clouds of any size in bounded memory.",
             menu::measure,
             nullptr,
-            keys(),
+            volume_keys(),
             make<Volume>};
 }
 

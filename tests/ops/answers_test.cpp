@@ -5,10 +5,13 @@
 #include "tests/support.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/point_cloud.h"
+#include "pcm/query/point_set.h"
 #include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <map>
 
 namespace {
@@ -23,29 +26,48 @@ using Calls = std::map<std::string, Call>;
 Calls calls(const std::string& tree, const std::string& folder)
 {
     const std::string file = folder + "/cloud.las";
-    return {{"build", {{"input", {file}}, {"output", {folder + "/built.pct"}}, {"normals", {"8"}}}},
-            {"convert", {{"paths", {tree, folder + "/converted.laz"}}}},
-            {"info", {{"input", {tree}}, {"statistics", {"on"}}}},
-            {"verify", {{"tree", {tree}}, {"levels", {"on"}}}},
-            {"append", {{"tree", {tree}}, {"input", {file}}, {"output", {folder + "/more.pct"}}}},
-            {"compact", {{"tree", {tree}}, {"output", {folder + "/compact.pct"}}}},
-            {"delete", {{"tree", {tree}}, {"where", {"intensity>=0"}}, {"output", {folder + "/none.pct"}}}},
-            {"repair", {{"tree", {tree}}, {"check", {"on"}}}},
-            {"transform", {{"tree", {tree}}, {"output", {folder + "/moved.pct"}}, {"translate", {"1", "2", "3"}}}},
-            {"align",
-             {{"moving", {tree}},
-              {"fixed", {tree}},
-              {"pair",
-               {"512345", "4812345", "100", "512346", "4812345", "100", "512445", "4812345", "100", "512446", "4812345",
-                "100", "512345", "4812445", "100", "512346", "4812445", "100"}}}},
-            {"merge", {{"output", {folder + "/merged.pct"}}, {"trees", {tree, tree}}}},
-            {"voxel", {{"input", {tree}}, {"size", {"1"}}, {"output", {folder + "/voxels.pct"}}}},
-            {"subsample", {{"input", {file}}, {"points", {"1000"}}, {"output", {folder + "/thinned.pct"}}}},
-            {"generate", {{"output", {folder + "/scene.las"}}, {"points", {"2000"}}, {"truth", {"off"}}}},
-            {"radii", {{"tree", {tree}}, {"output", {folder + "/radii.pct"}}}},
-            {"normals", {{"tree", {tree}}, {"output", {folder + "/normals.pct"}}, {"radii", {"on"}}}},
-            {"outliers", {{"tree", {tree}}, {"output", {folder + "/clean.pct"}}}}};
+    return {
+        {"build", {{"input", {file}}, {"output", {folder + "/built.pct"}}, {"normals", {"8"}}}},
+        {"convert", {{"paths", {tree, folder + "/converted.laz"}}}},
+        {"info", {{"input", {tree}}, {"statistics", {"on"}}}},
+        {"verify", {{"tree", {tree}}, {"levels", {"on"}}}},
+        {"append", {{"tree", {tree}}, {"input", {file}}, {"output", {folder + "/more.pct"}}}},
+        {"compact", {{"tree", {tree}}, {"output", {folder + "/compact.pct"}}}},
+        {"delete", {{"tree", {tree}}, {"where", {"intensity>=0"}}, {"output", {folder + "/none.pct"}}}},
+        {"repair", {{"tree", {tree}}, {"check", {"on"}}}},
+        {"transform", {{"tree", {tree}}, {"output", {folder + "/moved.pct"}}, {"translate", {"1", "2", "3"}}}},
+        {"align",
+         {{"moving", {tree}},
+          {"fixed", {tree}},
+          {"pair",
+           {"512345", "4812345", "100", "512346", "4812345", "100", "512445", "4812345", "100", "512446", "4812345",
+            "100", "512345", "4812445", "100", "512346", "4812445", "100"}}}},
+        {"merge", {{"output", {folder + "/merged.pct"}}, {"trees", {tree, tree}}}},
+        {"voxel", {{"input", {tree}}, {"size", {"1"}}, {"output", {folder + "/voxels.pct"}}}},
+        {"subsample", {{"input", {file}}, {"points", {"1000"}}, {"output", {folder + "/thinned.pct"}}}},
+        {"generate", {{"output", {folder + "/scene.las"}}, {"points", {"2000"}}, {"truth", {"off"}}}},
+        {"radii", {{"tree", {tree}}, {"output", {folder + "/radii.pct"}}}},
+        {"normals", {{"tree", {tree}}, {"output", {folder + "/normals.pct"}}, {"radii", {"on"}}}},
+        {"outliers", {{"tree", {tree}}, {"output", {folder + "/clean.pct"}}}},
+        {"query", {{"tree", {tree}}, {"statistics", {"on"}}}},
+        {"pick", {{"tree", {tree}}, {"ray", {"512345", "4812345", "500", "0", "0", "-1"}}}},
+        {"select",
+         {{"tree", {tree}}, {"where", {"intensity>=0"}}, {"classify", {"6"}}, {"output", {folder + "/classes.pct"}}}},
+        {"save_selected", {{"output", {folder + "/saved.pct"}}}},
+        {"extract_selected", {{"output", {folder + "/part.xyz"}}}},
+        {"classify_selected", {{"value", {"7"}}, {"output", {folder + "/noise.pct"}}}},
+        {"delete_selected", {{"output", {folder + "/without.pct"}}}},
+        {"fit", {{"tree", {tree}}, {"at", {"512345", "4812345", "100"}}}},
+        {"set", {{"tree", {tree}}, {"new", {"height:f32"}}, {"values", {"height=2"}}, {"statistics", {"on"}}}},
+        {"detect", {{"tree", {tree}}, {"label", {"shape"}}, {"output", {folder + "/labelled.pct"}}}},
+        {"measure", {{"kind", {"distance"}}, {"points", {"0", "0", "0", "3", "4", "0"}}, {"from", {tree}}}},
+        {"profile", {{"tree", {tree}}, {"line", {"512300", "4812345", "512400", "4812345"}}}},
+        {"volume", {{"tree", {tree}}, {"reference", {"90"}}}},
+        {"primitives", {{"list", {folder + "/list.json"}}, {"output", {folder + "/list.csv"}}}}};
 }
+
+constexpr const char* a_list =
+    R"({"format": "pcm primitives", "version": 1, "primitives": [{"kind": "sphere", "point": [1, 2, 3], "radius": 1}]})";
 
 bool has_type(const Json& value, std::string type)
 {
@@ -71,6 +93,7 @@ protected:
         grid.offset = {512345, 4812345, 100};
         pcm::test::write_las(folder_ / "cloud.las", pcm::test::records(pcm::test::Shape::surface, 3000, 3), grid);
         pcm::build_tree({folder_ / "cloud.las"}, tree_, {});
+        std::ofstream(folder_ / "list.json") << a_list;
     }
     Json answer_of(const Row& row, const Call& call)
     {
@@ -83,7 +106,17 @@ protected:
             else
                 argument->set(words, key);
         }
-        return json_of(row.name, operation->run({}));
+        return json_of(row.name, operation->run(context()));
+    }
+    // As in a window that has selected all points.
+    Context context() const
+    {
+        Context context;
+        context.window.cloud = pcm::PointCloud::open(tree_);
+        pcm::PointSet all(context.window.cloud->tree());
+        all.invert();
+        context.window.selected = std::make_shared<const pcm::PointSet>(std::move(all));
+        return context;
     }
 
     pcm::test::TemporaryFolder folder_;
@@ -112,6 +145,14 @@ TEST_F(Answers, HaveTheKeysOfTheirRows)
         for (const auto& [key, value] : answer.items()) EXPECT_TRUE(types.count(key)) << key << " is not in the row";
         EXPECT_EQ(answer["command"], row.name);
     }
+}
+
+TEST_F(Answers, AreOfTheSelectedPointsAlone)
+{
+    const auto operation = find_operation("classify_selected")->make();
+    operation->arguments().find("output")->set({(folder_ / "out.pct").string()}, "output");
+    EXPECT_THROW(operation->run({}), pcm::Error) << "nothing is selected";
+    EXPECT_FALSE(fs::exists(folder_ / "out.pct"));
 }
 
 TEST_F(Answers, ErrorsNameCodePathAndHint)

@@ -1,5 +1,5 @@
 // Arguments: names in each face, defaults, limits, and what is written where.
-#include "pcm/ops/argument.h"
+#include "pcm/ops/operation.h"
 
 #include "pcm/cloud/vector.h"
 
@@ -148,6 +148,60 @@ TEST(Argument, DegreesAreRadiansInside)
     EXPECT_EQ(argument.unit(), "degrees");
     argument.set({"90"}, "--normal-angle");
     EXPECT_DOUBLE_EQ(angle, pcm::pi / 2);
+}
+
+TEST(Argument, NumbersMayShareAWord)
+{
+    std::vector<double> places;
+    Argument at("at", &places);
+    at.count(1, 9);
+    EXPECT_EQ(fault_of(at, {"1 2 3", "4,5,6"}), "");
+    EXPECT_EQ(places, (std::vector<double>{1, 2, 3, 4, 5, 6}));
+    EXPECT_NE(fault_of(at, {"1 2 x"}), "");
+    EXPECT_NE(fault_of(at, {"1 2 3 4 5", "6 7 8 9 10"}), "");
+}
+
+TEST(Argument, ZeroChoosesANumberAutomatically)
+{
+    double threshold = 0;
+    Argument argument("threshold", &threshold);
+    argument.positive().automatic("from the noise");
+    EXPECT_TRUE(argument.is_optional());
+    EXPECT_EQ(argument.default_text(), "");
+    EXPECT_EQ(argument.without(), "from the noise");
+    EXPECT_NE(fault_of(argument, {"0"}), "");
+    EXPECT_EQ(fault_of(argument, {"0.5"}), "");
+    EXPECT_EQ(threshold, 0.5);
+}
+
+TEST(Argument, WholeNumbersMayBeNegativeWhereTheirLimitIs)
+{
+    double value = 2;
+    Argument argument("value", &value);
+    argument.as(ValueKind::whole).between(-128, 127);
+    EXPECT_EQ(argument.default_text(), "2");
+    EXPECT_EQ(fault_of(argument, {"-3"}), "");
+    EXPECT_EQ(value, -3);
+    EXPECT_NE(fault_of(argument, {"1.5"}), "");
+    EXPECT_NE(fault_of(argument, {"-129"}), "");
+}
+
+TEST(Argument, LabelsAreTheKeyInWordsWhereNothingElseIsSaid)
+{
+    double angle = 0;
+    Argument argument("pixel_angle", &angle);
+    EXPECT_EQ(argument.label(), "Pixel angle");
+    EXPECT_EQ(argument.label("Angle").label(), "Angle");
+}
+
+// The command said 20 degrees and used 0.35, which is 20.05.
+TEST(Argument, DetectUsesTheAngleThatItStates)
+{
+    const auto detect = find_operation("detect")->make();
+    const Argument* const angle = detect->arguments().find("normal_angle");
+    ASSERT_NE(angle, nullptr);
+    EXPECT_EQ(angle->default_text(), "20");
+    EXPECT_EQ(angle->unit(), "degrees");
 }
 
 TEST(Argument, FacesCanBeLeftOut)

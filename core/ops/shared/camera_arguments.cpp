@@ -83,7 +83,7 @@ void CameraArguments::declare(Arguments& arguments, const std::string& group)
 }
 
 CameraFrame CameraArguments::frame(const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box,
-                                 PictureSize size) const
+                                   PictureSize size) const
 {
     if (eye.empty() && target.empty() && up.empty() && !height && !orthographic)
         if (const auto frame = first_frame(clouds, angle.value_or(45), size)) return *frame;

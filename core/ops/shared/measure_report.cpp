@@ -10,11 +10,12 @@
 namespace pcm::ops {
 namespace {
 
-std::vector<Vec3d> grouped_points(const std::vector<double>& numbers, const std::string& called, std::size_t size, double z)
+std::vector<Vec3d> grouped_points(const std::vector<double>& numbers, const std::string& called, std::size_t size,
+                                  double z)
 {
     if (numbers.empty() || numbers.size() % size)
         throw ArgumentError(called + " takes " + (size == 3 ? "x y z" : "x y") + " of each point, not " +
-                         std::to_string(numbers.size()) + " numbers");
+                            std::to_string(numbers.size()) + " numbers");
     std::vector<Vec3d> points;
     for (std::size_t i = 0; i < numbers.size(); i += size)
         points.push_back({numbers[i], numbers[i + 1], size == 3 ? numbers[i + 2] : z});
@@ -76,8 +77,9 @@ void MeasureFiles::declare(Arguments& arguments)
         .as(ValueKind::outputs)
         .script("OutputFile")
         .label("Output file")
-        .help(std::string("File to write the measures to, in source coordinates: .json (a list to be read again), .csv") +
-              (writes_dxf() ? ", .geojson or .dxf" : " or .geojson") + "; may be given several times")
+        .help(
+            std::string("File to write the measures to, in source coordinates: .json (a list to be read again), .csv") +
+            (writes_dxf() ? ", .geojson or .dxf" : " or .geojson") + "; may be given several times")
         .without("no file");
     arguments.add("overwrite", overwrite).label("Overwrite").help("Replace existing output files");
 }
@@ -109,8 +111,7 @@ void MeasureFiles::describe(Result& result, const std::string& content) const
     if (outputs.empty()) return;
     result.output = outputs.front();
     result.makes = Makes::file;
-    for (const std::string& output : outputs)
-        result.line(output + (content.empty() ? " written" : ": " + content));
+    for (const std::string& output : outputs) result.line(output + (content.empty() ? " written" : ": " + content));
 }
 
 void check_level(const PointCloud& cloud, const std::optional<std::uint16_t>& level)

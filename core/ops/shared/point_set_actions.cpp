@@ -65,8 +65,8 @@ SetDone classify_set(const PointSet& set, std::int64_t number, const std::string
 SetDone delete_set(const PointSet& set, const SetChangeOptions& options)
 {
     const SetErasure erased = delete_points(set, options);
-    SetDone done{
-        "deleted", erased.tree.string(), erased.report.points_deleted, erased.report.outcome, {}, made(options)};
+    SetDone done{"deleted", erased.tree.string(), erased.report.points_deleted, erased.report.outcome,
+                 {},        made(options)};
     if (!erased.report.coverage_kept)
         done.notes.push_back("coarse levels have gaps where points were deleted; the operation compact closes them");
     return done;
@@ -75,8 +75,8 @@ SetDone delete_set(const PointSet& set, const SetChangeOptions& options)
 SetDone extract_set(const PointSet& set, const std::string& output, const ExtractOptions& options)
 {
     const ConvertReport report = extract_points(set, output, options);
-    return {"extracted",  output, report.outcome.points_out, report.outcome, report.notes,
-            is_tree(output) ? Makes::cloud : Makes::file};
+    return {"extracted",    output,       report.outcome.points_out,
+            report.outcome, report.notes, is_tree(output) ? Makes::cloud : Makes::file};
 }
 
 void PointSetActions::declare(Arguments& arguments, const std::string& group)
@@ -97,8 +97,7 @@ void PointSetActions::declare(Arguments& arguments, const std::string& group)
     arguments.add("overwrite", target_.overwrite)
         .group(group)
         .label("Overwrite")
-        .help(
-            "Replace outputs that exist; write an attribute that the tree has from elsewhere, whose values are lost");
+        .help("Replace outputs that exist; write an attribute that the tree has from elsewhere, whose values are lost");
     arguments.add("delete", erase_).only(Face::command).group(group).help("Delete them");
     arguments.add("classify", classify_)
         .only(Face::command)
@@ -112,8 +111,7 @@ void PointSetActions::declare(Arguments& arguments, const std::string& group)
         .letter('o')
         .as(ValueKind::output_tree)
         .only(Face::command)
-        .help(
-            "Tree folder to write: a copy that shares unchanged data with the original where the file system allows");
+        .help("Tree folder to write: a copy that shares unchanged data with the original where the file system allows");
     arguments.add("in_place", target_.in_place).only(Face::command).help("Change the tree itself, atomically");
 }
 
@@ -182,7 +180,8 @@ void put_done(Result& result, const SetDone& done)
 std::vector<ResultKey> with_done_keys(std::vector<ResultKey> keys)
 {
     keys.push_back({"done", "text?", "", "saved, extracted, classified or deleted; null: they were counted"});
-    keys.push_back({"points_changed", "count", "points", "points whose value was changed, or that were written or deleted"});
+    keys.push_back(
+        {"points_changed", "count", "points", "points whose value was changed, or that were written or deleted"});
     keys.push_back({"class", "count?", "", "number that the points got"});
     return keys;
 }

@@ -5,7 +5,7 @@
 namespace pcm::ops {
 namespace {
 
-struct Shape {
+struct RegionShape {
     const char* key;
     const char* name;  // in texts of regions
     const char* label;
@@ -13,7 +13,7 @@ struct Shape {
     const char* help;
 };
 
-constexpr Shape shapes[] = {
+constexpr RegionShape region_shapes[] = {
     {"sphere", "sphere", "Sphere", 4, 4, "Points in the sphere cx cy cz radius: --sphere 1 2 3 0.5"},
     {"oriented_box", "oriented-box", "Oriented box", 7, 12,
      "Points in the box with centre cx cy cz and half sizes hx hy hz, rotated about z by an angle in degrees, or along "
@@ -26,7 +26,7 @@ constexpr Shape shapes[] = {
      "0 9 0 0 -1 15"},
     {"frustum", "frustum", "Frustum", 10, 13,
      "Points seen from ex ey ez towards tx ty tz, with the vertical angle of view in degrees, width over height, near "
-     "and far distance, and optionally the direction that is up, else 0 0 1"},
+     "and far distance, and optionally the direction that is up, 0 0 1 where it is left out"},
     {"planes", "planes", "Planes", 7, 259,
      "Points on the inner side of planes: a centre cx cy cz, then nx ny nz offset for each plane, where "
      "n.(p-c)+offset>=0 is inside: --planes 5 5 0 0 0 1 2 (above z = -2)"},
@@ -44,7 +44,7 @@ void RegionArguments::declare(Arguments& arguments, const std::string& group)
         .group(group)
         .label("Box")
         .help("Points in the box x0 y0 z0 x1 y1 z1, source coordinates, faces included: 0 0 0 9 9 9");
-    for (const Shape& shape : shapes)
+    for (const RegionShape& shape : region_shapes)
         arguments.add(shape.key, shapes_[shape.name])
             .as(ValueKind::numbers)
             .count(shape.least, shape.most)

@@ -70,7 +70,7 @@ void FitFields::add_number(const FitNumber& row)
     auto* edit = new QLineEdit;
     const ops::Argument& argument = fit_argument(row.argument);
     edit->setObjectName(QString("PointCloudFit") + QString::fromStdString(row.key));
-    edit->setPlaceholderText(QString::fromStdString(argument.is_automatic() ? "automatic"
+    edit->setPlaceholderText(QString::fromStdString(argument.is_automatic()      ? "automatic"
                                                     : argument.without().empty() ? argument.default_text()
                                                                                  : argument.without()));
     // Also when the field loses the focus: only what has changed counts.

@@ -109,8 +109,8 @@ FitAtOptions options_of(const FitSettings& settings)
         const FitNumber& row = fit_numbers()[i];
         const QString text = settings.numbers[i].trimmed();
         if (text.isEmpty()) continue;
-        const ops::Argument& argument = fit_argument(
-            settings.by_radius && row.argument_by_radius ? row.argument_by_radius : row.argument);
+        const ops::Argument& argument =
+            fit_argument(settings.by_radius && row.argument_by_radius ? row.argument_by_radius : row.argument);
         std::string word = text.toStdString();
         if (const std::string fault = argument.fault(word); !fault.empty())
             throw Error(ErrorCode::invalid_argument, {}, argument.label() + ": " + fault,
@@ -146,7 +146,8 @@ void keep(const FitSettings& settings)
     set("Outline", name_of(settings.outline));
     set("ByRadius", settings.by_radius);
     set("Grow", settings.grow);
-    for (const FitNumber& row : fit_numbers()) kept.remove(QString(group) + QString::fromStdString(row.key));  // earlier versions kept them
+    for (const FitNumber& row : fit_numbers())
+        kept.remove(QString(group) + QString::fromStdString(row.key));  // earlier versions kept them
 }
 
 }  // namespace pcm::host
