@@ -224,7 +224,9 @@ Option Options::argument(ops::Argument& argument)
             Option(option).values(static_cast<int>(argument.least_count()), static_cast<int>(argument.count()));
         else if (!argument.is_list())
             option->expected(1)->allow_extra_args(false);
-        if (argument.kind() == ops::ValueKind::words || argument.kind() == ops::ValueKind::texts)
+        if ((argument.kind() == ops::ValueKind::words || argument.kind() == ops::ValueKind::texts ||
+             argument.kind() == ops::ValueKind::outputs) &&
+            !argument.is_positional())
             option->allow_extra_args(false);
         if (argument.kind() == ops::ValueKind::words || argument.kind() == ops::ValueKind::numbers)
             option->delimiter(',');

@@ -25,7 +25,7 @@ struct DetectOptions {
     std::vector<ShapeKind> kinds = detected_kinds();  // no others
     double threshold = 0;              // largest distance of a point from its surface, source units; 0: from the noise
     std::uint64_t least_points = 500;  // of a primitive
-    double normal_angle = 0.35;        // largest angle between a point's normal and the surface's, radians
+    double normal_angle = pi / 9;      // largest angle between a point's normal and the surface's, radians
     // Points farther apart are not of one primitive, source units, at most 128 cells of the sample (some 60 spacings);
     // 0: as the spacing around each allows.
     double step = 0;

@@ -61,6 +61,19 @@ std::uint64_t whole_of(const std::string& word)
     return value;
 }
 
+// A word may hold several numbers: "1 2 3".
+std::vector<std::string> numbers_in(const std::string& word)
+{
+    std::vector<std::string> numbers;
+    for (std::size_t at = 0; at <= word.size();) {
+        const std::size_t end = std::min(word.find_first_of(" ,", at), word.size());
+        if (end > at) numbers.push_back(word.substr(at, end - at));
+        at = end + 1;
+    }
+    if (numbers.empty()) numbers.push_back(word);
+    return numbers;
+}
+
 std::string text_of_bytes(std::uint64_t bytes)
 {
     static constexpr const char* units[] = {"", "K", "M", "G", "T"};
@@ -74,8 +87,8 @@ std::string text_of_bytes(std::uint64_t bytes)
 const char* name_of(ValueKind kind)
 {
     static constexpr const char* names[] = {"flag",  "whole", "real",    "bytes", "text",   "choice",
-                                            "words", "texts", "numbers", "file",  "output", "output_tree",
-                                            "tree",  "trees", "inputs",  "cloud"};
+                                            "words", "texts", "numbers", "file",  "output", "outputs",
+                                            "output_tree", "tree",  "trees", "inputs",  "cloud"};
     return names[static_cast<std::size_t>(kind)];
 }
 
@@ -84,6 +97,9 @@ Argument::Argument(std::string key, Variable variable)
 {
     if (bool* const* flag = std::get_if<bool*>(&variable_)) default_on_ = **flag;
     allowed_.whole = kind_ == ValueKind::whole;
+    label_ = key_;
+    std::replace(label_.begin(), label_.end(), '_', ' ');
+    if (!label_.empty()) label_[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(label_[0])));
 }
 
 Argument& Argument::letter(char letter) { return letter_ = letter, *this; }
@@ -93,7 +109,12 @@ Argument& Argument::unit(const std::string& unit) { return unit_ = unit, *this; 
 Argument& Argument::group(const std::string& heading) { return group_ = heading, *this; }
 Argument& Argument::script(const std::string& name) { return script_ = name, *this; }
 Argument& Argument::without(const std::string& meaning) { return without_ = meaning, *this; }
-Argument& Argument::as(ValueKind kind) { return kind_ = kind, *this; }
+Argument& Argument::automatic(const std::string& meaning) { return automatic_ = true, without(meaning); }
+Argument& Argument::as(ValueKind kind)
+{
+    allowed_.whole = kind == ValueKind::whole;
+    return kind_ = kind, *this;
+}
 Argument& Argument::positional() { return positional_ = true, *this; }
 Argument& Argument::required() { return required_ = true, *this; }
 Argument& Argument::advanced() { return advanced_ = true, *this; }
@@ -135,6 +156,7 @@ bool Argument::is_list() const
     switch (kind_) {
         case ValueKind::words:
         case ValueKind::texts:
+        case ValueKind::outputs:
         case ValueKind::trees:
         case ValueKind::inputs:
         case ValueKind::cloud:
@@ -147,6 +169,7 @@ bool Argument::is_list() const
 bool Argument::is_optional() const
 {
     if (required_ || kind_ == ValueKind::flag || kind_ == ValueKind::choice) return false;
+    if (automatic_) return true;
     return std::visit(
         [](const auto& v) {
             using T = std::decay_t<decltype(v)>;
@@ -187,6 +210,7 @@ std::string Argument::script_name() const
 
 std::string Argument::default_text() const
 {
+    if (automatic_) return "";
     return std::visit(
         [&](const auto& v) -> std::string {
             using T = std::decay_t<decltype(v)>;
@@ -229,8 +253,11 @@ std::string Argument::fault(std::string& word) const
         case ValueKind::bytes:
             return bytes_fault(word);
         case ValueKind::real:
-        case ValueKind::numbers:
             return number_fault(word, allowed_);
+        case ValueKind::numbers:
+            for (const std::string& number : numbers_in(word))
+                if (std::string out = number_fault(number, allowed_); !out.empty()) return out;
+            return "";
         case ValueKind::whole: {
             const std::uint64_t most = std::visit(
                 [](const auto& v) -> std::uint64_t {
@@ -244,7 +271,7 @@ std::string Argument::fault(std::string& word) const
                 variable_);
             if (allowed_.least || allowed_.most)
                 if (std::string out = number_fault(word, allowed_); !out.empty()) return out;
-            return whole_fault(word, most);
+            return allowed_.least && *allowed_.least < 0 ? "" : whole_fault(word, most);
         }
         default:
             break;
@@ -265,13 +292,18 @@ void Argument::set(const std::vector<std::string>& words, const std::string& nam
 {
     if (words.empty() && required_) throw ArgumentError(name + " is needed");
     if (words.empty()) return;
-    std::vector<std::string> checked = words;
+    std::vector<std::string> checked;
+    for (const std::string& word : words) {
+        const std::vector<std::string> parts =
+            kind_ == ValueKind::numbers ? numbers_in(word) : std::vector<std::string>{word};
+        checked.insert(checked.end(), parts.begin(), parts.end());
+    }
     for (std::string& word : checked)
         if (const std::string what = fault(word); !what.empty()) throw ArgumentError(name + ": " + what);
-    if (most_count_ > 0 && (words.size() < least_count_ || words.size() > most_count_))
+    if (most_count_ > 0 && (checked.size() < least_count_ || checked.size() > most_count_))
         throw ArgumentError(name + " takes " + std::to_string(least_count_) +
                             (most_count_ > least_count_ ? " to " + std::to_string(most_count_) : "") +
-                            " numbers, and got " + std::to_string(words.size()));
+                            " numbers, and got " + std::to_string(checked.size()));
     if (!is_list() && kind_ != ValueKind::numbers && words.size() > 1) throw ArgumentError(name + " takes one value");
     given_ = true;
     write(checked);

@@ -36,6 +36,7 @@ enum class ValueKind : std::uint8_t {
     numbers,      // some numbers: x y z
     file,         // an existing file
     output,       // a file or folder to write
+    outputs,      // files to write, each after its own option
     output_tree,  // a tree to write; dialogs add the extension
     tree,         // a tree folder, or a file in it; in a window the current layer's where it is empty
     trees,        // several of these
@@ -69,12 +70,14 @@ public:
 
     // ---- Declaration. Each returns *this.
     Argument& letter(char letter);                  // -k
-    Argument& label(const std::string& label);      // in dialogs
+    Argument& label(const std::string& label);      // in dialogs, where it is not the key in words
     Argument& help(const std::string& help);        // sentences without unit and default, which are added
     Argument& unit(const std::string& unit);        // "source units", "degrees", "s", "%"
     Argument& group(const std::string& heading);    // in the help of the command
     Argument& script(const std::string& name);      // in MeshLab's scripts, where it is not the key in camel case
     Argument& without(const std::string& meaning);  // what happens where nothing is given: "one per processor"
+    // The same of a number whose variable is 0 then: 0 is no value but chooses it, in dialogs too.
+    Argument& automatic(const std::string& meaning);
     Argument& as(ValueKind kind);                   // of a text: file, output, tree; of words: inputs, trees
     Argument& positional();                         // on the command line: by its place
     Argument& required();
@@ -104,6 +107,7 @@ public:
     const std::string& unit() const { return unit_; }
     const std::string& group() const { return group_; }
     const std::string& without() const { return without_; }
+    bool is_automatic() const { return automatic_; }
     bool is_shown() const { return shown_; }
     bool is_on_in_dialogs() const { return dialog_default_ == "on"; }
     const std::string& dialog_default() const { return dialog_default_; }  // empty: that of the command line
@@ -113,7 +117,7 @@ public:
     bool is_advanced() const { return advanced_; }
     bool is_in(Face face) const { return !only_ || *only_ == face; }
     bool is_optional() const;  // nothing may be given
-    bool is_list() const;      // words, texts, trees, inputs, cloud
+    bool is_list() const;      // words, texts, outputs, trees, inputs, cloud
     const AllowedNumbers& allowed() const { return allowed_; }
     const std::vector<Choice>& choices() const { return choices_; }
     std::size_t least_count() const { return least_count_; }
@@ -142,7 +146,7 @@ private:
     char letter_ = 0;
     ValueKind kind_;
     bool positional_ = false, required_ = false, advanced_ = false, shown_ = true, text_in_dialogs_ = false,
-         given_ = false, default_on_ = false;
+         given_ = false, default_on_ = false, automatic_ = false;
     std::optional<Face> only_;
     AllowedNumbers allowed_;
     std::vector<Choice> choices_;

@@ -1,5 +1,7 @@
 #include "pcm/ops/operation.h"
 
+#include "pcm/point_cloud.h"
+
 #include <algorithm>
 
 namespace pcm::ops {
@@ -9,6 +11,11 @@ std::string called(Face face, const Argument& argument)
     if (face == Face::dialog) return "'" + argument.label() + "'";
     if (argument.is_positional()) return argument.key();
     return argument.letter() ? std::string("-") + argument.letter() : "--" + argument.option_name();
+}
+
+std::shared_ptr<PointCloud> Context::open(const std::string& tree) const
+{
+    return window.open ? window.open(tree) : PointCloud::open(tree);
 }
 
 std::string Operation::called(const Context& context, const std::string& key) const

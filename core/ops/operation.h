@@ -6,6 +6,7 @@
 #pragma once
 
 #include "pcm/cloud/affine.h"
+#include "pcm/cloud/clip.h"
 #include "pcm/ops/argument.h"
 #include "pcm/ops/result.h"
 #include "pcm/system/progress.h"
@@ -17,6 +18,13 @@
 #include <optional>
 #include <string>
 #include <vector>
+
+namespace pcm {
+class PointCloud;
+class PointSet;
+struct FittedPrimitive;
+struct Primitive;
+}  // namespace pcm
 
 namespace pcm::ops {
 
@@ -36,6 +44,29 @@ struct Layer {
     bool visible = true, current = false;
 };
 
+// The primitives that a window has, and the unit of their coordinates: a symbol such as "m", or empty.
+struct WindowPrimitives {
+    std::vector<Primitive> primitives;
+    std::string unit;
+    std::vector<std::string> notes;
+};
+
+// What a window has and a command line has not: its members are then empty.
+struct Window {
+    std::function<std::shared_ptr<PointCloud>(const std::string& tree)> open;  // a cloud that it may have open already
+    std::function<void(const std::string& tree)> refuse_change;                // throws for a tree that may not change
+    std::optional<Clip> clip;                                                  // on the tree's layer, switched on
+    // Of the current layer: its cloud, the selected points, and how others are selected; `how` is for lists of steps.
+    std::shared_ptr<PointCloud> cloud;
+    std::shared_ptr<const PointSet> selected;
+    std::function<void(PointSet points, const std::string& how)> select;
+    // The list of primitives takes what was found, and gives it names, colours and the name of its cloud.
+    std::function<void(std::vector<Primitive>& found)> keep_primitives;
+    std::function<void(FittedPrimitive& fitted)> keep_fit;
+    // Its list of primitives: moved by the matrices of layers, and with those that are hidden.
+    std::function<WindowPrimitives(bool moved, bool hidden_too)> primitives;
+};
+
 struct Context {
     Face face = Face::command;
     ProgressFunction progress;
@@ -45,6 +76,10 @@ struct Context {
     std::function<std::string(const std::filesystem::path& tree, const Affine& motion, const std::string& step)>
         set_matrix;
     std::function<Result(const GpuRadiiRequest&)> gpu_radii;  // empty: this face has no such device
+    Window window;
+
+    // Throws what PointCloud::open() throws.
+    std::shared_ptr<PointCloud> open(const std::string& tree) const;
 };
 
 // One run of an operation: its arguments are set, then run() is called, once. Not thread safe; not copied, because
@@ -84,7 +119,7 @@ inline constexpr unsigned create = 1, points = 2, sampling = 4, layers = 8, meas
 }
 
 struct Row {
-    const char* name;     // the command
+    const char* name;     // the command, or, of a filter alone, its name here
     const char* title;    // in MeshLab, where scripts spell it too; null: it is a command alone
     const char* help;     // one line
     const char* details;  // for dialogs and manual pages; HTML's <b> and <i> may occur

@@ -2,31 +2,73 @@
 
 namespace pcm::ops {
 
-// Each is defined in the source of its name.
+// Each is defined in the source of its name; those of selected points are in selected.cpp.
 Row align_row();
 Row append_row();
 Row build_row();
+Row classify_selected_row();
 Row compact_row();
 Row convert_row();
 Row delete_row();
+Row delete_selected_row();
+Row detect_row();
+Row extract_selected_row();
+Row fit_row();
 Row generate_row();
 Row info_row();
+Row measure_row();
 Row merge_row();
 Row normals_row();
 Row outliers_row();
+Row pick_row();
+Row primitives_row();
+Row profile_row();
+Row query_row();
 Row radii_row();
 Row repair_row();
+Row save_selected_row();
+Row select_row();
+Row set_row();
 Row subsample_row();
 Row transform_row();
 Row verify_row();
+Row volume_row();
 Row voxel_row();
 
 const std::vector<Row>& operations()
 {
     static const std::vector<Row> table{
-        build_row(),  convert_row(), info_row(),  verify_row(),    append_row(),   compact_row(),
-        delete_row(), repair_row(),  radii_row(), normals_row(),   outliers_row(), transform_row(),
-        align_row(),  merge_row(),   voxel_row(), subsample_row(), generate_row(),
+        build_row(),
+        convert_row(),
+        info_row(),
+        verify_row(),
+        append_row(),
+        compact_row(),
+        delete_row(),
+        repair_row(),
+        query_row(),
+        pick_row(),
+        select_row(),
+        save_selected_row(),
+        extract_selected_row(),
+        classify_selected_row(),
+        delete_selected_row(),
+        fit_row(),
+        set_row(),
+        radii_row(),
+        normals_row(),
+        outliers_row(),
+        transform_row(),
+        align_row(),
+        merge_row(),
+        voxel_row(),
+        subsample_row(),
+        detect_row(),
+        measure_row(),
+        profile_row(),
+        volume_row(),
+        primitives_row(),
+        generate_row(),
     };
     return table;
 }

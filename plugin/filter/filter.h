@@ -15,7 +15,7 @@ namespace pcm::host {
 struct FilterRun {
     MeshDocument& document;
     const RichParameterList& parameters;
-    vcg::CallBackPos* callback;                        // for host/operation.h
+    vcg::CallBackPos* callback;                        // for panels/operation.h
     std::function<void(const std::string& line)> log;  // writes a line to MeshLab's log
     // The same for what went wrong after the filter had done its work.
     std::function<void(const std::string& line)> warn;
@@ -29,8 +29,8 @@ struct Filter {
     std::function<void(RichParameterList& parameters)> add_parameters;
     // Anything thrown is reported to the user as the reason why the filter failed.
     std::function<void(const FilterRun& run)> run;
-    // The end of the name that dialogs propose for the result, as in NAME-normals.pct (host/proposed_output.h); null:
-    // none is needed. Scripts name their outputs.
+    // The end of the name that dialogs propose for the result, as in NAME-normals.pct (meshlab/2020/proposed_output.h);
+    // null: none is needed. Scripts name their outputs.
     const char* output = nullptr;
 };
 

@@ -3,11 +3,12 @@
 #include "plugin/filter/cloud_menu.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
-#include "plugin/host/cancelled.h"
-#include "plugin/host/field_buttons.h"
-#include "plugin/host/layer_matrix.h"
-#include "plugin/host/proposed_output.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/field_buttons.h"
+#include "plugin/meshlab/2020/proposed_output.h"
+#include "plugin/panels/cancelled.h"
+#include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/text.h"
 
 #include <utility>
 
@@ -27,7 +28,7 @@ bool fits_in_view(Box3m before, const Box3m& after)
 void check_lock(const RichParameterList& parameters, MeshDocument& document)
 {
     if (parameters.hasParameter("InPlace") && parameters.getBool("InPlace") && parameters.hasParameter("Tree"))
-        refuse_locked(document, tree_of(parameters, document));
+        refuse_locked(scene_of(document), tree_of(parameters, document));
 }
 
 const Filter& filter_of(int id) { return filters()[static_cast<std::size_t>(id)]; }

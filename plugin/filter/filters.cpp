@@ -1,22 +1,12 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/moved_results.h"
 #include "plugin/filter/operation_filter.h"
+#include "plugin/filter/window_hooks.h"
 
 namespace pcm::host {
 
 // Each is defined in the file of its name.
-Filter measure_filter();
-Filter profile_filter();
-Filter cut_volume();
-Filter select_points_filter();
-Filter save_selected();
-Filter extract_selected();
-Filter classify_selected();
-Filter delete_selected();
 Filter set_clip_box();
-Filter fit_primitive();
-Filter detect_primitives_filter();
-Filter export_primitives();
 
 const std::vector<Filter>& filters()
 {
@@ -33,17 +23,17 @@ const std::vector<Filter>& filters()
         operation_filter("radii"),
         operation_filter("normals"),
         operation_filter("outliers"),
-        select_points_filter(),
-        save_selected(),
-        extract_selected(),
-        classify_selected(),
-        delete_selected(),
-        measure_filter(),
-        profile_filter(),
-        cut_volume(),
-        fit_primitive(),
-        detect_primitives_filter(),
-        export_primitives(),
+        operation_filter("select", on_selection()),
+        operation_filter("save-selected", on_selection()),
+        operation_filter("extract-selected", on_selection()),
+        operation_filter("classify-selected", on_selection()),
+        operation_filter("delete-selected", on_selection()),
+        operation_filter("measure", at_points_of_layer()),
+        operation_filter("profile"),
+        operation_filter("volume"),
+        operation_filter("fit", fitting_primitives()),
+        operation_filter("detect", finding_primitives()),
+        operation_filter("primitives", exporting_primitives()),
         set_clip_box(),
         operation_filter("info"),
     };

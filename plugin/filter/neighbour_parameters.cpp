@@ -4,8 +4,8 @@
 #include "pcm/tree/tree.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/text.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/text.h"
 
 namespace pcm::host {
 

@@ -4,10 +4,10 @@
 #include "plugin/filter/operation_parameters.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/tree_target.h"
-#include "plugin/host/layer_matrix.h"
-#include "plugin/host/operation.h"
-#include "plugin/host/placement.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/panels/operation.h"
+#include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/text.h"
 
 #include <utility>
 
@@ -29,40 +29,26 @@ MeshFilterInterface::FilterClass class_of(unsigned menus)
     return F::FilterClass(bits);
 }
 
-// Shows the tree that was made, or loads those again that show one changed in place.
-void show(const FilterRun& run, const ops::Result& result)
-{
-    if (result.makes == ops::Makes::nothing || result.makes == ops::Makes::file) return;
-    TargetChoice target;
-    target.in_place = result.makes == ops::Makes::changed;
-    if (!target.in_place) target.copy = result.output;
-    show_result(run, result.input.empty() ? std::filesystem::path() : std::filesystem::path(result.input.front()),
-                target);
-}
-
 // The layers that show trees.
-std::vector<ops::Layer> layers_of(const FilterRun& run)
+std::vector<ops::Layer> layers_of(const Scene& scene)
 {
     std::vector<ops::Layer> layers;
-    for (const MeshModel* layer : run.document.meshList) {
-        const auto shown = Registry::instance().find(*layer);
-        if (!shown) continue;
-        layers.push_back({layer->label().toStdString(), shown->cloud->tree()->folder(), placement_of(*layer, *shown),
-                          layer->visible, layer == run.document.mm()});
-    }
+    for (const SceneLayer* layer : scene.layers())
+        if (const auto shown = layer->tree())
+            layers.push_back({layer->label().toStdString(), shown->cloud->tree()->folder(), layer->placement(),
+                              layer->is_visible(), layer == scene.current()});
     return layers;
 }
 
-std::string set_matrix(const FilterRun& run, const std::filesystem::path& tree, const Affine& motion,
-                       const std::string& step)
+std::string set_matrix(Scene& scene, const std::filesystem::path& tree, const Affine& motion, const std::string& step)
 {
-    MeshModel* const layer = run.document.mm();
-    const auto shown = layer ? Registry::instance().find(*layer) : std::nullopt;
+    SceneLayer* const layer = scene.current();
+    const auto shown = layer ? layer->tree() : std::nullopt;
     std::error_code ignored;
     if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), tree, ignored))
         throw Error(ErrorCode::invalid_argument, tree, "the current layer does not show this tree",
                     "choose its layer, or write a new tree");
-    LayerMatrices::of(run.document).set(*layer, matrix_of(motion, shown->origin), QString::fromStdString(step));
+    scene.part<LayerMatrices>().set(*layer, matrix_of(motion, shown->origin), QString::fromStdString(step));
     return "the matrix of the layer '" + layer->label().toStdString() +
            "' moves it; rounded to single precision, it moves points by up to " +
            brief(matrix_rounding(motion, shown->origin, shown->cloud->info().bounds())) + " source units more or less";
@@ -76,11 +62,11 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
     ops::Context context;
     context.face = ops::Face::dialog;
     context.progress = guard.progress();
-    context.layers = [&] { return layers_of(run); };
+    context.layers = [&] { return layers_of(scene_of(run.document)); };
     context.set_matrix = [&](const std::filesystem::path& tree, const Affine& motion, const std::string& step) {
-        return set_matrix(run, tree, motion, step);
+        return set_matrix(scene_of(run.document), tree, motion, step);
     };
-    if (hooks.before) hooks.before(run, *operation);
+    if (hooks.before) hooks.before(run, *operation, context.window);
     const ops::Result result = operation->run(context);
     log_warnings(run, result.outcome.warnings);
     log_notes(run, result.notes);
@@ -88,10 +74,20 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
     if (hooks.after)
         hooks.after(run, *operation, result);
     else
-        show(run, result);
+        show_made(run, result);
 }
 
 }  // namespace
+
+void show_made(const FilterRun& run, const ops::Result& result)
+{
+    if (result.makes == ops::Makes::nothing || result.makes == ops::Makes::file) return;
+    TargetChoice target;
+    target.in_place = result.makes == ops::Makes::changed;
+    if (!target.in_place) target.copy = result.output;
+    show_result(run, result.input.empty() ? std::filesystem::path() : std::filesystem::path(result.input.front()),
+                target);
+}
 
 Filter operation_filter(const std::string& name, OperationHooks hooks)
 {

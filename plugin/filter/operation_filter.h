@@ -10,11 +10,14 @@ namespace pcm::host {
 
 // What a filter does besides: for operations whose inputs or results live in the window too.
 struct OperationHooks {
-    // Before the operation runs; the arguments are set.
-    std::function<void(const FilterRun& run, ops::Operation& operation)> before;
+    // Before the operation runs; the arguments are set. Fills in what the window has.
+    std::function<void(const FilterRun& run, ops::Operation& operation, ops::Window& window)> before;
     // After it, in place of showing the tree that it has made.
     std::function<void(const FilterRun& run, const ops::Operation& operation, const ops::Result& result)> after;
 };
+
+// Shows the tree that was made, or loads the layers again that show one changed in place.
+void show_made(const FilterRun& run, const ops::Result& result);
 
 // Throws std::logic_error where the table has no such operation.
 Filter operation_filter(const std::string& name, OperationHooks hooks = {});

@@ -1,8 +1,9 @@
 #include "plugin/filter/operation_parameters.h"
 
+#include "pcm/system/text.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
-#include "plugin/host/text.h"
+#include "plugin/scene/text.h"
 
 #include <QRegularExpression>
 
@@ -19,6 +20,12 @@ constexpr int megabyte_bits = 20;
 bool is_tree(const Argument& argument)
 {
     return argument.kind() == ValueKind::tree || argument.kind() == ValueKind::cloud;
+}
+
+// The number that means none.
+int none_value(const Argument& argument)
+{
+    return argument.kind() == ValueKind::whole && !argument.is_automatic() ? -1 : 0;
 }
 
 QString dialog_value(const Argument& argument)
@@ -39,11 +46,12 @@ QString quoted_default(const Argument& argument)
     const QString value = dialog_value(argument);
     if (!argument.without().empty() && value.isEmpty())
         return "Default: " + QString::fromStdString(argument.without()) + ".";
-    if (argument.kind() == ValueKind::output || argument.kind() == ValueKind::output_tree)
+    if ((argument.kind() == ValueKind::output || argument.kind() == ValueKind::output_tree) &&
+        argument.without().empty())
         return "A dialog proposes a name; scripts have no default.";
     if (argument.kind() == ValueKind::choice) {
         for (const ops::Choice& choice : argument.choices())
-            if (choice.name == argument.default_text())
+            if (choice.name == argument.default_text() || argument.default_text().empty())
                 return "Default " + QString::fromStdString(choice.label).toLower() + ".";
     }
     return value.isEmpty() ? "No default." : "Default " + value + ".";
@@ -54,8 +62,8 @@ QString tooltip_of(const Argument& argument)
     QString text = QString::fromStdString(argument.help());
     if (!argument.unit().empty()) text += ", in " + QString::fromStdString(argument.unit());
     if (argument.kind() == ValueKind::bytes) text += ", in megabytes";
-    if (has_none_value(argument) && argument.kind() == ValueKind::real) text += "; 0: none";
-    if (has_none_value(argument) && argument.kind() == ValueKind::whole) text += "; -1: none";
+    if (has_none_value(argument) && (argument.kind() == ValueKind::real || argument.kind() == ValueKind::whole))
+        text += QString("; %1: %2").arg(none_value(argument)).arg(argument.is_automatic() ? "automatic" : "none");
     if (argument.is_list() && !is_tree(argument)) text += "; several are separated by semicolons";
     if (!text.endsWith('.')) text += ".";
     return text + " " + quoted_default(argument);
@@ -90,7 +98,8 @@ void add_parameter(const Argument& argument, RichParameterList& parameters)
             parameters.addParam(RichBool(name, value == "on", label, tip));
             return;
         case ValueKind::whole:
-            parameters.addParam(RichInt(name, has_none_value(argument) ? -1 : value.toInt(), label, tip));
+            parameters.addParam(
+                RichInt(name, has_none_value(argument) ? none_value(argument) : value.toInt(), label, tip));
             return;
         case ValueKind::real:
             parameters.addParam(RichFloat(name, has_none_value(argument) ? 0 : value.toFloat(), label, tip));
@@ -132,6 +141,7 @@ std::vector<std::string> words_of(const Argument& argument, const QString& text)
         case ValueKind::texts:
             return split(text, ";");
         case ValueKind::inputs:
+        case ValueKind::outputs:
         case ValueKind::trees: {
             std::vector<std::string> paths;
             for (const auto& path : split_paths(text)) paths.push_back(path.string());
@@ -193,7 +203,8 @@ void set(Argument& argument, const FilterRun& run)
             return;
         case ValueKind::whole: {
             const int value = parameters.getInt(name);
-            if (value < 0 && has_none_value(argument)) return;
+            if (has_none_value(argument) && (value == none_value(argument) || (value < 0 && !argument.is_automatic())))
+                return;
             argument.set({std::to_string(value)}, called);
             return;
         }

@@ -4,7 +4,8 @@
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 #include "pcm/tree/tree.h"
-#include "plugin/host/registry.h"
+#include "plugin/meshlab/2020/registry.h"
+#include "plugin/scene/text.h"
 
 #include <QDir>
 #include <QFileInfo>

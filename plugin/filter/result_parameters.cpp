@@ -1,6 +1,9 @@
 #include "plugin/filter/result_parameters.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/peak_memory.h"
+#include "plugin/filter/parameters.h"
+#include "plugin/scene/text.h"
 
 #include <QRegularExpression>
 

@@ -3,8 +3,9 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "plugin/filter/filter.h"
-#include "plugin/host/scene_state.h"
-#include "plugin/host/selection_text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/scene/scene_state.h"
+#include "plugin/scene/selection_text.h"
 
 #include <cmath>
 
@@ -51,7 +52,7 @@ ClipBox box_of(const RichParameterList& parameters)
 
 void run(const FilterRun& run)
 {
-    SceneState& scene = SceneState::of(run.document);
+    SceneState& scene = scene_of(run.document).part<SceneState>();
     const auto mode = static_cast<Mode>(run.parameters.getEnum("Mode"));
     const bool has_box = !run.parameters.getString("Box").trimmed().isEmpty();
     std::optional<ClipBox> clip = scene.clip();

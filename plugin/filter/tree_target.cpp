@@ -2,9 +2,10 @@
 
 #include "pcm/system/error.h"
 #include "plugin/filter/parameters.h"
-#include "plugin/host/layer.h"
-#include "plugin/host/result_layer.h"
-#include "plugin/host/text.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/layer.h"
+#include "plugin/scene/result_layer.h"
+#include "plugin/scene/text.h"
 
 #include <utility>
 
@@ -31,9 +32,9 @@ TargetChoice target_of(const RichParameterList& parameters)
     return {as_tree(absolute_path(output)), false};
 }
 
-void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder, const MeshModel* like)
+void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder, const SceneLayer* like)
 {
-    for (const std::string& line : add_layer_of(run.document, folder, like)) run.log(line);
+    for (const std::string& line : add_layer_of(scene_of(run.document), folder, like)) run.log(line);
 }
 
 void show_afterwards(const FilterRun& run, const std::function<void()>& show)
@@ -50,14 +51,15 @@ void show_result(const FilterRun& run, const std::filesystem::path& made_of, con
 {
     show_afterwards(run, [&] {
         const std::filesystem::path& folder = target.in_place ? made_of : target.copy;
-        for (const std::string& line : host::show_result(run.document, folder, made_of)) run.log(line);
+        for (const std::string& line : host::show_result(scene_of(run.document), folder, made_of)) run.log(line);
     });
 }
 
-void show_moved_result(const FilterRun& run, const std::filesystem::path& folder, std::vector<MeshModel*> replaced)
+void show_moved_result(const FilterRun& run, const std::filesystem::path& folder, std::vector<SceneLayer*> replaced)
 {
     show_afterwards(run, [&] {
-        for (const std::string& line : host::show_result(run.document, TreeResult{folder, std::move(replaced), false}))
+        for (const std::string& line :
+             host::show_result(scene_of(run.document), TreeResult{folder, std::move(replaced), false}))
             run.log(line);
     });
 }

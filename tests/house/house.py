@@ -25,13 +25,18 @@ LONG_FUNCTIONS: dict[str, str] = {
 FILE_LINES = 500
 FUNCTION_LINES = 60
 
+TOOLS = ("align", "clip", "fit", "measure", "pick", "select", "walk", "all")
+
 # Headers of other packages and the rooms that may use them; a pattern, then rooms.
 PACKAGES = {
-    r"<(GL|EGL)/": {"gl/base", "gl/l1", "gl/compute", "gl/draw", "offscreen", "tests", "bench", "plugin/render", "examples"},
+    r"<(GL|EGL)/": {"gl/base", "gl/l1", "gl/compute", "gl/draw", "offscreen", "tests", "bench", "plugin/overlay",
+                     "plugin/meshlab/2020/render", "examples"},
     r"<png.h>": {"offscreen"},
     r"<dxflib/": {"cad"},
     r"<CLI/": {"cli", "bench"},
-    r"<Q[A-Za-z]+": {"plugin/host", "plugin/io", "plugin/render", "plugin/filter", "plugin/edit", "tests", "bench"},
+    r"<Q[A-Za-z]+": {"plugin/scene", "plugin/panels", "plugin/overlay", "plugin/tools", *("plugin/tools/" + tool for tool in TOOLS),
+                      "plugin/meshlab/2020", *("plugin/meshlab/2020/" + part for part in ("io", "render", "edit")),
+                      "plugin/filter", "tests", "bench"},
     r"<pcl/": {"fit", "bench"},
     r"<flann/": {"knn", "bench"},
     r"<nanoflann": {"tests", "bench"},
@@ -126,6 +131,36 @@ def check_arrows(tree):
             if everything or other == room or other in tree.arrows[room]:
                 continue
             complaints.append(f"{name}: includes {path}; {room} may not use {other}")
+    return complaints
+
+
+# MeshLab's and VCG's headers and types, and the folders that may name them: one for each generation of MeshLab, the filters,
+# the tests of these, and the benchmarks, which measure MeshLab. All else is compiled without MeshLab's headers (plugin/CMakeLists.txt); this finds what such a source only
+# mentions, as a forward declaration.
+MESHLAB_HEADER = r"[<\"](common|meshlab|vcg|wrap)/"
+MESHLAB_TYPE = (r"\b(MeshDocument|MeshModel|GLArea|RasterModel|CMeshO|C(?:Vertex|Face)O|MLSceneGLSharedDataContext|GLLogStream|"
+                r"Rich[A-Z]\w+|Mesh(?:Lab)?(?:Common|IO|Filter|Render|Decorate|Edit)Interface(?:Factory)?|(?:Matrix44|Point3|Box3)m|"
+                r"Scalarm)\b|\bvcg::")
+MESHLAB_FOLDERS = ("plugin/meshlab/", "plugin/filter/", "tests/plugin/", "tests/e2e/", "bench/")
+
+
+def without_comments_and_texts(text):
+    return re.sub(r'//[^\n]*|"(?:\\.|[^"\\\n])*"', "", text)
+
+
+def check_meshlab(tree):
+    """Only plugin/meshlab knows MeshLab, and there one header includes MeshLab's."""
+    complaints = []
+    for name, text in tree.sources.items():
+        if name.startswith("plugin/meshlab/") and not name.endswith("/meshlab.h"):
+            complaints += [f"{name}: includes {include}; meshlab.h of its folder does"
+                           for include in includes_of(text) if re.match(MESHLAB_HEADER, include)]
+        if name.startswith(MESHLAB_FOLDERS):
+            continue
+        complaints += [f"{name}: includes {include} of MeshLab's" for include in includes_of(text)
+                       if re.match(MESHLAB_HEADER, include)]
+        complaints += [f"{name}: names MeshLab's {found}" for found in
+                       sorted({match[0] for match in re.finditer(MESHLAB_TYPE, without_comments_and_texts(text))})]
     return complaints
 
 

@@ -39,6 +39,9 @@ class Project(unittest.TestCase):
     def test_the_list_of_arrows_is_one_way_and_used(self):
         self.none(house.check_list(self.tree))
 
+    def test_meshlab_is_known_to_its_folder_alone(self):
+        self.none(house.check_meshlab(self.tree))
+
     def test_formats_do_not_know_each_other(self):
         self.none(house.check_formats(self.tree))
 
@@ -112,6 +115,16 @@ class Checks(unittest.TestCase):
     def test_an_arrow_that_nothing_uses(self):
         tree = house.Tree({"core/b/x.h": ""}, house.read_arrows("```floors\nlow\n    a\n    b: a\n```"))
         self.assertEqual(house.check_list(tree), ["the list lets b use a, and nothing does"])
+
+    def test_a_type_of_meshlab_s_elsewhere(self):
+        good = {"plugin/tools/clip/a.cpp": '// as MeshModel\nconst char* x = "MeshModel";\n#include "plugin/scene/scene.h"\n',
+                "plugin/meshlab/2020/meshlab.h": "#include <common/interfaces.h>\n",
+                "plugin/meshlab/2020/registry.h": "class GLArea;\nvoid f(vcg::Point3f);\n"}
+        self.assertEqual(house.check_meshlab(small(good)), [])
+        for line in ("class GLArea;", "void f(MeshModel& layer);", "vcg::Point3f p;", "RichParameterList list;", "Matrix44m m;",
+                     "#include <common/interfaces.h>", "#include <meshlab/glarea.h>"):
+            self.assertEqual(len(house.check_meshlab(small({**good, "plugin/scene/b.h": line + "\n"}))), 1, line)
+        self.assertEqual(len(house.check_meshlab(small({"plugin/meshlab/2020/a.h": "#include <common/interfaces.h>\n"}))), 1)
 
     def test_a_format_that_reads_another(self):
         sources = {"core/io/las/a.cpp": '#include "pcm/io/ply/b.h"\n'}

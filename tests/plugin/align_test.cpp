@@ -4,11 +4,12 @@
 #include "pcm/make_cloud.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
-#include "plugin/host/bookmarks.h"
-#include "plugin/host/layer.h"
-#include "plugin/host/layer_matrix.h"
-#include "plugin/host/layer_visibility.h"
-#include "plugin/host/placement.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/2020/placement.h"
+#include "plugin/scene/bookmarks.h"
+#include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/layer_visibility.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
 
@@ -93,9 +94,9 @@ TEST_F(AlignInMeshLab, TheFilterSetsTheLayersMatrix)
     EXPECT_GT(rounding, 0);
     EXPECT_LT(rounding, 1e-4);
     for (const PointPair& pair : pairs_) EXPECT_LT(length((*placement)(pair.moving) - pair.fixed), 2 * rounding + 1e-8);
-    EXPECT_EQ(LayerMatrices::of(call.document).undo_words(*layer), "align by 4 pairs");
-    LayerMatrices::of(call.document).undo(*layer);
-    EXPECT_EQ(layer->cm.Tr, Matrix44m::Identity());
+    EXPECT_EQ(scene_of(call.document).part<LayerMatrices>().undo_words(layer_of(*layer)), "align by 4 pairs");
+    scene_of(call.document).part<LayerMatrices>().undo(layer_of(*layer));
+    EXPECT_EQ(layer_of(*layer).matrix(), identity_matrix);
 }
 
 TEST_F(AlignInMeshLab, IllPosedPairsAreRefusedInWords)
@@ -119,40 +120,40 @@ TEST_F(AlignInMeshLab, MatricesAreChangedWithUndoAndRedo)
 {
     MeshDocument document;
     MeshModel* const layer = add_layer(document, tree_);
-    auto& matrices = LayerMatrices::of(document);
+    auto& matrices = scene_of(document).part<LayerMatrices>();
     int changes = 0;
     QObject::connect(&matrices, &LayerMatrices::changed, [&](int id) { changes += id == layer->id(); });
-    Matrix44m one = Matrix44m::Identity(), two = one;
+    LayerMatrix one = identity_matrix, two = one;
     one[0][3] = 1;
     two[1][3] = 2;
-    EXPECT_EQ(matrices.undo_words(*layer), "");
-    matrices.undo(*layer);
-    matrices.set(*layer, one, "one");
-    matrices.set(*layer, two, "two");
-    EXPECT_EQ(matrices.undo_words(*layer), "two");
-    matrices.undo(*layer);
-    EXPECT_EQ(layer->cm.Tr, one);
-    EXPECT_EQ(matrices.redo_words(*layer), "two");
-    matrices.undo(*layer);
-    EXPECT_EQ(layer->cm.Tr, Matrix44m::Identity());
-    matrices.redo(*layer);
-    matrices.redo(*layer);
-    matrices.redo(*layer);
-    EXPECT_EQ(layer->cm.Tr, two);
-    matrices.undo(*layer);
-    matrices.set(*layer, two, "again");  // the step that was taken back is gone
-    EXPECT_EQ(matrices.redo_words(*layer), "");
+    EXPECT_EQ(matrices.undo_words(layer_of(*layer)), "");
+    matrices.undo(layer_of(*layer));
+    matrices.set(layer_of(*layer), one, "one");
+    matrices.set(layer_of(*layer), two, "two");
+    EXPECT_EQ(matrices.undo_words(layer_of(*layer)), "two");
+    matrices.undo(layer_of(*layer));
+    EXPECT_EQ(layer_of(*layer).matrix(), one);
+    EXPECT_EQ(matrices.redo_words(layer_of(*layer)), "two");
+    matrices.undo(layer_of(*layer));
+    EXPECT_EQ(layer_of(*layer).matrix(), identity_matrix);
+    matrices.redo(layer_of(*layer));
+    matrices.redo(layer_of(*layer));
+    matrices.redo(layer_of(*layer));
+    EXPECT_EQ(layer_of(*layer).matrix(), two);
+    matrices.undo(layer_of(*layer));
+    matrices.set(layer_of(*layer), two, "again");  // the step that was taken back is gone
+    EXPECT_EQ(matrices.redo_words(layer_of(*layer)), "");
     EXPECT_EQ(changes, 8);
-    Matrix44m bad = one;
+    LayerMatrix bad = one;
     bad[2][2] = NAN;
-    EXPECT_THROW(matrices.set(*layer, bad, "bad"), Error);
-    EXPECT_EQ(layer->cm.Tr, two);
+    EXPECT_THROW(matrices.set(layer_of(*layer), bad, "bad"), Error);
+    EXPECT_EQ(layer_of(*layer).matrix(), two);
 }
 
 TEST_F(AlignInMeshLab, AMatrixIsTheMapOfSourceCoordinates)
 {
     const Vec3d origin{500000, 4800000, 100};
-    const Matrix44m matrix = matrix_of(motion_, origin);
+    const LayerMatrix matrix = matrix_of(motion_, origin);
     const Affine again = map_of(matrix, origin);
     for (const PointPair& pair : pairs_)
         EXPECT_LT(length(again(pair.moving) - pair.fixed),
@@ -165,18 +166,18 @@ TEST_F(AlignInMeshLab, ALockedLayerKeepsItsMatrixAndItsPoints)
 {
     FilterCall call("Delete Points of Point Cloud Tree");
     MeshModel* const layer = add_layer(call.document, tree_);
-    auto& matrices = LayerMatrices::of(call.document);
-    Matrix44m moved = Matrix44m::Identity();
+    auto& matrices = scene_of(call.document).part<LayerMatrices>();
+    LayerMatrix moved = identity_matrix;
     moved[0][3] = 5;
-    matrices.set(*layer, moved, "move");
-    matrices.lock(*layer, true);
-    EXPECT_TRUE(matrices.is_locked(*layer));
-    EXPECT_THROW(matrices.set(*layer, Matrix44m::Identity(), "no"), Error);
-    EXPECT_THROW(matrices.undo(*layer), Error);
-    EXPECT_FALSE(matrices.hold(*layer));
+    matrices.set(layer_of(*layer), moved, "move");
+    matrices.lock(layer_of(*layer), true);
+    EXPECT_TRUE(matrices.is_locked(layer_of(*layer)));
+    EXPECT_THROW(matrices.set(layer_of(*layer), identity_matrix, "no"), Error);
+    EXPECT_THROW(matrices.undo(layer_of(*layer)), Error);
+    EXPECT_FALSE(matrices.hold(layer_of(*layer)));
     layer->cm.Tr = Matrix44m::Identity();  // as MeshLab's tools do it
-    EXPECT_TRUE(matrices.hold(*layer));
-    EXPECT_EQ(layer->cm.Tr, moved);
+    EXPECT_TRUE(matrices.hold(layer_of(*layer)));
+    EXPECT_EQ(layer_of(*layer).matrix(), moved);
     EXPECT_NE(log_of(call.document).find("is locked: its matrix is what it was"), std::string::npos);
 
     call.set("Tree", tree_).set("Where", StringValue("x > 0")).set("InPlace", true);
@@ -184,9 +185,9 @@ TEST_F(AlignInMeshLab, ALockedLayerKeepsItsMatrixAndItsPoints)
     EXPECT_NE(call.log().find("shows this tree and is locked"), std::string::npos) << call.log();
     EXPECT_EQ(PointCloud::open(tree_)->info().points, 5000u);
     FilterCall current("Delete Points of Point Cloud Tree");  // of another document: nothing is locked there
-    EXPECT_NO_THROW(refuse_locked(current.document, tree_));
-    matrices.lock(*layer, false);
-    EXPECT_NO_THROW(matrices.undo(*layer));
+    EXPECT_NO_THROW(refuse_locked(scene_of(current.document), tree_));
+    matrices.lock(layer_of(*layer), false);
+    EXPECT_NO_THROW(matrices.undo(layer_of(*layer)));
     EXPECT_TRUE(call.apply()) << call.log();
 }
 
@@ -204,13 +205,13 @@ TEST_F(AlignInMeshLab, LayersShownAloneGiveTheOthersBack)
     MeshModel* const two = document.addNewMesh("", "two");
     MeshModel* const three = document.addNewMesh("", "three");
     two->visible = false;
-    auto& solo = SoloLayers::of(document);
-    solo.set(*two, true);
+    auto& solo = scene_of(document).part<SoloLayers>();
+    solo.set(layer_of(*two), true);
     EXPECT_TRUE(two->visible && !one->visible && !three->visible);
-    solo.set(*three, true);
+    solo.set(layer_of(*three), true);
     EXPECT_TRUE(two->visible && !one->visible && three->visible);
-    solo.set(*two, false);
-    EXPECT_TRUE(!two->visible && three->visible && solo.is_solo(*three));
+    solo.set(layer_of(*two), false);
+    EXPECT_TRUE(!two->visible && three->visible && solo.is_solo(layer_of(*three)));
     document.delMesh(three);  // the last one: all others are as they were
     EXPECT_TRUE(one->visible && !two->visible);
 }
@@ -218,7 +219,7 @@ TEST_F(AlignInMeshLab, LayersShownAloneGiveTheOthersBack)
 TEST_F(AlignInMeshLab, BookmarksHaveNamesOfTheirOwnAndAreReadBack)
 {
     MeshDocument document, other;
-    auto& bookmarks = Bookmarks::of(document);
+    auto& bookmarks = scene_of(document).part<Bookmarks>();
     CameraFrame frame;
     frame.eye = {500000.123456789, 4800000, 200};
     frame.target = {500000, 4800010, 100};
@@ -233,17 +234,17 @@ TEST_F(AlignInMeshLab, BookmarksHaveNamesOfTheirOwnAndAreReadBack)
     bookmarks.rename(7, "nothing");
     bookmarks.remove(2);
     bookmarks.remove(7);
-    Bookmarks::of(other).add_text(bookmarks.text(), "text");
-    ASSERT_EQ(Bookmarks::of(other).all().size(), 2u);
-    EXPECT_EQ(Bookmarks::of(other).all()[0].eye, frame.eye);
-    EXPECT_EQ(Bookmarks::of(other).all()[1].name, "tower <&>");
-    EXPECT_THROW(Bookmarks::of(other).add_text("{}", "text"), Error);
-    EXPECT_THROW(Bookmarks::of(other).add_text(
+    scene_of(other).part<Bookmarks>().add_text(bookmarks.text(), "text");
+    ASSERT_EQ(scene_of(other).part<Bookmarks>().all().size(), 2u);
+    EXPECT_EQ(scene_of(other).part<Bookmarks>().all()[0].eye, frame.eye);
+    EXPECT_EQ(scene_of(other).part<Bookmarks>().all()[1].name, "tower <&>");
+    EXPECT_THROW(scene_of(other).part<Bookmarks>().add_text("{}", "text"), Error);
+    EXPECT_THROW(scene_of(other).part<Bookmarks>().add_text(
                      R"({"format": "pcm camera path", "version": 1, "coordinates": "box", "frames": [
                         {"eye": [0, 0, 1], "target": [0, 0, 0], "up": [0, 1, 0], "angle": 60}]})",
                      "text"),
                  Error);
-    EXPECT_EQ(Bookmarks::of(other).all().size(), 2u);
+    EXPECT_EQ(scene_of(other).part<Bookmarks>().all().size(), 2u);
     frame.up = frame.eye - frame.target;
     EXPECT_THROW(bookmarks.add(frame, "up"), Error);
 }

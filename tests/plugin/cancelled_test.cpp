@@ -1,5 +1,5 @@
 // What is said about an operation that was cancelled.
-#include "plugin/host/cancelled.h"
+#include "plugin/panels/cancelled.h"
 
 #include "pcm/system/error.h"
 

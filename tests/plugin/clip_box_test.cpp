@@ -1,10 +1,11 @@
 // The clip box of the tool: handles and what dragging them does, history, and the text that projects keep.
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
-#include "plugin/edit/clip/box_handles.h"
-#include "plugin/edit/clip/clip_text.h"
-#include "plugin/host/clip_history.h"
-#include "plugin/host/project_parts.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/scene/clip_history.h"
+#include "plugin/scene/clip_text.h"
+#include "plugin/scene/project_parts.h"
+#include "plugin/tools/clip/box_handles.h"
 #include "tests/plugin/cameras.h"
 
 #include <gtest/gtest.h>
@@ -179,8 +180,8 @@ TEST(ClipText, RefusesWhatIsNoBox)
 TEST(ClipHistory, ChangesAreTakenBackAndRepeated)
 {
     MeshDocument document;
-    ClipHistory& history = ClipHistory::of(document);
-    SceneState& state = SceneState::of(document);
+    ClipHistory& history = scene_of(document).part<ClipHistory>();
+    SceneState& state = scene_of(document).part<SceneState>();
     const ClipBox a = box_at({1, 0, 0}), b = box_at({2, 0, 0}), c = box_at({3, 0, 0});
     EXPECT_FALSE(history.can_undo());
     history.keep(a);
@@ -214,15 +215,15 @@ TEST(ClipText, ProjectsKeepTheBox)
         if (part.name != "PointCloudClipBox") continue;
         ++found;
         MeshDocument before, after;
-        EXPECT_TRUE(part.text(before).isEmpty());
+        EXPECT_TRUE(part.text(scene_of(before)).isEmpty());
         const ClipBox box = box_at(far_place, 12);
-        SceneState::of(before).set_clip(box);
-        const ClipHistory& history = ClipHistory::of(after);
-        part.take(after, part.text(before));
-        EXPECT_TRUE(same(SceneState::of(after).clip(), box));
+        scene_of(before).part<SceneState>().set_clip(box);
+        const ClipHistory& history = scene_of(after).part<ClipHistory>();
+        part.take(scene_of(after), part.text(scene_of(before)));
+        EXPECT_TRUE(same(scene_of(after).part<SceneState>().clip(), box));
         EXPECT_FALSE(history.can_undo()) << "undo would take the opening of a project back";
-        EXPECT_THROW(part.take(after, "?"), Error);
-        EXPECT_TRUE(same(SceneState::of(after).clip(), box));
+        EXPECT_THROW(part.take(scene_of(after), "?"), Error);
+        EXPECT_TRUE(same(scene_of(after).part<SceneState>().clip(), box));
     }
     EXPECT_EQ(found, 1);
 }

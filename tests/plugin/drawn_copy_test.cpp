@@ -1,9 +1,9 @@
 // Ordinary layers that are drawn as point clouds.
-#include "plugin/host/drawn_copy.h"
+#include "plugin/meshlab/2020/drawn_copy.h"
 
-#include "plugin/host/layer.h"
-#include "plugin/host/points_layer.h"
-#include "plugin/host/tree_cache.h"
+#include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/2020/points_layer.h"
+#include "plugin/scene/tree_cache.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {

@@ -1,8 +1,8 @@
 // The view in which a cloud is opened.
-#include "plugin/render/first_view.h"
+#include "plugin/meshlab/2020/render/first_view.h"
 
 #include "pcm/cloud/vector.h"
-#include "plugin/host/trackball_pose.h"
+#include "plugin/meshlab/2020/trackball_pose.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Where labels stand.
-#include "plugin/render/label_places.h"
+#include "plugin/overlay/label_places.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "plugin/host/layer_label.h"
+#include "plugin/scene/layer_label.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,10 @@
 // Locked layers and layers shown alone, through the text that projects keep.
-#include "plugin/host/layer_marks.h"
+#include "plugin/scene/layer_marks.h"
+#include "plugin/meshlab/2020/document_scene.h"
 
 #include "pcm/system/error.h"
-#include "plugin/host/layer_matrix.h"
-#include "plugin/host/layer_visibility.h"
+#include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/layer_visibility.h"
 
 #include <gtest/gtest.h>
 
@@ -45,43 +46,49 @@ bool wait_until(const std::function<bool()>& holds)
 TEST(LayerMarks, AreKeptThroughTheirText)
 {
     Opened before;
-    EXPECT_TRUE(layer_marks(before.document).isEmpty());
-    LayerMatrices::of(before.document).lock(before.layer(2), true);
-    SoloLayers::of(before.document).set(before.layer(0), true);
-    SoloLayers::of(before.document).set(before.layer(2), true);
-    const QString text = layer_marks(before.document);
+    EXPECT_TRUE(layer_marks(scene_of(before.document)).isEmpty());
+    scene_of(before.document).part<LayerMatrices>().lock(layer_of(before.layer(2)), true);
+    scene_of(before.document).part<SoloLayers>().set(layer_of(before.layer(0)), true);
+    scene_of(before.document).part<SoloLayers>().set(layer_of(before.layer(2)), true);
+    const QString text = layer_marks(scene_of(before.document));
 
     Opened after;  // as MeshLab opens it: what was hidden then is hidden
     for (const int number : {1, 3}) after.layer(number).visible = false;
     after.document.setBusy(true);
-    take_layer_marks(after.document, text);
+    take_layer_marks(scene_of(after.document), text);
     QCoreApplication::processEvents();
-    EXPECT_FALSE(LayerMatrices::of(after.document).is_locked(after.layer(2))) << "its matrix may not be there yet";
+    EXPECT_FALSE(scene_of(after.document).part<LayerMatrices>().is_locked(layer_of(after.layer(2))))
+        << "its matrix may not be there yet";
     after.layer(2).cm.Tr[0][3] = 7;
     after.document.setBusy(false);
-    ASSERT_TRUE(wait_until([&] { return LayerMatrices::of(after.document).is_locked(after.layer(2)); }));
-    EXPECT_FALSE(LayerMatrices::of(after.document).hold(after.layer(2))) << "locked with the matrix of the project";
+    ASSERT_TRUE(
+        wait_until([&] { return scene_of(after.document).part<LayerMatrices>().is_locked(layer_of(after.layer(2))); }));
+    EXPECT_FALSE(scene_of(after.document).part<LayerMatrices>().hold(layer_of(after.layer(2))))
+        << "locked with the matrix of the project";
     for (const int number : {0, 1, 2, 3}) {
-        EXPECT_EQ(LayerMatrices::of(after.document).is_locked(after.layer(number)), number == 2) << number;
-        EXPECT_EQ(SoloLayers::of(after.document).is_solo(after.layer(number)), number % 2 == 0) << number;
+        EXPECT_EQ(scene_of(after.document).part<LayerMatrices>().is_locked(layer_of(after.layer(number))), number == 2)
+            << number;
+        EXPECT_EQ(scene_of(after.document).part<SoloLayers>().is_solo(layer_of(after.layer(number))), number % 2 == 0)
+            << number;
         EXPECT_EQ(after.layer(number).visible, number % 2 == 0) << number;
     }
-    EXPECT_EQ(layer_marks(after.document), text);
-    for (const int number : {0, 2}) SoloLayers::of(after.document).set(after.layer(number), false);
+    EXPECT_EQ(layer_marks(scene_of(after.document)), text);
+    for (const int number : {0, 2})
+        scene_of(after.document).part<SoloLayers>().set(layer_of(after.layer(number)), false);
     for (const int number : {0, 1, 2, 3}) EXPECT_EQ(after.layer(number).visible, number != 3) << number;
 }
 
 TEST(LayerMarks, LayersThatAreGoneAreLeftOut)
 {
     Opened before;
-    LayerMatrices::of(before.document).lock(before.layer(2), true);
-    const QString text = layer_marks(before.document);
+    scene_of(before.document).part<LayerMatrices>().lock(layer_of(before.layer(2)), true);
+    const QString text = layer_marks(scene_of(before.document));
     MeshDocument after;
     MeshModel* const only = after.addNewMesh("/c/same.pct", "same");
     MeshModel* const second = after.addNewMesh("/d/same.pct", "same");
-    take_layer_marks(after, text);
-    EXPECT_TRUE(wait_until([&] { return LayerMatrices::of(after).is_locked(*second); }));
-    EXPECT_FALSE(LayerMatrices::of(after).is_locked(*only));
+    take_layer_marks(scene_of(after), text);
+    EXPECT_TRUE(wait_until([&] { return scene_of(after).part<LayerMatrices>().is_locked(layer_of(*second)); }));
+    EXPECT_FALSE(scene_of(after).part<LayerMatrices>().is_locked(layer_of(*only)));
 }
 
 TEST(LayerMarks, OtherTextIsRefused)
@@ -89,7 +96,7 @@ TEST(LayerMarks, OtherTextIsRefused)
     Opened opened;
     for (const char* text :
          {"", "[]", "{\"version\":2,\"layers\":[]}", "{\"version\":1}", "{\"version\":1,\"layers\":[{}]}"})
-        EXPECT_THROW(take_layer_marks(opened.document, text), Error) << text;
+        EXPECT_THROW(take_layer_marks(scene_of(opened.document), text), Error) << text;
 }
 
 }  // namespace

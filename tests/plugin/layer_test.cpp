@@ -1,7 +1,7 @@
 // Layers and the registry that ties them to trees.
-#include "plugin/host/layer.h"
+#include "plugin/meshlab/2020/layer.h"
 
-#include "plugin/host/points_layer.h"
+#include "plugin/meshlab/2020/points_layer.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {

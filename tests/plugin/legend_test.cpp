@@ -1,9 +1,9 @@
-#include "plugin/render/legend.h"
+#include "plugin/overlay/legend.h"
 
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/crs/height_unit.h"
-#include "plugin/render/colour_settings.h"
-#include "plugin/render/legend_edit.h"
+#include "plugin/meshlab/2020/render/colour_settings.h"
+#include "plugin/overlay/legend_edit.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The scale bar, the arrow to north and the grid of coordinates.
-#include "plugin/render/map_marks.h"
+#include "plugin/overlay/map_marks.h"
 
 #include "pcm/cloud/vector.h"
 #include "pcm/view/screen_map.h"

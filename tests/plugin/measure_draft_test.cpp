@@ -1,5 +1,5 @@
 // The measure that is being made: clicks and late answers.
-#include "plugin/edit/measure/draft.h"
+#include "plugin/tools/measure/draft.h"
 
 #include <gtest/gtest.h>
 

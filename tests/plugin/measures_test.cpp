@@ -1,8 +1,9 @@
 // Measures in a document's scene: what is drawn, units, moved layers, text.
-#include "plugin/edit/measure/drawn_measures.h"
-#include "plugin/edit/measure/length_unit.h"
-#include "plugin/edit/measure/measure_text.h"
-#include "plugin/host/project_unit.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/scene/drawn_measures.h"
+#include "plugin/scene/length_unit.h"
+#include "plugin/scene/measure_text.h"
+#include "plugin/scene/project_unit.h"
 
 #include <gtest/gtest.h>
 
@@ -85,10 +86,10 @@ TEST(LengthUnits, AreSaidWhereTheyMeanSomething)
 {
     EXPECT_EQ(common_unit({}).symbol, "");
     MeshDocument document;  // whose clouds state none
-    EXPECT_EQ(length_unit_of(document).symbol, "");
-    choose_unit(document, "ft");
-    EXPECT_EQ(length_unit_of(document).symbol, "ft");
-    EXPECT_FALSE(length_unit_of(document).is_stated);
+    EXPECT_EQ(length_unit_of(scene_of(document)).symbol, "");
+    choose_unit(scene_of(document), "ft");
+    EXPECT_EQ(length_unit_of(scene_of(document)).symbol, "ft");
+    EXPECT_FALSE(length_unit_of(scene_of(document)).is_stated);
     EXPECT_EQ(common_unit({projected(1, 0), projected(1, 1)}).symbol, "m");
     EXPECT_EQ(common_unit({projected(0.3048, 0)}).symbol, "ft");
     EXPECT_EQ(common_unit({projected(1200.0 / 3937, 0)}).symbol, "ftUS");

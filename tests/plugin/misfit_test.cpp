@@ -1,11 +1,12 @@
 // Clouds that do not fit the others of a document: another coordinate system, or too far away for floats.
-#include "plugin/host/misfit.h"
+#include "plugin/scene/misfit.h"
+#include "plugin/meshlab/2020/document_scene.h"
 
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/system/error.h"
-#include "plugin/host/layer.h"
-#include "plugin/host/points_layer.h"
-#include "plugin/io/import.h"
+#include "plugin/meshlab/2020/io/import.h"
+#include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/2020/points_layer.h"
 #include "tests/memory_reader.h"
 #include "tests/plugin/scenes.h"
 
@@ -23,7 +24,7 @@ std::vector<Metadata> crs(const std::string& text)
 std::vector<Kind> kinds(const MeshModel& layer, const std::vector<Metadata>& metadata, const std::optional<Box3d>& box)
 {
     std::vector<Kind> found;
-    for (const Misfit& misfit : misfits(layer, metadata, box)) found.push_back(misfit.kind);
+    for (const Misfit& misfit : misfits(layer_of(layer), metadata, box)) found.push_back(misfit.kind);
     return found;
 }
 
@@ -51,7 +52,7 @@ TEST(Misfits, OfALayerBesideOthers)
     MeshModel* first = document.addNewMesh("first.las", "first.las");
     MeshModel* second = document.addNewMesh("second.las", "second.las");
     const Box3d here = around(far_away, 100), there = around({4500000, 5300000, 100}, 100);
-    EXPECT_TRUE(misfits(*first, crs("EPSG:32632"), here).empty()) << "nothing else is shown";
+    EXPECT_TRUE(misfits(layer_of(*first), crs("EPSG:32632"), here).empty()) << "nothing else is shown";
 
     Schema none;
     test::MemoryCloud cloud = test::random_cloud(none, Grid{{0.001, 0.001, 0.001}, far_away}, 1000, 1, 50);
@@ -59,14 +60,14 @@ TEST(Misfits, OfALayerBesideOthers)
     test::MemoryReader reader(cloud);
     ASSERT_TRUE(load_points(*first, reader, 10000, {}));
 
-    EXPECT_TRUE(misfits(*second, crs("EPSG:32632"), here).empty());
-    EXPECT_TRUE(misfits(*second, {}, here).empty()) << "without a system";
+    EXPECT_TRUE(misfits(layer_of(*second), crs("EPSG:32632"), here).empty());
+    EXPECT_TRUE(misfits(layer_of(*second), {}, here).empty()) << "without a system";
     EXPECT_EQ(kinds(*second, crs("EPSG:32633"), here), std::vector<Kind>{Kind::system});
     EXPECT_EQ(kinds(*second, crs("EPSG:32633"), std::nullopt), std::vector<Kind>{Kind::system});
     EXPECT_EQ(kinds(*second, crs("EPSG:32632"), there), std::vector<Kind>{Kind::distance});
     EXPECT_EQ(kinds(*second, crs("EPSG:32633"), there), (std::vector<Kind>{Kind::system, Kind::distance}));
-    EXPECT_TRUE(misfits(*first, crs("EPSG:32633"), there).empty()) << "loaded again, it is alone";
-    const auto found = misfits(*second, crs("EPSG:32633"), there);
+    EXPECT_TRUE(misfits(layer_of(*first), crs("EPSG:32633"), there).empty()) << "loaded again, it is alone";
+    const auto found = misfits(layer_of(*second), crs("EPSG:32633"), there);
     for (const char* word : {"EPSG:32633", "EPSG:32632", "first.las"})
         EXPECT_NE(found[0].text.find(word), std::string::npos) << found[0].text;
     EXPECT_NE(found[1].text.find("rounded to 0.12"), std::string::npos) << found[1].text;

@@ -1,4 +1,4 @@
-#include "plugin/host/operation.h"
+#include "plugin/panels/operation.h"
 
 #include "pcm/system/error.h"
 

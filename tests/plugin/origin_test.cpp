@@ -1,4 +1,4 @@
-#include "plugin/host/origin.h"
+#include "plugin/scene/origin.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // The text about the clouds in a view.
-#include "plugin/render/overlay.h"
+#include "plugin/overlay/overlay.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "plugin/edit/pick/picked_text.h"
+#include "plugin/tools/pick/picked_text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,17 +1,18 @@
 // Primitives of a document: the list, what is drawn and said of them, the settings of the tool, and the filters.
-#include "plugin/edit/fit/fit_settings.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/tools/fit/fit_settings.h"
 
 #include "pcm/cad/primitive_files.h"
 #include "pcm/cloud/condition.h"
 #include "pcm/io/reader.h"
 #include "pcm/system/error.h"
-#include "plugin/host/annotations.h"
-#include "plugin/host/drawn_primitives.h"
-#include "plugin/host/layer.h"
-#include "plugin/host/layer_matrix.h"
-#include "plugin/host/primitive_book.h"
-#include "plugin/host/project_parts.h"
-#include "plugin/host/scene_state.h"
+#include "plugin/meshlab/2020/layer.h"
+#include "plugin/scene/annotations.h"
+#include "plugin/scene/drawn_primitives.h"
+#include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/primitive_book.h"
+#include "plugin/scene/project_parts.h"
+#include "plugin/scene/scene_state.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
 
@@ -107,8 +108,8 @@ protected:
         show_tree(*layer_, Registry::instance().open(tree_));
         document_.setCurrentMesh(layer_->id());
     }
-    PrimitiveBook& book() { return PrimitiveBook::of(document_); }
-    std::vector<Annotation> drawn() { return Annotations::of(document_).all().at("primitives"); }
+    PrimitiveBook& book() { return scene_of(document_).part<PrimitiveBook>(); }
+    std::vector<Annotation> drawn() { return scene_of(document_).part<Annotations>().all().at("primitives"); }
 
     const test::TemporaryFolder folder_;
     MeshDocument document_;
@@ -118,7 +119,7 @@ protected:
 
 TEST_F(PrimitiveBooks, ChangesAreSteps)
 {
-    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(*layer_))); });
+    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(layer_of(*layer_)))); });
     EXPECT_EQ(book().list()[0].name, "Cylinder 1");
     EXPECT_EQ(drawn().front().label, "Cylinder 1");
     book().select(0);
@@ -130,7 +131,7 @@ TEST_F(PrimitiveBooks, ChangesAreSteps)
                  Error);
     EXPECT_EQ(book().list().size(), 1u);
     book().change([](PrimitiveList& list) { list.hide(0, true); });
-    EXPECT_EQ(Annotations::of(document_).all().count("primitives"), 0u);
+    EXPECT_EQ(scene_of(document_).part<Annotations>().all().count("primitives"), 0u);
     book().change([](PrimitiveList& list) { list.undo(); });
     book().change([](PrimitiveList& list) { list.undo(); });
     EXPECT_TRUE(book().list().empty());
@@ -139,10 +140,11 @@ TEST_F(PrimitiveBooks, ChangesAreSteps)
 
 TEST_F(PrimitiveBooks, AreDrawnWhereTheLayerIs)
 {
-    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(*layer_))); });
+    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(layer_of(*layer_)))); });
     const Box3d before = box_of(drawn());
     const Vec3d origin = Registry::instance().origin_of(document_).value();
-    LayerMatrices::of(document_).set(*layer_, matrix_of(Affine::translation({10, 0, 0}), origin), "moved");
+    scene_of(document_).part<LayerMatrices>().set(layer_of(*layer_), matrix_of(Affine::translation({10, 0, 0}), origin),
+                                                  "moved");
     EXPECT_NEAR(box_of(drawn()).min[0] - before.min[0], 10, 1e-3);
     EXPECT_EQ(book().list()[0].fit.shape.point, pipe("").fit.shape.point) << "the list has the cloud's own numbers";
 }
@@ -150,7 +152,7 @@ TEST_F(PrimitiveBooks, AreDrawnWhereTheLayerIs)
 TEST_F(PrimitiveBooks, PointsAreKnownUntilTheTreeChanges)
 {
     const auto cloud = Registry::instance().find(*layer_)->cloud;
-    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(*layer_))); });
+    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(layer_of(*layer_)))); });
     EXPECT_EQ(book().points_of(book().list()[0]), nullptr);
     const auto all = std::make_shared<const PointSet>(PointSet::all_of(cloud->tree()));
     book().keep_points(book().list()[0], all);
@@ -162,14 +164,15 @@ TEST_F(PrimitiveBooks, PointsAreKnownUntilTheTreeChanges)
 
 TEST_F(PrimitiveBooks, AreKeptInProjects)
 {
-    Primitive odd = pipe(cloud_name(*layer_));
+    Primitive odd = pipe(cloud_name(layer_of(*layer_)));
     odd.name = "Duct <1> & \"two\"";
     odd.colour = {1, 2, 3};
     odd.hidden = true;
     book().change([&](PrimitiveList& list) { list.add(odd); });
-    const QByteArray file = with_parts("<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n</MeshLabProject>\n", document_);
+    const QByteArray file =
+        with_parts("<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n</MeshLabProject>\n", scene_of(document_));
     book().replace({});
-    take_parts(file, document_);
+    take_parts(file, scene_of(document_));
     ASSERT_EQ(book().list().size(), 1u);
     const Primitive& back = book().list()[0];
     EXPECT_EQ(back.name, odd.name);
@@ -178,25 +181,25 @@ TEST_F(PrimitiveBooks, AreKeptInProjects)
     EXPECT_EQ(text_of(back.fit.shape), text_of(odd.fit.shape));
     EXPECT_EQ(back.fit.errors.radius, odd.fit.errors.radius);
     EXPECT_EQ(back.bounds.to, odd.bounds.to);
-    EXPECT_EQ(book().layer_of(back), layer_);
+    EXPECT_EQ(book().layer_of(back), &layer_of(*layer_));
     EXPECT_FALSE(book().list().can_undo()) << "undo would empty a project that was opened";
     // What cannot be read changes nothing.
-    take_parts(QByteArray(file).replace("cylinder", "potato"), document_);
+    take_parts(QByteArray(file).replace("cylinder", "potato"), scene_of(document_));
     EXPECT_EQ(book().list().size(), 1u);
 }
 
 TEST_F(PrimitiveBooks, AreMovedWithTheirLayersInDrawings)
 {
-    Primitive hidden = pipe(cloud_name(*layer_));
+    Primitive hidden = pipe(cloud_name(layer_of(*layer_)));
     hidden.hidden = true;
     Primitive elsewhere = pipe("elsewhere.pct");
-    book().change([&](PrimitiveList& list) { list.add_all({pipe(cloud_name(*layer_)), hidden, elsewhere}); });
+    book().change([&](PrimitiveList& list) { list.add_all({pipe(cloud_name(layer_of(*layer_))), hidden, elsewhere}); });
     const Vec3d there = pipe("").fit.shape.point;
     EXPECT_EQ(book().placed(true)[0].fit.shape.point, there);
     const Vec3d origin = Registry::instance().origin_of(document_).value();
     Affine quarter = Affine::rotation({1, 0, 0}, pi / 2, there);
     quarter.target = quarter.target + Vec3d{10, 0, 0};
-    LayerMatrices::of(document_).set(*layer_, matrix_of(quarter, origin), "turned");
+    scene_of(document_).part<LayerMatrices>().set(layer_of(*layer_), matrix_of(quarter, origin), "turned");
     const auto placed = book().placed(false);
     EXPECT_LT(length(placed[0].fit.shape.point - there - Vec3d{10, 0, 0}), 0.01);
     EXPECT_NEAR(std::fabs(placed[0].fit.shape.axis[1]), 1, 1e-6);
@@ -205,7 +208,8 @@ TEST_F(PrimitiveBooks, AreMovedWithTheirLayersInDrawings)
     EXPECT_NE(book().placed(true)[1].fit.shape.point, there);
     EXPECT_EQ(placed[2].fit.shape.point, there) << "no layer shows its cloud";
     EXPECT_EQ(book().list()[0].fit.shape.point, there);
-    LayerMatrices::of(document_).set(*layer_, matrix_of(Affine::rotation({1, 0, 0}, 1, there, 2), origin), "scaled");
+    scene_of(document_).part<LayerMatrices>().set(
+        layer_of(*layer_), matrix_of(Affine::rotation({1, 0, 0}, 1, there, 2), origin), "scaled");
     try {
         book().placed(false);
         FAIL();
@@ -224,7 +228,7 @@ TEST_F(PrimitiveBooks, AnotherCloudOfTheSameNameIsNotTheirs)
     const test::TemporaryFolder other;
     const fs::path same_name = other / tree_.filename();
     Primitive primitive = pipe(same_name.string());
-    EXPECT_EQ(book().layer_of(primitive), layer_) << "the project was moved";
+    EXPECT_EQ(book().layer_of(primitive), &layer_of(*layer_)) << "the project was moved";
     fs::create_directory(same_name);
     EXPECT_EQ(book().layer_of(primitive), nullptr) << "it is where it was, and not open";
 }
@@ -243,12 +247,13 @@ TEST_F(PrimitiveBooks, HowTheirPointsWereReachedIsKept)
     from.limit.region = Region::box({far_away, far_away + Vec3d{1, 2, 3}});
     from.limit.box = Box3d{far_away, far_away + Vec3d{3, 3, 3}};
     from.limit.where = {parse_condition("classification != 2..4, 7")};
-    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(*layer_))); });
+    book().change([&](PrimitiveList& list) { list.add(pipe(cloud_name(layer_of(*layer_)))); });
     book().keep_points(book().list()[0], all, from);
-    const QByteArray file = with_parts("<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n</MeshLabProject>\n", document_);
+    const QByteArray file =
+        with_parts("<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n</MeshLabProject>\n", scene_of(document_));
     book().replace({});
     book().take_reached("[]");
-    take_parts(file, document_);
+    take_parts(file, scene_of(document_));
     const ReachedFrom* const back = book().reached(book().list()[0]);
     ASSERT_NE(back, nullptr) << file.toStdString();
     EXPECT_EQ(text_of(back->shape), text_of(from.shape));
@@ -396,7 +401,7 @@ TEST_F(PrimitiveFilters, FitsWritesAndExtracts)
     EXPECT_NEAR(written[0].bounds.to - written[0].bounds.from, 9, 0.1);
     EXPECT_GT(written[0].points, 11500u);
     EXPECT_EQ(PointCloud::open(part)->info().points, written[0].points);
-    EXPECT_EQ(PrimitiveBook::of(call.document).list().size(), 1u);
+    EXPECT_EQ(scene_of(call.document).part<PrimitiveBook>().list().size(), 1u);
     EXPECT_NE(call.log().find("radius: "), std::string::npos) << call.log();
     EXPECT_EQ(call.document.meshList.size(), 1) << "a layer of its points";
     // An existing file is not replaced unasked.
@@ -415,7 +420,7 @@ TEST_F(PrimitiveFilters, RefusedFitsLeaveNothing)
     EXPECT_FALSE(call.apply());
     EXPECT_NE(call.log().find("no sphere was fitted"), std::string::npos) << call.log();
     EXPECT_FALSE(fs::exists(json));
-    EXPECT_TRUE(PrimitiveBook::of(call.document).list().empty());
+    EXPECT_TRUE(scene_of(call.document).part<PrimitiveBook>().list().empty());
     call.set("Shape", EnumValue(1)).set("OutputFile", folder_ / "no.stl");
     EXPECT_FALSE(call.apply());
     EXPECT_NE(call.log().find("no.stl: the extension says no format"), std::string::npos) << call.log();
@@ -433,7 +438,7 @@ TEST_F(PrimitiveFilters, DetectsLabelsAndExports)
     const auto found = read_primitives(list);
     ASSERT_EQ(found.size(), 2u) << call.log();
     EXPECT_TRUE(PointCloud::open(labelled)->info().schema.find("primitive").has_value());
-    EXPECT_EQ(PrimitiveBook::of(call.document).list().size(), 2u);
+    EXPECT_EQ(scene_of(call.document).part<PrimitiveBook>().list().size(), 2u);
     // As a drawing.
     FilterCall drawing("Export Primitives");
     EXPECT_FALSE(drawing.apply());

@@ -1,5 +1,5 @@
 // Plots of profiles: round numbers at the axes, what is where, zooming.
-#include "plugin/edit/measure/profile_plot.h"
+#include "plugin/tools/measure/profile_plot.h"
 
 #include <QCoreApplication>
 #include <QMouseEvent>

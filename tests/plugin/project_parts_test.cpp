@@ -1,8 +1,9 @@
 // What a document has beside layers, in project files.
-#include "plugin/host/project_parts.h"
+#include "plugin/scene/project_parts.h"
+#include "plugin/meshlab/2020/document_scene.h"
 
 #include "pcm/system/error.h"
-#include "plugin/host/project_unit.h"
+#include "plugin/scene/project_unit.h"
 
 #include <gtest/gtest.h>
 
@@ -26,11 +27,11 @@ void add_parts()
     for (const QString name : {"TestPartOne", "TestPartTwo"}) {
         kept()[name] = "";
         add_project_part({name,
-                          [name](MeshDocument&) {
+                          [name](Scene&) {
                               if (kept()[name] == "unwritable") throw Error(ErrorCode::invalid_argument, {}, "no text");
                               return kept()[name];
                           },
-                          [name](MeshDocument&, const QString& text) {
+                          [name](Scene&, const QString& text) {
                               if (text == "unreadable") throw Error(ErrorCode::corrupt, {}, "not a list");
                               kept()[name] = text;
                           }});
@@ -54,9 +55,9 @@ protected:
     void round_trip(const QString& one, const QString& two)
     {
         kept() = {{"TestPartOne", one}, {"TestPartTwo", two}};
-        const QByteArray file = with_parts(project, document);
+        const QByteArray file = with_parts(project, scene_of(document));
         kept() = {{"TestPartOne", "old"}, {"TestPartTwo", "old"}};
-        take_parts(file, document);
+        take_parts(file, scene_of(document));
         EXPECT_EQ(kept()["TestPartOne"], one);
         EXPECT_EQ(kept()["TestPartTwo"], two);
     }
@@ -67,35 +68,35 @@ protected:
 
 TEST_F(ProjectParts, AProjectWithoutPartsStaysAsItIs)
 {
-    EXPECT_EQ(with_parts(project, document), project);
+    EXPECT_EQ(with_parts(project, scene_of(document)), project);
     kept()["TestPartOne"] = "text";
-    EXPECT_EQ(with_parts("v 1 2 3\n", document), "v 1 2 3\n");
+    EXPECT_EQ(with_parts("v 1 2 3\n", scene_of(document)), "v 1 2 3\n");
 }
 
 TEST_F(ProjectParts, TheUnitOfLengths)
 {
     keep_units_in_projects();
     keep_units_in_projects();  // once
-    EXPECT_EQ(chosen_unit(document), std::nullopt);
-    EXPECT_EQ(with_parts(project, document), project);
+    EXPECT_EQ(chosen_unit(scene_of(document)), std::nullopt);
+    EXPECT_EQ(with_parts(project, scene_of(document)), project);
     for (const char* symbol : {"ftUS", ""}) {
-        choose_unit(document, symbol);
-        const QByteArray file = with_parts(project, document);
+        choose_unit(scene_of(document), symbol);
+        const QByteArray file = with_parts(project, scene_of(document));
         EXPECT_EQ(file.count("<PointCloudLengthUnit>"), 1) << file.toStdString();
         MeshDocument other;
-        take_parts(file, other);
-        EXPECT_EQ(chosen_unit(other), std::string(symbol));
+        take_parts(file, scene_of(other));
+        EXPECT_EQ(chosen_unit(scene_of(other)), std::string(symbol));
     }
-    EXPECT_THROW(choose_unit(document, "yard"), Error);
+    EXPECT_THROW(choose_unit(scene_of(document), "yard"), Error);
     MeshDocument other;
-    take_parts(QByteArray(with_parts(project, document)).replace("unknown", "yard"), other);
-    EXPECT_EQ(chosen_unit(other), std::nullopt);
+    take_parts(QByteArray(with_parts(project, scene_of(document))).replace("unknown", "yard"), scene_of(other));
+    EXPECT_EQ(chosen_unit(scene_of(other)), std::nullopt);
 }
 
 TEST_F(ProjectParts, AnElementOfTheProject)
 {
     kept()["TestPartOne"] = "a < b";
-    EXPECT_EQ(with_parts(project, document),
+    EXPECT_EQ(with_parts(project, scene_of(document)),
               "<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n <MeshGroup/>\n<TestPartOne>a &lt; b</TestPartOne>\n"
               "</MeshLabProject>\n");
 }
@@ -109,16 +110,16 @@ TEST_F(ProjectParts, AnyTextComesBack)
 TEST_F(ProjectParts, ANewTextTakesThePlaceOfTheOldOne)
 {
     kept() = {{"TestPartOne", "first"}, {"TestPartTwo", "stays"}};
-    const QByteArray first = with_parts(project, document);
+    const QByteArray first = with_parts(project, scene_of(document));
     kept()["TestPartOne"] = "second";
-    const QByteArray second = with_parts(first, document);
+    const QByteArray second = with_parts(first, scene_of(document));
     EXPECT_EQ(second.count("<TestPartOne>"), 1);
     EXPECT_EQ(second.count("<TestPartTwo>"), 1);
-    take_parts(second, document);
+    take_parts(second, scene_of(document));
     EXPECT_EQ(kept()["TestPartOne"], "second");
     kept()["TestPartOne"] = "";
     kept()["TestPartTwo"] = "";
-    EXPECT_EQ(with_parts(second, document), project);
+    EXPECT_EQ(with_parts(second, scene_of(document)), project);
 }
 
 TEST_F(ProjectParts, WhatCannotBeReadIsLoggedAndKept)
@@ -126,27 +127,27 @@ TEST_F(ProjectParts, WhatCannotBeReadIsLoggedAndKept)
     const QByteArray file = QByteArray(project).replace(
         "</MeshLabProject>",
         "<TestPartOne>unreadable</TestPartOne>\n<TestPartTwo>good</TestPartTwo>\n</MeshLabProject>");
-    take_parts(file, document);
+    take_parts(file, scene_of(document));
     EXPECT_EQ(kept()["TestPartOne"], "");
     EXPECT_EQ(kept()["TestPartTwo"], "good");
     EXPECT_TRUE(log().contains("<TestPartOne> of the project cannot be read")) << log().toStdString();
     EXPECT_TRUE(log().contains("not a list"));
-    EXPECT_TRUE(with_parts(project, document).contains("<TestPartOne>unreadable</TestPartOne>"));
+    EXPECT_TRUE(with_parts(project, scene_of(document)).contains("<TestPartOne>unreadable</TestPartOne>"));
     kept()["TestPartOne"] = "new";
-    EXPECT_TRUE(with_parts(project, document).contains("<TestPartOne>new</TestPartOne>"));
+    EXPECT_TRUE(with_parts(project, scene_of(document)).contains("<TestPartOne>new</TestPartOne>"));
 }
 
 TEST_F(ProjectParts, WhatCannotBeWrittenIsLoggedAndTheOthersAreKept)
 {
     kept() = {{"TestPartOne", "unwritable"}, {"TestPartTwo", "good"}};
-    const QByteArray file = with_parts(project, document);
+    const QByteArray file = with_parts(project, scene_of(document));
     EXPECT_TRUE(file.contains("<TestPartTwo>good</TestPartTwo>"));
     EXPECT_TRUE(log().contains("<TestPartOne> of the project cannot be saved"));
 }
 
 TEST_F(ProjectParts, WhatIsNoProjectGivesNothing)
 {
-    take_parts("<MeshLabProject><TestPartOne>text", document);
+    take_parts("<MeshLabProject><TestPartOne>text", scene_of(document));
     EXPECT_EQ(kept()["TestPartOne"], "");
 }
 

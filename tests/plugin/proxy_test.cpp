@@ -1,6 +1,6 @@
-#include "plugin/host/proxy.h"
+#include "plugin/scene/proxy.h"
 
-#include "plugin/host/origin.h"
+#include "plugin/scene/origin.h"
 #include "tests/plugin/scenes.h"
 
 #include <algorithm>

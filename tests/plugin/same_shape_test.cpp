@@ -1,5 +1,5 @@
 // Which shapes of a list count as the same as a new one.
-#include "plugin/edit/fit/same_shape.h"
+#include "plugin/tools/fit/same_shape.h"
 
 #include "pcm/shapes/shape.h"
 

@@ -1,7 +1,7 @@
 // What tools of MeshLab do to the sample of a tree.
-#include "plugin/host/sample_change.h"
+#include "plugin/meshlab/2020/sample_change.h"
 
-#include "plugin/host/layer.h"
+#include "plugin/meshlab/2020/layer.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {

@@ -1,8 +1,8 @@
-#include "plugin/host/sample_deletion.h"
+#include "plugin/meshlab/2020/sample_deletion.h"
 
-#include "plugin/host/layer.h"
-#include "plugin/host/sample_change.h"
-#include "plugin/host/sample_region.h"
+#include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/2020/sample_change.h"
+#include "plugin/scene/sample_region.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {

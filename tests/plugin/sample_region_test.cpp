@@ -1,4 +1,4 @@
-#include "plugin/host/sample_region.h"
+#include "plugin/scene/sample_region.h"
 
 #include <gtest/gtest.h>
 

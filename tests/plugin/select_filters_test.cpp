@@ -2,8 +2,9 @@
 #include "pcm/make_cloud.h"
 #include "pcm/system/text.h"
 #include "pcm/tree/verify.h"
-#include "plugin/host/layer.h"
-#include "plugin/host/scene_state.h"
+#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/2020/layer.h"
+#include "plugin/scene/scene_state.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
 
@@ -65,7 +66,7 @@ protected:
     }
     std::uint64_t selected()
     {
-        const auto points = SceneState::of(document_).selection(*layer_);
+        const auto points = scene_of(document_).part<SceneState>().selection(layer_of(*layer_));
         return points ? points->size() : 0;
     }
     const test::TemporaryFolder folder_;
@@ -89,7 +90,7 @@ TEST_F(SelectFilters, RegionsAndConditionsAreCombined)
     EXPECT_EQ(selected(), ground);
     ASSERT_TRUE(apply(select_name, {}, {{"Operation", 4}}));  // invert
     EXPECT_EQ(selected(), 8000 - ground);
-    SceneState::of(document_).undo(*layer_);
+    scene_of(document_).part<SceneState>().undo(layer_of(*layer_));
     EXPECT_EQ(selected(), ground);
     ASSERT_TRUE(apply(select_name, {}, {{"Operation", 5}}));  // nothing
     EXPECT_EQ(selected(), 0u);
@@ -106,9 +107,9 @@ TEST_F(SelectFilters, TheClipBoxLimitsTheSelection)
     box.half = {cloud.extent(0) / 4, cloud.extent(1), cloud.extent(2)};
     box.centre = cloud.centre();
     box.centre[0] -= cloud.extent(0) / 4;
-    SceneState::of(document_).set_clip(box);
+    scene_of(document_).part<SceneState>().set_clip(box);
     ASSERT_TRUE(apply(select_name, {{"Where", "intensity >= 0"}})) << log();
-    const auto clip = clip_of(*layer_);
+    const auto clip = clip_of(layer_of(*layer_));
     ASSERT_TRUE(clip);
     const std::uint64_t shown = count(tree_, clip->region.text(), "");
     EXPECT_GT(shown, 500u);
@@ -146,7 +147,7 @@ TEST_F(SelectFilters, WhatIsSelectedIsSavedExtractedClassifiedAndDeleted)
     EXPECT_EQ(selected(), 0u);
     layer_->visible = true;
     document_.setCurrentMesh(layer_->id());
-    SceneState::of(document_).undo(*layer_);
+    scene_of(document_).part<SceneState>().undo(layer_of(*layer_));
     EXPECT_EQ(selected(), wanted_);
 
     layer_->cm.Tr[0][3] = 25;

@@ -1,5 +1,5 @@
 // Tiles of snapshots, with projections made as MeshLab makes them.
-#include "plugin/render/snapshot_tile.h"
+#include "plugin/overlay/snapshot_tile.h"
 
 #include "pcm/cloud/vector.h"
 #include "pcm/view/screen_map.h"

@@ -1,4 +1,4 @@
-#include "plugin/host/text.h"
+#include "plugin/scene/text.h"
 
 #include "pcm/system/error.h"
 

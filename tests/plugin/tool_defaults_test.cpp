@@ -1,6 +1,6 @@
 // Numbers that tools propose, and their digits.
-#include "plugin/edit/measure/default_width.h"
-#include "plugin/edit/tidy_numbers.h"
+#include "plugin/scene/tidy_numbers.h"
+#include "plugin/tools/measure/default_width.h"
 
 #include "pcm/system/text.h"
 

@@ -1,4 +1,4 @@
-#include "plugin/host/tree_cache.h"
+#include "plugin/scene/tree_cache.h"
 
 #include "tests/support.h"
 

@@ -1,9 +1,9 @@
 // Boxes taken from a view and from MeshLab's selection.
-#include "plugin/host/view_box.h"
+#include "plugin/meshlab/2020/view_box.h"
 
 #include "pcm/build/builder.h"
 #include "pcm/cloud/vector.h"
-#include "plugin/host/layer.h"
+#include "plugin/meshlab/2020/layer.h"
 #include "tests/plugin/scenes.h"
 
 #include <gtest/gtest.h>

@@ -1,9 +1,9 @@
 // Pixels of a view and places of its scene.
-#include "plugin/edit/view_map.h"
+#include "plugin/scene/view_map.h"
 
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
-#include "plugin/edit/select/screen_shape.h"
+#include "plugin/tools/select/screen_shape.h"
 #include "tests/plugin/cameras.h"
 
 #include <gtest/gtest.h>

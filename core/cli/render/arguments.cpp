@@ -105,7 +105,9 @@ void add_camera(Options& options, RenderArguments& a)
 {
     const char* const group =
         "Camera (default: where the scan was taken from, where that is known, else an oblique view of everything)";
-    const std::vector<Option> of_one_view = a.camera.add_to(options, group);
+    a.camera.declare(a.camera_arguments, group);
+    std::vector<Option> of_one_view;
+    for (ops::Argument& argument : a.camera_arguments.list()) of_one_view.push_back(options.argument(argument));
     const Option path = options.option("--path", a.path, "Camera path (.json): one picture per frame").group(group);
     for (const Option& option : of_one_view) path.excludes(option);
 }
@@ -267,7 +269,7 @@ void add_to(Options& options, RenderArguments& a)
     add_common(options, a.common);
 }
 
-PictureSize size_of(const RenderArguments& arguments) { return parse_size(arguments.size); }
+ops::PictureSize size_of(const RenderArguments& arguments) { return ops::parse_size(arguments.size); }
 
 Background background_of(const RenderArguments& arguments)
 {
@@ -367,7 +369,7 @@ RenderOptions options_of(const RenderArguments& arguments)
 
 std::vector<CameraFrame> cameras_of(const RenderArguments& arguments,
                                     const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box,
-                                    PictureSize size)
+                                    ops::PictureSize size)
 {
     if (!arguments.path.empty()) return CameraPath::read(arguments.path).placed(box).frames;
     return {arguments.camera.frame(clouds, box, size)};

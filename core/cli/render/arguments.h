@@ -1,9 +1,10 @@
 // The command line of `pcmlab render`.
 #pragma once
 
-#include "pcm/cli/camera_options.h"
+#include "pcm/cli/command_line.h"
 #include "pcm/cli/common.h"
 #include "pcm/gl/draw/renderer.h"
+#include "pcm/ops/shared/camera_arguments.h"
 #include "pcm/view/camera_path.h"
 
 #include <array>
@@ -29,7 +30,8 @@ struct RenderArguments {
     std::string output, size = "1280x720", splats = "fitted", colour = "rgb", uniform_colour, ramp = "auto", range,
                         background = "transparent", until = "full", path;
     std::vector<std::string> where, clips, clips_outside;
-    CameraOptions camera;
+    ops::CameraArguments camera;
+    ops::Arguments camera_arguments;  // bound to the camera
     std::optional<double> frame_budget_ms;
     bool overwrite = false, legend = false, discs = false;
     CloudStyle style;
@@ -40,7 +42,7 @@ struct RenderArguments {
 void add_to(Options& options, RenderArguments& arguments);
 
 // What the arguments mean, before a tree is opened. Throws Error(invalid_argument).
-PictureSize size_of(const RenderArguments& arguments);
+ops::PictureSize size_of(const RenderArguments& arguments);
 struct Background {
     bool transparent = false;
     std::array<float, 4> colour{};
@@ -59,7 +61,7 @@ RenderOptions options_of(const RenderArguments& arguments);
 // The cameras, in source coordinates. Throws what CameraPath::read() throws and Error(invalid_argument).
 std::vector<CameraFrame> cameras_of(const RenderArguments& arguments,
                                     const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box,
-                                    PictureSize size);
+                                    ops::PictureSize size);
 
 // One file per picture: OUTPUT itself for a single one; NAME%04d.png with numbers from 1; FOLDER/0001.png, ... Throws
 // Error(invalid_argument), and Error(exists) for an existing file without --overwrite.

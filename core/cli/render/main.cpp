@@ -249,7 +249,7 @@ std::vector<Legend> legends_of(const RenderArguments& arguments, const FrameRepo
 int render(const RenderArguments& arguments)
 {
     const auto start = Clock::now();
-    const PictureSize size = size_of(arguments);
+    const ops::PictureSize size = size_of(arguments);
     background_of(arguments);
     const CloudStyle style = style_of(arguments);
     std::vector<Clip> clips = clips_of(arguments);

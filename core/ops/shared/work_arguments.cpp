@@ -29,6 +29,18 @@ void WorkArguments::declare_threads(Arguments& arguments)
         .without("one per processor");
 }
 
+void WorkArguments::declare(Arguments& arguments, std::uint64_t amount, const std::string& use)
+{
+    memory = amount;
+    arguments.add("memory", memory)
+        .letter('m')
+        .as(ValueKind::bytes)
+        .script("MemoryMB")
+        .label("Memory")
+        .help("Memory for " + use + ", such as 512M");
+    declare_threads(arguments);
+}
+
 void WorkArguments::keep_memory_limit(const std::string& called) const
 {
     if (memory < least_)

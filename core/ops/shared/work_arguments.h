@@ -5,6 +5,7 @@
 #include "pcm/ops/argument.h"
 
 #include <cstdint>
+#include <string>
 
 namespace pcm::ops {
 
@@ -14,6 +15,8 @@ struct WorkArguments {
     // `least`: the smallest limit that the operation keeps to.
     void declare(Arguments& arguments, std::uint64_t least);
     void declare_threads(Arguments& arguments);
+    // For an operation that has no least amount; `amount` is the default, `use` what the memory is for.
+    void declare(Arguments& arguments, std::uint64_t amount, const std::string& use);
     // Throws Error(invalid_argument) for a limit below the least; otherwise makes the allocator return large blocks, so
     // that the limit is kept.
     void keep_memory_limit(const std::string& called) const;

@@ -1,0 +1,27 @@
+// How operations show primitives, and keep them in lists.
+#pragma once
+
+#include "pcm/ops/result.h"
+#include "pcm/shapes/primitive.h"
+
+#include <filesystem>
+#include <string>
+
+namespace pcm::ops {
+
+// All of it, as in a list (cad/primitive_files.h).
+Json json_of(const Primitive& primitive);
+// Parameters with their standard deviations, bounds, and how good the fit is.
+void put_lines(Result& result, const Primitive& primitive);
+// The area of a plane with an outline: "52.1 +- 3.2 in the concave outline of its points".
+std::string area_text(const Primitive& primitive);
+
+// Throws Error(invalid_argument) unless the file's name ends in .json, and what read_primitives() throws for one that
+// is there and no list: before the work, not after it.
+void check_list(const std::filesystem::path& file);
+// Writes the list with the primitive added, which gets a colour, and a name unless it has one; a list that does not
+// exist is made. Processes that add to one list at once wait for each other (system/update_file.h). Throws what
+// check_list(), json_of() and update_file() throw.
+void add_to_list(const std::filesystem::path& file, Primitive& primitive);
+
+}  // namespace pcm::ops

@@ -1,0 +1,22 @@
+// Makes the deletion of a sample's vertices one of the cloud's points.
+#pragma once
+
+#include "plugin/meshlab/2020/registry.h"
+#include "plugin/panels/operation.h"
+
+#include "pcm/cloud/region.h"
+
+#include <string>
+#include <vector>
+
+namespace pcm::host {
+
+// Number of the cloud's points in a region, as text: counted, or "about ..." where counting would read too much.
+std::string points_in(const TreeLayer& tree, const Region& region);
+
+// Deletes the points in place; the layers of the document that show the tree are loaded again. Returns lines for the
+// log. Throws what erase_points() throws, and Error(cancelled).
+std::vector<std::string> delete_points_in(MeshDocument& document, const TreeLayer& tree, const Region& region,
+                                          Operation& operation);
+
+}  // namespace pcm::host
