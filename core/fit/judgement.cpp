@@ -11,7 +11,7 @@ namespace pcm {
 namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_parameters, most_parameters>;
-// Of a curvature in units of its own error.
+// Limits for a curvature in units of its own error.
 constexpr double least_significance = 5, good_significance = 10;
 // How far the points are from a plane, in units of their noise: errors that many points share bend a plane as much.
 constexpr double least_bend = 0.25;
@@ -166,9 +166,9 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
 
 bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums)
 {
-    constexpr double surely_curved = 6;  // by so much of the noise
+    constexpr double min_curvature = 6;  // in units of the noise
     const auto [flat, other] = model_of(shape.kind).significance(shape, fit.errors);
-    return fit.has_shape() && std::min(flat, other) < surely_curved * std::sqrt(sums.used);
+    return fit.has_shape() && std::min(flat, other) < min_curvature * std::sqrt(sums.used);
 }
 
 void to_source_units(ShapeFit& fit, double unit)

@@ -14,7 +14,7 @@ namespace pcm {
 // Which points count.
 struct PatchBand {
     double threshold = infinity;
-    double least_cosine = -1;  // of the angle between normals; below 0: not compared
+    double least_cosine = -1;  // minimum cosine of the angle between normals; below 0: not compared
     std::size_t points = std::numeric_limits<std::size_t>::max();  // the first of them
     const double* support = nullptr;                               // a factor of each point's weight; null: 1
     double share = 1;      // share of the points within the threshold that belong to the surface

@@ -190,7 +190,7 @@ ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchB
         doubt(fit, FitIssue::not_converged, "least squares did not converge: the errors may be larger");
     if (used.chance > most_chance)
         doubt(fit, FitIssue::no_consensus,
-              std::string("almost as many points are beside the ") + model.traits.name +
+              std::string("almost as many points are next to the ") + model.traits.name +
                   " as on it, so it may be there by chance: raise the number of iterations, or the threshold where the "
                   "noise is larger");
     const Shape shape = model.shape_of(polished.patch);

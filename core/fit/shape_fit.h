@@ -71,7 +71,7 @@ struct ShapeFitOptions {
 ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options);
 
 struct RefineOptions {
-    // Points farther than this take no part (decided again in each step); infinite: all take part.
+    // Points farther than this are ignored (decided again in each step); infinite: all count.
     double threshold = infinity;
     double normal_angle = 4;  // as in ShapeFitOptions
     unsigned most_steps = 50;

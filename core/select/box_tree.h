@@ -21,7 +21,7 @@ public:
 private:
     struct Node {
         Box3d around;
-        std::uint32_t first = 0, last = 0;  // of order_
+        std::uint32_t first = 0, last = 0;  // range in order_
         std::uint32_t right = 0;            // the left child is the next node; 0: a leaf
     };
     void build(std::uint32_t first, std::uint32_t last);

@@ -306,7 +306,7 @@ private:
     std::mutex mutex_;  // guards reached_ and the flags of units_
     PointSet reached_;
     std::vector<Unit> units_;
-    BoxTree reaches_;  // of units_
+    BoxTree reaches_;  // boxes of units_
 };
 
 }  // namespace

@@ -26,7 +26,7 @@ struct SurfaceBend {
     Vec3d straight{};       // unit, across the normal: the direction of the lesser curvature
     double k1 = 0, k2 = 0;  // principal curvatures of the height over a plane through the place, |k1| >= |k2|
     double steepness = 1;   // 1 + the square of the slope of the surface to that plane
-    double doubt = 0;       // of a curvature: what its error may make of none
+    double doubt = 0;       // curvature that its error alone may give to a flat surface
 
     bool is_curved() const { return std::fabs(k1) > 0.5 * doubt && std::isfinite(1 / k1); }
     double radius(double curvature) const { return std::sqrt(steepness) / std::fabs(curvature); }
@@ -49,8 +49,8 @@ struct PclForm {
 struct ShapeModel {
     const ShapeTraits& traits;
     std::size_t sampled;  // points of a minimal sample
-    bool needs_normals;   // of sampled points
-    int rank;             // of kinds that fit alike the one of the lowest rank is the best
+    bool needs_normals;   // whether sampled points need normals
+    int rank;             // the lowest rank is the best among kinds that fit equally well
     // Least squares also starts from a plane through the points, with the axis turned to this number of directions in
     // it: for surfaces of which a thin arc is almost a plane. 0: never.
     unsigned flat_starts;
@@ -82,7 +82,7 @@ const ShapeModel& model_of(ShapeKind kind);
 // For the models.
 namespace models {
 
-// Of a size that bends the surface in one direction, or in all alike.
+// Significance of a size that bends the surface in one direction, or equally in all.
 Significance radius_significance(const Shape& shape, const ShapeErrors& errors);
 
 // As the loops take them.
