@@ -102,8 +102,9 @@ private:
         for (const ShapeKind kind : options_.kinds) {
             bool& wanted = wanted_[static_cast<std::size_t>(kind)];
             const std::string name = traits_of(kind).name;
-            arguments_.add(name + "s", wanted)
+            arguments_.add("find_" + name + "s", wanted)
                 .only(Face::dialog)
+                .script(std::string(traits_of(kind).label) + "s")
                 .label(std::string(traits_of(kind).label) + "s")
                 .help("Detect " + name + "s");
         }
@@ -160,7 +161,7 @@ private:
             .without("no file");
         drawing_.declare(arguments_);
         arguments_.add("label", label_)
-            .only(Face::command)  // dialogs have a switch, and a name that is there already
+            .only(Face::command)  // dialogs have a switch, and a name of their own
             .group(group)
             .help("Write this attribute (u32): the label of each point's primitive, or 0; --where NAME=3 selects them");
         arguments_.add("labels", labelled_)

@@ -24,7 +24,12 @@ class Profile : public Operation {
 public:
     Profile()
     {
-        arguments_.add("tree", tree_).as(ValueKind::tree).positional().required().label("Tree folder").help("The tree");
+        arguments_.add("tree", tree_)
+            .as(ValueKind::tree)
+            .positional()
+            .required()
+            .label("Tree folder")
+            .help("Tree folder, or any file of it");
         arguments_.add("line", line_)
             .count(4, 1 << 20)
             .required()

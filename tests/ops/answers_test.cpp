@@ -5,6 +5,7 @@
 #include "tests/support.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/cad/primitive_files.h"
 #include "pcm/point_cloud.h"
 #include "pcm/query/point_set.h"
 #include "pcm/system/error.h"
@@ -66,9 +67,6 @@ Calls calls(const std::string& tree, const std::string& folder)
         {"primitives", {{"list", {folder + "/list.json"}}, {"output", {folder + "/list.csv"}}}}};
 }
 
-constexpr const char* a_list =
-    R"({"format": "pcm primitives", "version": 1, "primitives": [{"kind": "sphere", "point": [1, 2, 3], "radius": 1}]})";
-
 bool has_type(const Json& value, std::string type)
 {
     if (type.back() == '?') {
@@ -93,7 +91,12 @@ protected:
         grid.offset = {512345, 4812345, 100};
         pcm::test::write_las(folder_ / "cloud.las", pcm::test::records(pcm::test::Shape::surface, 3000, 3), grid);
         pcm::build_tree({folder_ / "cloud.las"}, tree_, {});
-        std::ofstream(folder_ / "list.json") << a_list;
+        pcm::Primitive ball;
+        ball.name = "Ball";
+        ball.fit.verdict = pcm::FitVerdict::good;
+        ball.fit.shape.kind = pcm::ShapeKind::sphere;
+        ball.fit.shape.radius = 1;
+        pcm::write_primitives(folder_ / "list.json", {ball});
     }
     Json answer_of(const Row& row, const Call& call)
     {
