@@ -312,6 +312,41 @@ TEST_F(Merge, TreesAtOtherPlaces)
     EXPECT_NE(all_notes(merge({{a, {}}, {a, {}}})).find("named more than once"), std::string::npos);
 }
 
+// A merge of merges: what says where points came from before keeps its name, and the new numbers have another.
+TEST_F(Merge, TheNumberOfTheTreeHasANameThatNoTreeHas)
+{
+    const Grid grid{{0.001, 0.001, 0.001}, {0, 0, 0}};
+    const Attribute before{"source_id", ScalarType::u16, 1, 1, 0, {}};
+    const MemoryCloud one = random_cloud(schema_of({intensity, before}), grid, 500, 1, 10);
+    const MemoryCloud two = random_cloud(schema_of({intensity}), grid, 300, 2, 10);
+    const fs::path a = tree_of("a.pct", one), b = tree_of("b.pct", two);
+    MergeOptions options;
+    options.source_id = true;
+    for (const bool first : {true, false}) {
+        merge(first ? std::vector<MergeInput>{{a, {}}, {b, {}}} : std::vector<MergeInput>{{b, {}}, {a, {}}}, options);
+        const MemoryCloud all = merged();
+        const Schema& schema = all.info.schema;
+        ASSERT_EQ(schema.size(), 3u);
+        const std::size_t old = *schema.find("source_id");
+        std::size_t number = 0;
+        while (schema[number].description != "number of the merged tree, from 1") ASSERT_LT(++number, schema.size());
+        EXPECT_NE(schema[number].name, "source_id");
+        const auto numbers = values_of(all, schema[number].name);
+        EXPECT_EQ(std::count_if(numbers.begin(), numbers.end(), [](const auto& row) { return row[3] == 1; }),
+                  first ? 500 : 300);
+        EXPECT_EQ(std::count_if(numbers.begin(), numbers.end(), [](const auto& row) { return row[3] == 2; }),
+                  first ? 300 : 500);
+        // Every old number is still there; trees without one have 0.
+        std::vector<std::array<double, 4>> expected = values_of(one, "source_id");
+        for (std::array<double, 4> row : values_of(two, "")) {
+            row[3] = 0;
+            expected.push_back(row);
+        }
+        std::sort(expected.begin(), expected.end());
+        EXPECT_EQ(values_of(all, schema[old].name), expected);
+    }
+}
+
 TEST_F(Merge, RefusesWhatMakesNoSense)
 {
     const fs::path a = tree_of("a.pct", random_cloud({}, std::nullopt, 100, 1, 10));

@@ -140,7 +140,7 @@ TEST(SplatSieves, LeaveOutNoPointThatIsSeenAndDrawLargeOnesAsQuads)
     });
     EXPECT_GT(seen, 20000u);
     EXPECT_GT(left_out, 20000u);
-    EXPECT_GT(large, 500u);
+    EXPECT_GT(large, 50u);
     EXPECT_GT(quads, large);
 }
 

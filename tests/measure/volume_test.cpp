@@ -503,4 +503,20 @@ TEST_F(Volumes, WhatIsWrongIsRefused)
     EXPECT_THROW(plane_of({0, 0, 0}, {0, 0, 0}), Error);
 }
 
+TEST_F(Volumes, OfACloudWithoutPointsAreRefused)
+{
+    const auto none = measured_tree(folder_, "none", {}, origin);
+    VolumeOptions options;
+    options.polygon = at_origin(square);
+    for (const bool with_side : {false, true}) {
+        if (with_side) options.side = 0.5;
+        try {
+            measure_volume(*none, options);
+            FAIL() << "accepted";
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("none.pct has no points"), std::string::npos) << error.what();
+        }
+    }
+}
+
 }  // namespace
