@@ -5,6 +5,7 @@
 #include "plugin/meshlab/2020/layer.h"
 #include "plugin/meshlab/2020/placement.h"
 #include "plugin/meshlab/2020/proposed_output.h"
+#include "plugin/scene/free_path.h"
 #include "tests/memory_reader.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
