@@ -200,6 +200,7 @@ Row primitives_row()
             menu::measure,
             "-primitives.dxf",
             {{"format", "text", "", "pcm primitives"},
+             {"angles", "text", "", "unit of angles: radians"},
              {"primitives", "list", "", "as in a list of primitives"},
              {"unit", "text", "", "of the coordinates; empty: not known"},
              {"files", "list", "", "of each file that was written: file, and how many primitives"}},
