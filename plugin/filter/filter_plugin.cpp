@@ -3,6 +3,7 @@
 #include "plugin/filter/cloud_menu.h"
 #include "plugin/filter/filter.h"
 #include "plugin/filter/parameters.h"
+#include "plugin/filter/server_script.h"
 #include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/field_buttons.h"
 #include "plugin/meshlab/2020/proposed_output.h"
@@ -68,6 +69,7 @@ void PointCloudFilters::initParameterSet(QAction* action, MeshDocument& document
     filter.add_parameters(parameters);
     if (filter.output) propose_output(parameters, document, filter.output);
     add_field_buttons(parameters, &document);
+    keep_those_of_script(filter.name, parameters);
 }
 
 // When its dialog for a filter is closed, MeshLab restores the layer that was current when it was opened from a state

@@ -1,0 +1,61 @@
+#include "plugin/filter/server_script.h"
+
+#include <QCoreApplication>
+#include <QFile>
+#include <QFileInfo>
+#include <QSet>
+#include <QXmlStreamReader>
+
+#include <map>
+
+namespace pcm::host {
+
+namespace {
+
+using Names = QSet<QString>;
+
+// The parameters of each run of each filter, in the order of the script.
+std::map<QString, QList<Names>> filters_of(const QString& path)
+{
+    std::map<QString, QList<Names>> filters;
+    QFile file(path);
+    if (!file.open(QIODevice::ReadOnly)) return filters;
+    QXmlStreamReader xml(&file);
+    QList<Names>* runs = nullptr;
+    while (!xml.atEnd()) {
+        if (xml.readNext() != QXmlStreamReader::StartElement) continue;
+        const QString name = xml.attributes().value("name").toString();
+        if (xml.name() == QLatin1String("filter")) {
+            runs = &filters[name];
+            runs->append(Names());
+        } else if (xml.name() == QLatin1String("Param") && runs) {
+            runs->last().insert(name);
+        }
+    }
+    return filters;
+}
+
+QString script_of_process()
+{
+    const QStringList words = QCoreApplication::arguments();
+    if (words.isEmpty() || QFileInfo(words.first()).baseName() != "meshlabserver") return {};
+    const int at = words.indexOf("-s");
+    return at >= 0 && at + 1 < words.size() ? words[at + 1] : QString();
+}
+
+}  // namespace
+
+void keep_those_of_script(const QString& name, RichParameterList& parameters)
+{
+    static const std::map<QString, QList<Names>> filters = filters_of(script_of_process());
+    static std::map<QString, int> runs;
+    const auto found = filters.find(name);
+    const int run = runs[name]++;
+    if (found == filters.end() || run >= found->second.size()) return;
+    const RichParameterList all = parameters;
+    parameters.clear();
+    for (const RichParameter& parameter : all)
+        if (found->second[run].contains(parameter.name())) parameters.addParam(parameter);
+}
+
+}  // namespace pcm::host
