@@ -93,7 +93,7 @@ TEST_F(AttributesCliTest, RefusesWhatMakesNoSense)
     for (const std::string command : {"radii ", "normals ", "outliers "}) {
         const Result without_output = pcmlab(command + tree);
         EXPECT_EQ(without_output.code, 2) << command;
-        for (const char* words : {"no output is given", "by -o", "--in-place"})
+        for (const char* words : {"no output is given", "-o COPY", "--in-place"})
             EXPECT_NE(without_output.err.find(words), std::string::npos) << without_output.err;
     }
     EXPECT_EQ(pcmlab("radii " + tree + " -o " + tree).code, 1);

@@ -135,15 +135,15 @@ TEST_F(FitCommand, OptionsAreTaken)
 TEST_F(FitCommand, WhatMakesNoSenseIsRefused)
 {
     refused("", 2, "--at");
-    refused("--at '1 2'", 2, "three numbers");
-    refused("--at 'here'", 2, "numbers");
+    refused("--at '1 2'", 2, "takes x y z of each point");
+    refused("--at 'here'", 2, "is not a number");
     refused(at_ + "--radius 1 --count 5", 2, "--radius and --count");
     refused(at_ + "--no-grow --step 1", 2, "--no-grow");
     refused(at_ + "--name Pipe", 2, "--add");
     refused(at_ + "--outline convex --outline-edge 1", 2, "--outline concave");
     refused(at_ + "--shape cube", 2, "cube");
     refused(at_ + "--delete", 2, "-o COPY");
-    refused(at_ + "--probability 2", 1, "probability");
+    refused(at_ + "--probability 2", 2, "probability");
     refused(at_ + "--add list.txt", 1, ".json");
     // Before the tree is opened.
     const Result result = pcmlab("fit " + path("nowhere.pct") + " " + at_ + "--add list.txt");

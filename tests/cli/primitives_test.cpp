@@ -84,7 +84,8 @@ TEST_F(PrimitiveCommands, WriteAndAppend)
     const Result again = pcmlab("primitives " + path("c.json"));
     EXPECT_NE(again.out.find("Ball"), std::string::npos);
     const Result text = pcmlab("primitives " + path("a.json") + " --to " + path("d.scr"));
-    EXPECT_NE(text.out.find("d.scr: 1 primitive\nnote: "), std::string::npos) << text.out;
+    EXPECT_NE(text.out.find("d.scr: 1 primitive\n"), std::string::npos) << text.out;
+    EXPECT_EQ(text.out.rfind("note: ", 0), 0u) << text.out;
 }
 
 TEST_F(PrimitiveCommands, RefuseWithoutWriting)

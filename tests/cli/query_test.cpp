@@ -148,7 +148,7 @@ TEST_F(QueryCommand, SaysWhatIsWrong)
     refused("--level 99", 1, "levels 0 to");
     refused("--sphere 1 2 3 -4", 1, "radius is -4");
     refused("--sphere 1 2 3", 2, "sphere");
-    refused("--sphere 1 2 3 x", 1, "'x' is not a number");
+    refused("--sphere 1 2 3 x", 2, "'x' is not a number");
     refused("--sphere 1 2 3 4 --ray 0 0 0 1 0 0 1", 1, "one region");
     refused("--first-hit", 1, "--ray or --cone");
     refused("--first-hit --sphere 1 2 3 4", 1, "--ray or --cone");

@@ -356,7 +356,7 @@ TEST_F(Render, RefusesWithTheReason)
     refused(in + out + "--height -1", 1, "height");
     refused(in + out + "--eye 1 2", 2, "--eye");
     refused(in + out + "--eye 1 2 3 --target 1 2 3", 1, "'eye'");
-    refused(in + out + "--angle 50 --height 3", 2, "xclude");
+    refused(in + out + "--angle 50 --height 3", 2, "leave out --angle");
     refused(in + out + "--path " + path("none.json"), 1, "none.json");
     refused(path("none.pct") + out, 1, "none.pct");
     refused(in + in + out, 1, "twice");

@@ -191,7 +191,7 @@ TEST_F(SelectCommand, RefusesWhatMakesNoSense)
     refused(sphere_ + "--distance 3", 2, "--grow");
     refused(sphere_ + "--within 3", 2, "--grow-from");
     refused(sphere_ + "--level 0 --grow --distance 3", 2, "--level");
-    refused(sphere_ + "--classify 2.5 --in-place", 1, "no integer");
+    refused(sphere_ + "--classify 2.5 --in-place", 1, "not an integer");
     refused(sphere_ + "--classify 300 --in-place", 1, "cannot be 300");
     refused(sphere_ + "--save-attribute intensity --in-place", 1, "another type");
     refused(sphere_ + "--extract " + path("in.las"), 1, "exists already");
