@@ -140,7 +140,8 @@ void print_tree(Result& result, const Tree& tree, const std::optional<CloudStati
                      tree.part_roots().size() == 1 ? "part" : "parts");
     if (!info.coverage_kept)
         result.print("levels      have gaps where points were deleted; 'pcmlab compact' closes them");
-    if (info.sampling == Sampling::grid) result.print("levels      sampled on a grid (a fast build)");
+    result.line(info.sampling == Sampling::grid ? "levels      sampled on a grid (a fast build)"
+                                                : "levels      Poisson disks");
     result.print("level  nodes          points  points to here  spacing");
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const LevelSummary& level = levels[i];

@@ -3,6 +3,7 @@
 #include "pcm/system/text.h"
 #include "plugin/filter/parameters.h"
 #include "plugin/filter/result_parameters.h"
+#include "plugin/filter/server_script.h"
 #include "plugin/scene/text.h"
 
 #include <QRegularExpression>
@@ -178,6 +179,12 @@ void set_dialog_default(Argument& argument, const std::string& called)
         argument.set({argument.dialog_default()}, called);
 }
 
+// Scripts may name what dialogs do not show, such as a library that is not installed: choosing it is an error then.
+bool is_in_dialogs(const Argument& argument)
+{
+    return argument.is_in(ops::Face::dialog) && (argument.is_shown() || is_server());
+}
+
 void set(Argument& argument, const FilterRun& run)
 {
     const RichParameterList& parameters = run.parameters;
@@ -188,8 +195,6 @@ void set(Argument& argument, const FilterRun& run)
         return;
     }
     if (!parameters.hasParameter(name)) {
-        run.log("The script does not have the parameter " + name.toStdString() + ": " +
-                quoted_default(argument).toStdString());
         set_dialog_default(argument, called);
         return;
     }
@@ -231,14 +236,20 @@ void add_parameters(const ops::Arguments& arguments, RichParameterList& paramete
 {
     for (const bool advanced : {false, true})
         for (const Argument& argument : arguments.list())
-            if (argument.is_in(ops::Face::dialog) && argument.is_shown() && argument.is_advanced() == advanced)
-                add_parameter(argument, parameters);
+            if (is_in_dialogs(argument) && argument.is_advanced() == advanced) add_parameter(argument, parameters);
 }
 
 void set_arguments(ops::Arguments& arguments, const FilterRun& run)
 {
-    for (Argument& argument : arguments.list())
-        if (argument.is_in(ops::Face::dialog) && argument.is_shown()) set(argument, run);
+    std::string missing;
+    for (Argument& argument : arguments.list()) {
+        if (!is_in_dialogs(argument)) continue;
+        set(argument, run);
+        if (!run.parameters.hasParameter(QString::fromStdString(argument.script_name())))
+            missing += (missing.empty() ? "" : ", ") + argument.script_name();
+    }
+    if (!missing.empty())
+        run.log("The script does not have these parameters, which keep their defaults: " + missing + ".");
 }
 
 }  // namespace pcm::host

@@ -38,12 +38,18 @@ std::map<QString, QList<Names>> filters_of(const QString& path)
 QString script_of_process()
 {
     const QStringList words = QCoreApplication::arguments();
-    if (words.isEmpty() || QFileInfo(words.first()).baseName() != "meshlabserver") return {};
+    if (!is_server()) return {};
     const int at = words.indexOf("-s");
     return at >= 0 && at + 1 < words.size() ? words[at + 1] : QString();
 }
 
 }  // namespace
+
+bool is_server()
+{
+    const QStringList words = QCoreApplication::arguments();
+    return !words.isEmpty() && QFileInfo(words.first()).baseName() == "meshlabserver";
+}
 
 void keep_those_of_script(const QString& name, RichParameterList& parameters)
 {

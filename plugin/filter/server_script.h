@@ -8,6 +8,9 @@
 
 namespace pcm::host {
 
+// The process is meshlabserver: its scripts may name parameters that dialogs do not show.
+bool is_server();
+
 // Leaves out the parameters that the script does not have, where the process runs one (meshlabserver -s SCRIPT) with
 // the filter `name`. Called once for each time that the filter runs; calls are counted, as a script may run a filter
 // several times. Does nothing in a window, and where the script cannot be read.

@@ -64,14 +64,14 @@ class Attributes(MeshLabTest):
         self.assertEqual(run.code, 0, run.text)
         left = pcmlab("info", clean)["points"]
         self.assertLess(left, 20000)
-        self.assertIn(f"{20000 - left:,} of the 20,000 points of {tree} would be removed", run.text)
-        self.assertIn(f"{20000 - left:,} of the 20,000 points of {clean} were removed", run.text)
-        self.assertIn("were labelled", run.text)
+        self.assertIn(f"{tree}: {20000 - left:,} of 20,000 points would be removed", run.text)
+        self.assertIn(f"{clean}: {20000 - left:,} of 20,000 points removed", run.text)
+        self.assertIn("points labelled", run.text)
         self.assertIn(f"{clean}: radii: ", run.text)
         self.assertIn(", exact", run.text)
         self.assertIn(f"{both}: normals, radii and curvature at level 1: ", run.text)
         self.assertIn("(1000 points checked)", run.text)
-        self.assertIn("Neighbours on a line", run.text)
+        self.assertIn("neighbours on a line", run.text)
         self.assertGood(tree, 20000)
         self.assertGood(clean, left, "radius")
         self.assertGood(both, left, "radius", "normal", "curvature", "normal_confidence")
@@ -80,11 +80,11 @@ class Attributes(MeshLabTest):
     def test_refuses_and_leaves_the_tree_alone(self):
         tree = self.cloud(2000)
         before = {file.name: file.read_bytes() for file in tree.iterdir()}
-        for call, words in ((radii(tree), "no output is given"), (radii(tree, tree.parent / "o.pct", neighbours=0), "Neighbours is 0"),
+        for call, words in ((radii(tree), "no output is given"), (radii(tree, tree.parent / "o.pct", neighbours=0), "'0' is not a whole number from 1 to 1024"),
                             (normals(tree, in_place=True, direction="0 0 0"), "0 0 0"),
-                            (normals(tree, in_place=True, viewpoint="1 2"), "Scanner position is '1 2'"),
+                            (normals(tree, in_place=True, viewpoint="1 2"), "'Scanner position' takes 3 numbers"),
                             (radii(tree, in_place=True, level=1, time_limit=2), "a level is given"),
-                            (outliers(tree, in_place=True, method=2), "must be positive"),
+                            (outliers(tree, in_place=True, method=2), "the method radius needs"),
                             (outliers(tree, in_place=True, label=True, count=True), "nothing is to be changed")):
             with self.subTest(words):
                 run = self.server([call])

@@ -265,7 +265,7 @@ class Fitting(MeshLabTest):
             print-boxes
             screen {self.result("pipe.png")}
             field PointCloudFitThreshold = -3
-            wait-label {MESSAGE} is no number from 0
+            wait-label {MESSAGE} is not a number greater than 0
             print-label {FOUND}
             field PointCloudFitThreshold = 0.008
             wait-property pcm_fit_tool "fits":4,

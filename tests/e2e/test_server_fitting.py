@@ -84,7 +84,7 @@ class ServerFitting(MeshLabTest):
         self.assertLess(math.dist(ball["point"], self.CENTRE), 0.001)
         self.assertEqual(pcmlab("info", part)["points"], ball["points"])
         self.assertGreater(ball["points"], 9900)
-        self.assertIn("radius: ", run.text)
+        self.assertIn("radius      1.00", run.text)
         with open(table, newline="", encoding="utf-8") as file:
             self.assertEqual([row["name"] for row in csv.DictReader(file)], ["ball", "Plane 1"])
         self.assertIn("3DFACE", (self.folder / "floor.dxf").read_text())
@@ -96,7 +96,7 @@ class ServerFitting(MeshLabTest):
         listed, copy = self.folder / "all.json", self.folder / "labelled.pct"
         run = self.server([detect(self.tree, labels=True, copy=copy, output=listed)])
         self.assertEqual(run.code, 0, run.text)
-        self.assertIn("2 primitives;", run.text)
+        self.assertIn(": 2 primitives with ", run.text)
         found = json.loads(listed.read_text())["primitives"]
         self.assertEqual([p["kind"] for p in found], ["plane", "sphere"])
         for number, least in ((1, 19500), (2, 9500)):
@@ -106,10 +106,10 @@ class ServerFitting(MeshLabTest):
 
     def test_what_is_wrong_is_said(self):
         (self.folder / "x.csv").write_text("precious")
-        for one, words in ((fit(self.tree, ""), "no place"),
-                           (fit(self.tree, "1 2"), "3 for each point"),
+        for one, words in ((fit(self.tree, ""), "'Places' is needed"),
+                           (fit(self.tree, "1 2"), "takes x y z of each point, not 2 numbers"),
                            (fit(self.tree, "500005 4800005 100", shape=3), "no sphere was fitted"),
-                           (fit(self.tree, "500005 4800005 100", threshold=-1), "Threshold is -1"),
+                           (fit(self.tree, "500005 4800005 100", threshold=-1), "'Threshold'"),
                            (fit(self.tree, "500005 4800005 100", output=self.folder / "x.csv"), "exists"),
                            (detect(self.tree, labels=True), "no output is given"),
                            (export(""), "no output file"),

@@ -53,8 +53,8 @@ class ServerMeasures(MeshLabTest):
                            measure("0 0 0; 4 0 0; 4 3 0", kind=3, listed=self.folder / "a.json",
                                    output=self.folder / "b.geojson")])
         self.assertEqual(run.code, 0, run.text)
-        self.assertIn("across (distance):", run.text)
-        self.assertIn("plan area: 6", run.text)
+        self.assertIn("across (distance)", run.text)
+        self.assertIn("plan area          6", run.text)
         same = pcmlab("measure", "distance", "--from", self.tree, "-p", *points.split())["measures"][0]["values"]
         listed = pcmlab("measure", "--list", self.folder / "a.json")["measures"][0]
         self.assertEqual(listed["values"]["distance"]["value"], same["distance"]["value"])
@@ -83,14 +83,14 @@ class ServerMeasures(MeshLabTest):
 
     def test_what_is_wrong_is_said(self):
         (self.folder / "x.csv").write_text("precious")
-        for one, words in ((measure(""), "takes 2 or more points, not 0"),
-                           (measure("1 2 3 4"), "3 for each point"),
+        for one, words in ((measure(""), "takes x y z of each point, not 0 numbers"),
+                           (measure("1 2 3 4"), "takes x y z of each point, not 4 numbers"),
                            (measure("1 2 3 4 5 6", output=self.folder / "x.csv"), "exists already"),
                            (measure("1 2 3", kind=5, surface="cube 1"), "is no shape"),
-                           (profile(self.tree, "1 2"), "no length in plan"),
-                           (profile(self.tree, "0 0 1 1", level=77), "Level"),
-                           (volume(self.tree, reference=1), "no plane"),
-                           (volume(self.tree, reference=2), "no tree")):
+                           (profile(self.tree, "1 2"), "takes 4"),
+                           (profile(self.tree, "0 0 1 1", level=77), "there is no level 77"),
+                           (volume(self.tree, reference=1), "what to compare with"),
+                           (volume(self.tree, reference=2), "what to compare with")):
             with self.subTest(words):
                 run = self.server([one])
                 self.assertNotEqual(run.code, 0, run.text)

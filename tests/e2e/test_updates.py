@@ -99,9 +99,9 @@ class Updates(MeshLabTest):
         for filters, words in (
                 ([add(tree, las)], ["'In place'"]),
                 ([add(tree, self.folder / "none.las", in_place=True)], ["none.las", "no such file"]),
-                ([delete(tree, in_place=True)], ["which points"]),
+                ([delete(tree, in_place=True)], ["no points were chosen to be deleted"]),
                 ([delete(tree, where="colour = 1", in_place=True)], ["colour", "intensity"]),
-                ([delete(tree, box="1 2 3", in_place=True)], ["3 numbers, not 6"]),
+                ([delete(tree, box="1 2 3", in_place=True)], ["takes 6 numbers, and got 3"]),
                 ([delete(tree, where="x >= 0", output=tree)], ["the output is the input tree"]),
                 ([compact(self.folder / "none.pct")], ["none.pct", "no such tree"])):
             with self.subTest(words[0]):

@@ -1,6 +1,7 @@
 #include "pcm/ops/shared/neighbour_arguments.h"
 
 #include "pcm/ops/shared/attribute_report.h"
+#include "pcm/tree/tree.h"
 
 namespace pcm::ops {
 
@@ -74,6 +75,11 @@ Result compute_attributes(const Context& context, const TargetArguments& choice,
     Result result;
     choice.describe(result, target.path().string());
     put_attribute_report(result, options.wanted, report);
+    if (context.face == Face::dialog) {  // where the picture changes with them
+        const Schema schema = Tree::open(target.path())->info().schema;
+        if (schema.find(attribute_name::radius) && schema.find(attribute_name::normal))
+            result.line("the cloud has radii and normals now: Fitted splats, the default, follow them");
+    }
     return result;
 }
 
