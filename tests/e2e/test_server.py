@@ -85,7 +85,7 @@ class Server(MeshLabTest):
     def test_refuses_with_path_and_reason(self):
         self.assertRefused([build(self.folder / "none.las")], "none.las", "no such file")
         self.assertRefused([build("")], "'Input files' is needed")
-        self.assertRefused([information(self.folder)], str(self.folder), "no point cloud tree")
+        self.assertRefused([information(self.folder / "none.pct")], "none.pct")
         self.assertRefused([build(self.las, memory=1)], "Memory")
         broken = self.folder / "broken.las"
         broken.write_bytes(self.las.read_bytes()[:100000])
