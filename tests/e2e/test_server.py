@@ -86,7 +86,7 @@ class Server(MeshLabTest):
         self.assertRefused([build(self.folder / "none.las")], "none.las", "no such file")
         self.assertRefused([build("")], "'Input files' is needed")
         self.assertRefused([information(self.folder / "none.pct")], "none.pct")
-        self.assertRefused([build(self.las, memory=1)], "Memory")
+        self.assertRefused([build(self.las, memory=1)], "at least 64 MiB of memory")
         broken = self.folder / "broken.las"
         broken.write_bytes(self.las.read_bytes()[:100000])
         self.assertRefused([build(broken)], "broken.las", "100000")
