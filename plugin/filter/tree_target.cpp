@@ -11,27 +11,6 @@
 
 namespace pcm::host {
 
-void add_target_parameters(RichParameterList& parameters)
-{
-    parameters.addParam(RichString(
-        "Output", "", "Output folder",
-        "The tree folder to write, NAME.pct. It shares unchanged data with the original tree, so it takes "
-        "little time and space. Ignored when 'In place' is on. A dialog proposes a name; scripts have no default."));
-    parameters.addParam(RichBool("InPlace", false, "In place",
-                                 "Change the tree itself. The change is atomic: until it is complete, the old tree is "
-                                 "on disk. Default off."));
-}
-
-TargetChoice target_of(const RichParameterList& parameters)
-{
-    if (parameters.getBool("InPlace")) return {{}, true};
-    const QString output = parameters.getString("Output");
-    if (output.trimmed().isEmpty())
-        throw Error(ErrorCode::invalid_argument, {}, "no output is given",
-                    "name the tree to write as Output folder, or switch on 'In place'");
-    return {as_tree(absolute_path(output)), false};
-}
-
 void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder, const SceneLayer* like)
 {
     for (const std::string& line : add_layer_of(scene_of(run.document), folder, like)) run.log(line);

@@ -11,11 +11,6 @@
 
 namespace pcm::host {
 
-// "Output" and "InPlace". "Output" is ignored when "InPlace" is on.
-void add_target_parameters(RichParameterList& parameters);
-// Throws Error(invalid_argument) when there is neither.
-TargetChoice target_of(const RichParameterList& parameters);
-
 // Adds a layer that shows the tree `folder`, with the matrix of `like` (null: none). A tree without points gets no
 // layer; the log says so.
 void add_tree_layer(const FilterRun& run, const std::filesystem::path& folder, const SceneLayer* like = nullptr);
