@@ -70,7 +70,7 @@ class Fitting(MeshLabTest):
         project, out = self.folder / "p.mlp", self.folder
         layer, file, rest = out / "part.pct", out / "part.las", out / "rest.pct"
         pictures = {name: self.result(f"{name}.png") for name in ("none", "draft", "accepted", "close", "reopened")}
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start()}
             picture {pictures["none"]}
             {self.click(MUG)}
@@ -198,7 +198,7 @@ class Fitting(MeshLabTest):
     def check_reopened(self, project, pictures):
         kept = kept_in(project)
         self.assertEqual([p["name"] for p in kept], ["Cylinder 1", "Table <top>"])
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             {NO_TIME_LIMIT}
             view-size 800 600
@@ -242,7 +242,7 @@ class Fitting(MeshLabTest):
     def test_what_is_refused_changes_nothing(self):
         self.tree = self.pipe_on_a_floor()
         floor, pipe = "-2 1 0", "3 0.5 1.5"
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start()}
             {self.click("0.05 0.05")}
             print-label {MESSAGE}
@@ -304,7 +304,7 @@ class Fitting(MeshLabTest):
         self.assertEqual(run.text.count("driver: escape taken"), 1)
         self.assertEqual(run.text.count("driver: escape not taken"), 1)
         self.assertNotEqual(run.cameras()["before"]["eye"], run.cameras()["turned"]["eye"])
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start()}
             print-field Shape
             print-field Threshold
@@ -315,7 +315,7 @@ class Fitting(MeshLabTest):
 
     def test_escape_and_further_clicks(self):
         """What runs is cancelled by Esc, and replaced by a further click; the camera moves meanwhile."""
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start()}
             field PointCloudFitNeighbourhood = 100000
             click {TABLE}
@@ -351,7 +351,7 @@ class Fitting(MeshLabTest):
     def test_only_what_is_shown_is_fitted(self):
         """Under a clip box: all points of the plane are in it."""
         part = self.folder / "part.pct"
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start('''
             trigger Clip Box
             wait-log drag a coloured cross
@@ -388,7 +388,7 @@ class Fitting(MeshLabTest):
         self.tree = self.folder / "field.pct"
         pcmlab("build", sample("las/autzen_trim.laz"), "-o", self.tree)
         listed, drawing, part = self.folder / "f.json", self.folder / "f.dxf", self.folder / "part.las"
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start()}
             field PointCloudFitShape = Plane
             field PointCloudFitThreshold = 1.5
@@ -439,7 +439,7 @@ class Fitting(MeshLabTest):
         for name, more in (("there", ""), ("moved", "move-layer 0 0.02 0 0\nwait-status complete")):
             project = self.folder / f"{name}.mlp"
             pictures[name] = self.result(f"{name}.png")
-            run = self.gui(f"""
+            run = self.own_gui(f"""
                 {self.start(more)}
                 field PointCloudFitShape = Cylinder
                 {self.click("0.49 0.56" if name == "there" else "0.516 0.56")}

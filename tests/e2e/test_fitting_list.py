@@ -39,7 +39,7 @@ class FittingList(FittingTest):
                 wait-label {MESSAGE} {name}.json
                 """
 
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(tree)}
             {self.two()}
             {state("two")}
@@ -107,7 +107,7 @@ class FittingList(FittingTest):
     def test_alt_and_shift_take_away(self):
         """The floor beside the pipe's foot: with a place on the floor taken away, by either key, the same shape."""
         tree = pipe_on_a_floor(self.folder)
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(tree)}
             {self.click_place(PIPE)}
             {self.click_place("3 -1 1.5", "Alt")}
@@ -131,7 +131,7 @@ class FittingList(FittingTest):
         for name, setting in (("all", ""), ("classes", "parameter MeshLab::PointCloud::HiddenClasses = 6"),
                               ("conditions", "parameter MeshLab::PointCloud::Conditions = y < 0; classification = 2")):
             out = self.folder / f"{name}.csv"
-            run = self.gui(f"""
+            run = self.own_gui(f"""
                 {self.start(tree, more=setting + chr(10) + "wait-status complete")}
                 {self.click_place("3 -0.5 1.5")}
                 key Return
@@ -182,7 +182,7 @@ class MovedClouds(FittingTest):
             wheel 8
             wait-status complete
             """
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(pipe, other, more=moved)}
             {self.click_place("3 0.5 3.5")}
             key Return
@@ -230,7 +230,7 @@ class MovedClouds(FittingTest):
         self.assertLess(before[1], 5000, "two neighbourhoods")
         self.assertLess(before[2], before[0] - 300, "a place was taken away")
         table = self.folder / "again.csv"
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(pipe, other, project=project)}
             print-table {LIST}
             choose-row {LIST} 0
@@ -272,7 +272,7 @@ class MovedClouds(FittingTest):
             wait-status complete
             print-boxes
             """
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(pipe_on_a_floor(self.folder), pipe_on_a_floor(self.folder, "other", seed=8), more=moved)}
             trigger Select its points
             wait-label {MESSAGE} select a primitive of the list first
@@ -319,7 +319,7 @@ class LayersAndWork(FittingTest):
         self.tree = pipe_on_a_floor(self.folder, points=600000)
 
     def test_a_cancelled_refinement_keeps_the_shape(self):
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(self.tree)}
             {self.click_place(PIPE)}
             print-label {FOUND}
@@ -342,7 +342,7 @@ class LayersAndWork(FittingTest):
 
     def test_a_layer_is_removed_while_its_shape_is_fitted(self):
         """Which ends the tool: what ran is forgotten, and the tool works with the next layer."""
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(self.tree)}
             {self.LONG}
             click-place {FLOOR}
@@ -368,7 +368,7 @@ class LayersAndWork(FittingTest):
     def test_a_layer_with_a_draft_and_primitives_is_removed(self):
         """The draft goes with the tool; primitives stay in the list, without points."""
         other = pipe_on_a_floor(self.folder, "other", seed=8)
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(other, self.tree)}
             show-layer 0 off
             wait-status complete
@@ -402,7 +402,7 @@ class LayersAndWork(FittingTest):
         self.assertIn("pipe.pct", run.labels(MESSAGE)[-1])
 
     def test_meshlab_is_closed_while_it_fits(self):
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(self.tree)}
             {self.LONG}
             click-place {FLOOR}
@@ -413,7 +413,7 @@ class LayersAndWork(FittingTest):
 
     def test_the_tool_is_ended_while_it_fits(self):
         """And started again: what ran is forgotten."""
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(self.tree)}
             {self.LONG}
             click-place {FLOOR}
@@ -433,7 +433,7 @@ class LayersAndWork(FittingTest):
     def test_detection_is_cancelled_and_not_closed(self):
         """While the filter runs the window stays open, layers stay, and Esc leaves the list and the tree as they were."""
         before = pcmlab("info", self.tree)
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start(self.tree)}
             trigger Fit Primitives
             trigger Detect Primitives

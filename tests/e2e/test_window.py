@@ -15,7 +15,7 @@ class Window(MeshLabTest):
     def test_open_draw_orbit_delete_quit(self):
         _, tree = self.generate("scene", 400000, "--seed", 5)
         opened, plain, turned, closer, gone = (self.result(f"{name}.png") for name in ("opened", "plain", "turned", "closer", "gone"))
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             wait-layers 1
             {FIXED_VIEW}
@@ -68,7 +68,7 @@ class Window(MeshLabTest):
         index = (damaged / "index.pct").read_bytes()
         (damaged / "index.pct").write_bytes(index[: len(index) // 2])
         empty, usable = self.result("empty.png"), self.result("usable.png")
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             {FIXED_VIEW}
             picture {empty}
@@ -108,7 +108,7 @@ class Window(MeshLabTest):
         mesh.write_text("OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n")
         ours, reloaded, both, native, again, none = (
             self.result(f"{name}.png") for name in ("ours", "reloaded", "both", "native", "again", "none"))
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             {FIXED_VIEW}
             parameter MeshLab::PointCloud::SplatSize = 4
@@ -155,7 +155,7 @@ class Window(MeshLabTest):
         """A view that is split off shows the cloud too; closing it does not change the other view."""
         _, tree = self.generate("good", 60000, "--seed", 6)
         one, closed = (self.result(f"{name}.png") for name in ("one", "closed"))
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             wait-layers 1
             {NO_TIME_LIMIT}
@@ -177,7 +177,7 @@ class Window(MeshLabTest):
     def test_filter_from_the_menu(self):
         las = self.generate_file("input", 60000, "--seed", 8)
         output = self.folder / "menu.pct"
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             trigger Build Point Cloud Tree
             set Input files = {las}
@@ -208,7 +208,7 @@ class Window(MeshLabTest):
     def test_large_file_becomes_a_tree_beside_it(self):
         las = self.generate_file("large", 1100000, "--seed", 4)
         tree = las.with_suffix(".pct")
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             open {las}
             wait-layers 1
@@ -226,7 +226,7 @@ class Window(MeshLabTest):
     def test_escape_cancels_a_build(self):
         las = self.generate_file("large", 3000000, "--seed", 4)
         # The script continues during the build. Until it is cancelled, the window cannot be closed.
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             open {las}
             wait-building
@@ -243,12 +243,12 @@ class Window(MeshLabTest):
 
     def test_time_and_memory(self):
         """Times are only printed, as machines differ. Memory must be bounded by the caches, not by the cloud."""
-        empty = self.gui("wait-view\npause 500\nmemory empty\nquit\n")
+        empty = self.own_gui("wait-view\npause 500\nmemory empty\nquit\n")
         self.assertDriven(empty)
         taken = {}
         for points in (500000, 4000000):
             _, tree = self.generate(f"cloud{points}", points, "--seed", 9)
-            run = self.gui(f"wait-view\nopen {tree}\nwait-first-picture\nwait-layers 1\nwait-status complete\n"
+            run = self.own_gui(f"wait-view\nopen {tree}\nwait-first-picture\nwait-layers 1\nwait-status complete\n"
                            "time complete\nmemory full\nquit\n")
             self.assertDriven(run)
             taken[points] = run.memory()["full"][1] - empty.memory()["empty"][1]
