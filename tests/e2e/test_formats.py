@@ -294,14 +294,14 @@ class Export(MeshLabTest):
         las, tree = self.generate("cloud", 60000, "--origin", "500000,4800000,100")
         truth = pcmlab("info", tree)
         for given in (tree, las):
-            for extension in ("las", "ply", "pcd", "xyz"):
-                out = self.folder / f"{given.suffix[1:]}.{extension}"
-                run = self.server([], "-i", given, "-o", out)
-                self.assertEqual(run.code, 0, run.text)
-                self.assertIn("60,000 points of the", run.text)
+            written = [self.folder / f"{given.suffix[1:]}.{extension}" for extension in ("las", "ply", "pcd", "xyz")]
+            run = self.server([], "-i", given, *(argument for out in written for argument in ("-o", out)))
+            self.assertEqual(run.code, 0, run.text)
+            self.assertEqual(run.text.count("60,000 points of the"), len(written), run.text)
+            for out in written:
                 found = self.tree_of(out)
                 self.assertEqual((found["points"], found["bounds"]), (60000, truth["bounds"]), out)
-                if extension != "las":  # it adds the fields that every record has
+                if out.suffix != ".las":  # it adds the fields that every record has
                     self.assertEqual(sorted(a["name"] for a in found["attributes"]),
                                      sorted(a["name"] for a in truth["attributes"]), out)
         broken = self.folder / "broken.las"
