@@ -70,7 +70,7 @@ class Fitting(MeshLabTest):
         project, out = self.folder / "p.mlp", self.folder
         layer, file, rest = out / "part.pct", out / "part.las", out / "rest.pct"
         pictures = {name: self.result(f"{name}.png") for name in ("none", "draft", "accepted", "close", "reopened")}
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start()}
             picture {pictures["none"]}
             {self.click(MUG)}
@@ -151,7 +151,6 @@ class Fitting(MeshLabTest):
             trigger Save Project As...
             pick {project}
             wait-file {project}
-            quit
             """)
         self.assertDriven(run)
         found = run.labels(FOUND)
@@ -198,6 +197,7 @@ class Fitting(MeshLabTest):
     def check_reopened(self, project, pictures):
         kept = kept_in(project)
         self.assertEqual([p["name"] for p in kept], ["Cylinder 1", "Table <top>"])
+        # In a MeshLab of its own: another session.
         run = self.own_gui(f"""
             wait-view
             {NO_TIME_LIMIT}
@@ -242,6 +242,7 @@ class Fitting(MeshLabTest):
     def test_what_is_refused_changes_nothing(self):
         self.tree = self.pipe_on_a_floor()
         floor, pipe = "-2 1 0", "3 0.5 1.5"
+        # In a MeshLab of its own: what it keeps is for its next start.
         run = self.own_gui(f"""
             {self.start()}
             {self.click("0.05 0.05")}
@@ -315,7 +316,7 @@ class Fitting(MeshLabTest):
 
     def test_escape_and_further_clicks(self):
         """What runs is cancelled by Esc, and replaced by a further click; the camera moves meanwhile."""
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start()}
             field PointCloudFitNeighbourhood = 100000
             click {TABLE}
@@ -338,7 +339,6 @@ class Fitting(MeshLabTest):
             print-label {FOUND}
             escape-in-view
             wait-label {MESSAGE} discarded
-            quit
             """)
         self.assertDriven(run)
         states, found = run.properties("pcm_fit_tool"), run.labels(FOUND)
@@ -351,7 +351,7 @@ class Fitting(MeshLabTest):
     def test_only_what_is_shown_is_fitted(self):
         """Under a clip box: all points of the plane are in it."""
         part = self.folder / "part.pct"
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start('''
             trigger Clip Box
             wait-log drag a coloured cross
@@ -374,7 +374,6 @@ class Fitting(MeshLabTest):
             trigger Its points to a layer...
             pick {part}
             wait-layers 2
-            quit
             """)
         self.assertDriven(run)
         points = self.points_of(part)
@@ -388,7 +387,7 @@ class Fitting(MeshLabTest):
         self.tree = self.folder / "field.pct"
         pcmlab("build", sample("las/autzen_trim.laz"), "-o", self.tree)
         listed, drawing, part = self.folder / "f.json", self.folder / "f.dxf", self.folder / "part.las"
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start()}
             field PointCloudFitShape = Plane
             field PointCloudFitThreshold = 1.5
@@ -416,7 +415,6 @@ class Fitting(MeshLabTest):
             pick {part}
             wait-label {MESSAGE} extracted
             print-table {LIST}
-            quit
             """)
         self.assertDriven(run)
         row = run.tables(LIST)[0][0]
@@ -439,7 +437,7 @@ class Fitting(MeshLabTest):
         for name, more in (("there", ""), ("moved", "move-layer 0 0.02 0 0\nwait-status complete")):
             project = self.folder / f"{name}.mlp"
             pictures[name] = self.result(f"{name}.png")
-            run = self.own_gui(f"""
+            run = self.gui(f"""
                 {self.start(more)}
                 field PointCloudFitShape = Cylinder
                 {self.click("0.49 0.56" if name == "there" else "0.516 0.56")}
@@ -450,7 +448,6 @@ class Fitting(MeshLabTest):
                 trigger Save Project As...
                 pick {project}
                 wait-file {project}
-                quit
                 """)
             self.assertDriven(run)
             shapes[name] = kept_in(project)[0]
