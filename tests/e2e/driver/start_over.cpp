@@ -50,7 +50,7 @@ void close_documents(TestDriver& driver)
 
 bool StartOver::has_begun(const TestDriver& driver) { return driver.window() && fills_the_window(driver); }
 
-StartOver::StartOver(const TestDriver& driver) : parameters_(parameters_of(driver)), bars_(driver.window()->saveState())
+StartOver::StartOver(const TestDriver& driver) : parameters_(parameters_of(driver))
 {
     const QSettings stored;
     for (const QString& key : stored.allKeys()) settings_[key] = stored.value(key);
@@ -71,7 +71,6 @@ void StartOver::restore(TestDriver& driver)
     driver.frame_before = 0;
     window->showMaximized();
     QMetaObject::invokeMethod(window, "newProject");
-    window->restoreState(bars_);
     RichParameterList& parameters = parameters_of(driver);
     for (const RichParameter& first : parameters_)
         if (parameters.hasParameter(first.name())) parameters.setValue(first.name(), first.value());

@@ -25,6 +25,5 @@ private:
 
     RichParameterList parameters_;
     QMap<QString, QVariant> settings_;  // as stored for the next start
-    QByteArray bars_;                   // places of panels and tool bars
     bool restored_ = false;
 };
