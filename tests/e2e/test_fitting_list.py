@@ -39,7 +39,7 @@ class FittingList(FittingTest):
                 wait-label {MESSAGE} {name}.json
                 """
 
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(tree)}
             {self.two()}
             {state("two")}
@@ -85,7 +85,6 @@ class FittingList(FittingTest):
             choose-row {LIST} 1
             key Delete
             wait-rows {LIST} 1
-            quit
             """)
         self.assertDriven(run)
         self.assertLessEqual(run.docks()["PointCloudFitDock"], 300)
@@ -107,7 +106,7 @@ class FittingList(FittingTest):
     def test_alt_and_shift_take_away(self):
         """The floor beside the pipe's foot: with a place on the floor taken away, by either key, the same shape."""
         tree = pipe_on_a_floor(self.folder)
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(tree)}
             {self.click_place(PIPE)}
             {self.click_place("3 -1 1.5", "Alt")}
@@ -117,7 +116,6 @@ class FittingList(FittingTest):
             {self.click_place("3 -1 1.5", "Shift")}
             wait-label {FOUND} taken away
             print-label {FOUND}
-            quit
             """)
         self.assertDriven(run)
         by_alt, by_shift = run.labels(FOUND)
@@ -131,7 +129,7 @@ class FittingList(FittingTest):
         for name, setting in (("all", ""), ("classes", "parameter MeshLab::PointCloud::HiddenClasses = 6"),
                               ("conditions", "parameter MeshLab::PointCloud::Conditions = y < 0; classification = 2")):
             out = self.folder / f"{name}.csv"
-            run = self.own_gui(f"""
+            run = self.gui(f"""
                 {self.start(tree, more=setting + chr(10) + "wait-status complete")}
                 {self.click_place("3 -0.5 1.5")}
                 key Return
@@ -139,7 +137,6 @@ class FittingList(FittingTest):
                 trigger Its points to a file...
                 pick {out}
                 wait-label {MESSAGE} extracted
-                quit
                 """)
             self.assertDriven(run)
             with open(out, newline="", encoding="utf-8") as file:
@@ -182,7 +179,7 @@ class MovedClouds(FittingTest):
             wheel 8
             wait-status complete
             """
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(pipe, other, more=moved)}
             {self.click_place("3 0.5 3.5")}
             key Return
@@ -216,7 +213,6 @@ class MovedClouds(FittingTest):
             press Export
             pick {self.folder / "scaled.csv"}
             wait-label {MESSAGE} scales, shears or mirrors Cylinder 2
-            quit
             """)
         self.assertDriven(run)
         self.check_places(json.loads((self.folder / "moved.json").read_text())["primitives"])
@@ -230,6 +226,7 @@ class MovedClouds(FittingTest):
         self.assertLess(before[1], 5000, "two neighbourhoods")
         self.assertLess(before[2], before[0] - 300, "a place was taken away")
         table = self.folder / "again.csv"
+        # In a MeshLab of its own: another session.
         run = self.own_gui(f"""
             {self.start(pipe, other, project=project)}
             print-table {LIST}
@@ -272,7 +269,7 @@ class MovedClouds(FittingTest):
             wait-status complete
             print-boxes
             """
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(pipe_on_a_floor(self.folder), pipe_on_a_floor(self.folder, "other", seed=8), more=moved)}
             trigger Select its points
             wait-label {MESSAGE} select a primitive of the list first
@@ -297,7 +294,6 @@ class MovedClouds(FittingTest):
             escape-in-view
             wait-label {MESSAGE} discarded
             {show}
-            quit
             """)
         self.assertDriven(run)
         selected = [int(re.search(r"([0-9,]+) points selected", box["text"])[1].replace(",", "")) for box in run.boxes()
@@ -319,7 +315,7 @@ class LayersAndWork(FittingTest):
         self.tree = pipe_on_a_floor(self.folder, points=600000)
 
     def test_a_cancelled_refinement_keeps_the_shape(self):
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(self.tree)}
             {self.click_place(PIPE)}
             print-label {FOUND}
@@ -333,7 +329,6 @@ class LayersAndWork(FittingTest):
             print-property pcm_fit_tool
             key Return
             wait-rows {LIST} 1
-            quit
             """)
         self.assertDriven(run)
         before, after = run.labels(FOUND)
@@ -342,7 +337,7 @@ class LayersAndWork(FittingTest):
 
     def test_a_layer_is_removed_while_its_shape_is_fitted(self):
         """Which ends the tool: what ran is forgotten, and the tool works with the next layer."""
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(self.tree)}
             {self.LONG}
             click-place {FLOOR}
@@ -359,7 +354,6 @@ class LayersAndWork(FittingTest):
             field PointCloudFitNeighbourhood =
             click-place {PIPE}
             wait-label {FOUND} Cylinder
-            quit
             """)
         self.assertDriven(run)
         self.assertIn("Click a point", run.labels(FOUND)[0])
@@ -368,7 +362,7 @@ class LayersAndWork(FittingTest):
     def test_a_layer_with_a_draft_and_primitives_is_removed(self):
         """The draft goes with the tool; primitives stay in the list, without points."""
         other = pipe_on_a_floor(self.folder, "other", seed=8)
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(other, self.tree)}
             show-layer 0 off
             wait-status complete
@@ -395,13 +389,13 @@ class LayersAndWork(FittingTest):
             pause 200
             wait-status complete
             screen {self.result("removed.png")}
-            quit
             """)
         self.assertDriven(run)
         self.assertIn("Click a point", run.labels(FOUND)[0])
         self.assertIn("pipe.pct", run.labels(MESSAGE)[-1])
 
     def test_meshlab_is_closed_while_it_fits(self):
+        # In a MeshLab of its own: it is quit while it fits.
         run = self.own_gui(f"""
             {self.start(self.tree)}
             {self.LONG}
@@ -413,7 +407,7 @@ class LayersAndWork(FittingTest):
 
     def test_the_tool_is_ended_while_it_fits(self):
         """And started again: what ran is forgotten."""
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(self.tree)}
             {self.LONG}
             click-place {FLOOR}
@@ -425,7 +419,6 @@ class LayersAndWork(FittingTest):
             click-place {PIPE}
             wait-label {FOUND} Cylinder
             print-label {FOUND}
-            quit
             """)
         self.assertDriven(run)
         self.assertAlmostEqual(number(run.labels(FOUND)[0]), 0.5, delta=0.001)
@@ -433,7 +426,7 @@ class LayersAndWork(FittingTest):
     def test_detection_is_cancelled_and_not_closed(self):
         """While the filter runs the window stays open, layers stay, and Esc leaves the list and the tree as they were."""
         before = pcmlab("info", self.tree)
-        run = self.own_gui(f"""
+        run = self.gui(f"""
             {self.start(self.tree)}
             trigger Fit Primitives
             trigger Detect Primitives
@@ -444,14 +437,14 @@ class LayersAndWork(FittingTest):
             quit
             pause 300
             escape
-            pause 1000
+            press OK
+            expect-message Cancelled
             press Close
             print-layers
             print-log
             trigger Fit Primitives
             pause 300
             print-table {LIST}
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(run.tables(LIST), [[]])
