@@ -92,19 +92,15 @@ int main(int argc, char** argv)
     app.add_option("--sweep", sweeps, "Tuned values: NAME or NAME=FROM:TO:STEPS; 'list' prints the names");
     CLI11_PARSE(app, argc, argv);
     try {
-        if (sweeps == std::vector<std::string>{"list"}) {
-            draw_sweeps(sweeps, {}, {});
-            return 0;
-        }
+        const std::vector<Sweep> drawn = read_sweeps(sweeps);
+        if (!sweeps.empty() && drawn.empty()) return 0;
         const auto tree = Tree::open(tree_path);
         if (truth_path.empty())
             truth_path = std::filesystem::path(tree->folder()).replace_extension(".truth.json").string();
         const std::vector<True> truth = read_truth(truth_path);
-        if (sweeps.empty())
-            run(tree, truth, options, list);
-        else
-            draw_sweeps(sweeps,
-                        {"found", "false", "true ones in several pieces", "within 3 sigma", "in ground and trees"},
+        if (drawn.empty()) run(tree, truth, options, list);
+        for (const Sweep& sweep : drawn)
+            print_sweep(sweep, {"found", "false", "in several pieces", "within 3 sigma", "in ground and trees"},
                         [&] { return figures(tree, truth, options); });
     } catch (const std::exception& error) {
         std::fprintf(stderr, "bench_detect: %s\n", error.what());

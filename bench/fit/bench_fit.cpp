@@ -161,9 +161,11 @@ try {
         return 0;
     }
     if (!arguments.sweeps.empty()) {
-        const bool lists = arguments.sweeps == std::vector<std::string>{"list"};
-        const auto scenes = verdict_scenes(arguments.first_seed, lists ? 0 : arguments.seeds);
-        draw_sweeps(arguments.sweeps, heads_of_verdicts(), [&] { return cells_of(judge(scenes)); });
+        const std::vector<Sweep> sweeps = read_sweeps(arguments.sweeps);
+        if (sweeps.empty()) return 0;
+        const auto scenes = verdict_scenes(arguments.first_seed, arguments.seeds);
+        for (const Sweep& sweep : sweeps)
+            print_sweep(sweep, heads_of_verdicts(), [&] { return cells_of(judge(scenes)); });
         return 0;
     }
     run(arguments);

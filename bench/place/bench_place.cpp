@@ -41,16 +41,15 @@ int main(int argc, char** argv)
     app.add_flag("--list", list, "Each click");
     CLI11_PARSE(app, argc, argv);
     try {
-        if (trees.empty() && sweeps != std::vector<std::string>{"list"})
-            throw std::invalid_argument("no tree was given");
+        const std::vector<Sweep> drawn = read_sweeps(sweeps);
+        if (!sweeps.empty() && drawn.empty()) return 0;
+        if (trees.empty()) throw std::invalid_argument("no tree was given");
         std::vector<ClickedSite> sites;
         for (const std::string& tree : trees) sites.emplace_back(tree, clicks, seed);
         const std::vector<std::string> heads{"right and good", "right, doubtful", "wrong and good",
                                              "wrong, doubtful or refused", "good on ground and trees"};
-        if (!sweeps.empty()) {
-            draw_sweeps(sweeps, heads, [&] { return figures(sites, false); });
-            return 0;
-        }
+        for (const Sweep& sweep : drawn) print_sweep(sweep, heads, [&] { return figures(sites, false); });
+        if (!drawn.empty()) return 0;
         const std::vector<std::string> cells = figures(sites, list);
         for (std::size_t k = 0; k < heads.size(); ++k) std::printf("%s: %s\n", heads[k].c_str(), cells[k].c_str());
         return 0;

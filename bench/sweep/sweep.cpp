@@ -130,17 +130,16 @@ void print_sweep(const Sweep& sweep, const std::vector<std::string>& heads,
     std::printf("\n");
 }
 
-void draw_sweeps(const std::vector<std::string>& texts, const std::vector<std::string>& heads,
-                 const std::function<std::vector<std::string>()>& figures)
+std::vector<Sweep> read_sweeps(const std::vector<std::string>& texts)
 {
+    std::vector<Sweep> sweeps;
     if (texts == std::vector<std::string>{"list"}) {
         for (const TunedValue& tuned : tuned_values())
             std::printf("%s = %s\n", tuned.name(), text_of_value(tuned.get()).c_str());
-        return;
+        return sweeps;
     }
-    std::vector<Sweep> sweeps;
     for (const std::string& text : texts) sweeps.push_back(read_sweep(text));
-    for (const Sweep& sweep : sweeps) print_sweep(sweep, heads, figures);
+    return sweeps;
 }
 
 }  // namespace pcm::bench

@@ -29,8 +29,7 @@ void print_sweep(const Sweep& sweep, const std::vector<std::string>& heads,
 // "0.42": as few digits as the value needs.
 std::string text_of_value(double value);
 
-// Draws each of `texts` (see read_sweep); "list" prints the names alone.
-void draw_sweeps(const std::vector<std::string>& texts, const std::vector<std::string>& heads,
-                 const std::function<std::vector<std::string>()>& figures);
+// Each of `texts`, see read_sweep(). "list" alone prints the names, and gives none.
+std::vector<Sweep> read_sweeps(const std::vector<std::string>& texts);
 
 }  // namespace pcm::bench
