@@ -23,7 +23,7 @@ struct ThresholdTuning {
     // Chosen: not swept.
     double unknown_noise = 0.01;  // share of the points' extent
     // Least squares looks up to here where the threshold is within the noise, but not farther than max_polish_widening.
-    // Chosen: bench_fit, surface error relative to the oracle's (bench/results/fitting/findings.md); not swept.
+    // Chosen: not swept.
     double polish_noises = 4.5;  // standard deviations
     // Chosen: with polish_noises; not swept.
     double max_polish_widening = 2;  // thresholds
@@ -37,7 +37,7 @@ struct ConsensusTuning {
     // Chosen: not swept.
     double max_chance = 0.42;  // share of the points within the threshold
     // Below these, chance points need not be separated from the surface's own.
-    // Chosen: bench_fit, surface error relative to the oracle's (bench/results/fitting/findings.md); not swept.
+    // Chosen: not swept.
     double harmless_chance = 0.06;  // share of the points within the threshold
     // Chosen: with harmless_chance; not swept.
     double harmless_influence = 8;  // largest weight of a point, relative to the mean
@@ -120,8 +120,7 @@ struct MixtureTuning {
 // The number of false alarms of a shape in points that lie anywhere.
 struct ChanceTestTuning {
     // Shapes differ where a parameter differs by about the threshold: (1 / share)^(tests_per_parameter * parameters).
-    // Chosen: numbers of tests that were counted in points that lie anywhere (tests/fit/chance_test_test.cpp); not
-    // swept.
+    // Chosen: with the numbers of HalvingTuning; not swept.
     double tests_per_parameter = 0.8;  // exponent
     // A larger share counts as this one.
     // Chosen: not swept.
