@@ -13,10 +13,10 @@ DetectTuning detect_values;
 
 const DetectTuning& detect_tuning() { return detect_values; }
 
+// A value without a row does not compile.
 std::vector<TunedValue> detect_tuned_values()
 {
     DetectTuning& detect = detect_values;
-    // A value without a row does not compile.
     const std::array<TunedValue, sizeof(DetectTuning) / sizeof(double)> all{{
         PCM_TUNED(detect.survey.lower_quantile),    PCM_TUNED(detect.survey.upper_quantile),
         PCM_TUNED(detect.survey.lower_factor),      PCM_TUNED(detect.survey.upper_factor),

@@ -13,10 +13,10 @@ FitTuning fit_values;
 
 const FitTuning& fit_tuning() { return fit_values; }
 
+// A value without a row does not compile.
 std::vector<TunedValue> fit_tuned_values()
 {
     FitTuning& fit = fit_values;
-    // A value without a row does not compile.
     const std::array<TunedValue, sizeof(FitTuning) / sizeof(double)> all{{
         PCM_TUNED(fit.thresholds.inlier_noises),
         PCM_TUNED(fit.thresholds.residual_cut),

@@ -13,10 +13,10 @@ PlaceTuning place_values;
 
 const PlaceTuning& place_tuning() { return place_values; }
 
+// A value without a row does not compile.
 std::vector<TunedValue> place_tuned_values()
 {
     PlaceTuning& place = place_values;
-    // A value without a row does not compile.
     const std::array<TunedValue, sizeof(PlaceTuning) / sizeof(double)> all{{
         PCM_TUNED(place.neighbourhood.first_points),
         PCM_TUNED(place.neighbourhood.closer_points),
