@@ -1,5 +1,6 @@
 // Composition of a picture into the host's framebuffer: depth, multisampling, eye-dome lighting.
 #include "tests/gl/gl_support.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -248,7 +249,8 @@ TEST(Compositor, EyeDomeLightingShowsSteps)
 
 // A wall stays as it is, seen face-on or at a grazing angle, near or far, in either projection, moving or at rest: its
 // slope is no relief, and neither are the splats that it is drawn with.
-TEST(Compositor, EyeDomeLightingLeavesPlanesAsTheyAre)
+// Not under the address sanitizer: much drawing in software.
+TEST(Compositor, PCM_NOT_UNDER_ADDRESS(EyeDomeLightingLeavesPlanesAsTheyAre))
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;

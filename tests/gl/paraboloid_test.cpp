@@ -1,5 +1,6 @@
 // Adaptive splats of resting views: paraboloids, against their formula.
 #include "tests/gl/splat_formulas.h"
+#include "tests/sanitizers.h"
 
 #include <random>
 #include <utility>
@@ -46,7 +47,8 @@ std::size_t count_covered(const Drawn& picture)
 
 }  // namespace
 
-TEST(Paraboloid, AgreesWithItsFormula)
+// Not under the address sanitizer: much drawing in software.
+TEST(Paraboloid, PCM_NOT_UNDER_ADDRESS(AgreesWithItsFormula))
 {
     for (const Profile profile : {Profile::core, Profile::compatibility}) {
         PCM_REQUIRE_GL(context, profile);

@@ -121,7 +121,8 @@ TEST(UnitSearch, ListsOfAllLengths)
                  unbounded, 7);
 }
 
-TEST(UnitSearch, PCM_NOT_UNDER_THREAD(ManyPoints))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST(UnitSearch, PCM_NOT_UNDER_SANITIZERS(ManyPoints))
 {
     expect_exact(narrow(200000, InBox(100000, 100000, 300)), {16, 40}, unbounded, 2003);
     expect_exact(narrow(100000, InBox(1 << 30, 1 << 30, 1 << 30)), {16}, unbounded, 2003);
@@ -143,7 +144,8 @@ TEST(UnitSearch, PCM_NOT_UNDER_THREAD(LinesAndPlanes))
     expect_exact(narrow(1000, InBox(20, 20, 0)));
 }
 
-TEST(UnitSearch, PCM_NOT_UNDER_THREAD(MapExtents))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST(UnitSearch, PCM_NOT_UNDER_SANITIZERS(MapExtents))
 {
     // All of the 32 bits: differences need 33.
     expect_exact(narrow(1500, InBox(2147483647, 2147483647, 2147483647)));
@@ -153,7 +155,8 @@ TEST(UnitSearch, PCM_NOT_UNDER_THREAD(MapExtents))
     }));
 }
 
-TEST(UnitSearch, PCM_NOT_UNDER_THREAD(WidePositions))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST(UnitSearch, PCM_NOT_UNDER_SANITIZERS(WidePositions))
 {
     expect_exact(wide(1500, InBox(1ll << 61, 1ll << 61, 1ll << 61)));
     expect_exact(wide(1500, InBox(1ll << 45, 1ll << 40, 1ll << 20), {1e-6, 1e-6, 1e-6}));
