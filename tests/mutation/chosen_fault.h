@@ -9,8 +9,8 @@
 
 namespace pcm_faults {
 
-// Where PCM_FAULTS_REACHED names a file, the byte of each fault whose code is executed becomes 1, in this process or in one that
-// it starts.
+// Where PCM_FAULTS_REACHED names a file, the byte of each fault whose code is executed becomes 1, in this process or in
+// one that it starts.
 struct Chosen {
     static constexpr int room = 1 << 16;
     int fault = -1;
@@ -20,7 +20,8 @@ struct Chosen {
     {
         if (const char* number = std::getenv("PCM_FAULT")) fault = std::atoi(number);
         if (const char* path = std::getenv("PCM_FAULTS_REACHED")) {
-            void* const bytes = ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_SHARED, ::open(path, O_RDWR | O_CLOEXEC), 0);
+            void* const bytes =
+                ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_SHARED, ::open(path, O_RDWR | O_CLOEXEC), 0);
             if (bytes != MAP_FAILED) reached = static_cast<unsigned char*>(bytes);
         }
     }
