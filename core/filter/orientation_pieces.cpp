@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <utility>
 
 namespace pcm {
@@ -113,6 +114,16 @@ bool SidedSets::join(std::uint32_t a, std::uint32_t b, int side)
     size_[x.set] += size_[y.set];
     side_[y.set] = static_cast<std::int8_t>(x.side * y.side * side);
     return true;
+}
+
+void join_by_votes(SidedSets& sets, std::vector<SideVote> votes)
+{
+    std::sort(votes.begin(), votes.end(), [](const SideVote& x, const SideVote& y) {
+        const std::int64_t clear = std::abs(x.sum), as_clear = std::abs(y.sum);
+        if (clear != as_clear) return clear > as_clear;
+        return x.a != y.a ? x.a < y.a : x.b < y.b;
+    });
+    for (const SideVote& vote : votes) sets.join(vote.a, vote.b, vote.sum < 0 ? -1 : 1);
 }
 
 void PieceSums::add(const Vec3d& p, const Vec3d& n)

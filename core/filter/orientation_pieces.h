@@ -30,6 +30,17 @@ private:
     std::vector<std::int8_t> side_;  // relative to the parent
 };
 
+// Whether two sets agree: positive where neighbours in them point to one side, negative where they point to opposite
+// sides.
+struct SideVote {
+    std::uint32_t a, b;  // numbers of the sets, a < b
+    std::int64_t sum;    // sum of cosines, in thousandths
+};
+
+// Joins sets along a spanning tree that prefers clear votes, of either sign; among equally clear ones those of the
+// lower numbers. The order of the votes makes no difference where each pair has one.
+void join_by_votes(SidedSets& sets, std::vector<SideVote> votes);
+
 // What decides the side of a whole piece: sums over its points, whose positions p are relative to one origin.
 struct PieceSums {
     double count = 0, squares = 0, flux = 0;  // 1, p . p, n . p

@@ -10,6 +10,7 @@
 #include <atomic>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace pcm {
 namespace {
@@ -227,13 +228,8 @@ std::vector<bool> OrientationPropagation::decide(std::vector<Vote> votes) const
         const auto [a, b] = std::minmax(rank[vote.a], rank[vote.b]);
         vote = {a, b, vote.sum};
     }
-    std::sort(votes.begin(), votes.end(), [](const Vote& x, const Vote& y) {
-        const std::int64_t clear = std::abs(x.sum), as_clear = std::abs(y.sum);
-        if (clear != as_clear) return clear > as_clear;
-        return x.a != y.a ? x.a < y.a : x.b < y.b;
-    });
     SidedSets sets(pieces_.size());
-    for (const Vote& vote : votes) sets.join(vote.a, vote.b, vote.sum < 0 ? -1 : 1);
+    join_by_votes(sets, std::move(votes));
     std::vector<PieceSums> sums(pieces_.size());
     for (std::uint32_t r = 0; r < order.size(); ++r) {
         const SidedSets::Found found = sets.find(r);

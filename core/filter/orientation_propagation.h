@@ -60,10 +60,7 @@ private:
         PieceSums sums;
         Place first;  // place of its first point: makes the order of pieces independent of the threads
     };
-    struct Vote {
-        std::uint32_t a, b;  // pieces, a < b
-        std::int64_t sum;    // sum of cosines, in thousandths
-    };
+    using Vote = SideVote;
     class Voter;
 
     UnitPieces join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,

@@ -3,10 +3,13 @@
 #include "pcm/filter/neighbour_attributes.h"
 #include "tests/filter/oracle.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 #include <set>
+#include <tuple>
 #include <vector>
 
 namespace {
@@ -86,6 +89,44 @@ TEST(SidedSets, KeepTheSidesOfASimpleModel)
             ASSERT_EQ(x.set == y.set, set[i] == set[j]);
             if (set[i] == set[j]) ASSERT_EQ(x.side * y.side, side[i] * side[j]);
         }
+    }
+}
+
+// Against a search that takes the clearest vote left between two sets, again and again.
+TEST(SidedSets, AreJoinedByTheClearestVotesOfEitherSign)
+{
+    std::mt19937_64 random(3);
+    for (int round = 0; round < 200; ++round) {
+        const auto count = static_cast<std::uint32_t>(2 + random() % 8);
+        std::vector<SideVote> votes;
+        for (std::uint32_t a = 0; a < count; ++a)
+            for (std::uint32_t b = a + 1; b < count; ++b)
+                if (random() % 3) votes.push_back({a, b, static_cast<std::int64_t>(random() % 21) - 10});
+        std::shuffle(votes.begin(), votes.end(), random);
+        std::vector<std::uint32_t> set(count);
+        std::vector<int> side(count, 1);
+        for (std::uint32_t i = 0; i < count; ++i) set[i] = i;
+        for (;;) {
+            const SideVote* best = nullptr;
+            for (const SideVote& vote : votes) {
+                if (set[vote.a] == set[vote.b]) continue;
+                const auto key = [](const SideVote& v) { return std::tuple(-std::llabs(v.sum), v.a, v.b); };
+                if (!best || key(vote) < key(*best)) best = &vote;
+            }
+            if (!best) break;
+            const int turned = side[best->a] * side[best->b] * (best->sum < 0 ? -1 : 1);
+            const std::uint32_t from = set[best->b], to = set[best->a];
+            for (std::uint32_t i = 0; i < count; ++i)
+                if (set[i] == from) set[i] = to, side[i] *= turned;
+        }
+        SidedSets sets(count);
+        join_by_votes(sets, votes);
+        for (std::uint32_t i = 0; i < count; ++i)
+            for (std::uint32_t j = 0; j < i; ++j) {
+                const auto x = sets.find(i), y = sets.find(j);
+                ASSERT_EQ(x.set == y.set, set[i] == set[j]);
+                if (set[i] == set[j]) ASSERT_EQ(x.side * y.side, side[i] * side[j]);
+            }
     }
 }
 

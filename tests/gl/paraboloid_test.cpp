@@ -62,8 +62,7 @@ TEST(Paraboloid, PCM_NOT_UNDER_ADDRESS(AgreesWithItsFormula))
                     SCOPED_TRACE(testing::Message() << "size " << size << (parallel ? ", parallel" : ", perspective")
                                                     << (reversed ? ", reversed" : ""));
                     const auto truth = picture_of(view, paraboloids(view, scene.discs(view)), 0.02);
-                    // Places are rounded to 1/256 of a pixel, of which there are 12 to 16 in a unit.
-                    expect_same(at_rest(scene, view, reversed), truth, view, reversed, size < 1 ? 300 : 500, 4e-5);
+                    expect_same(at_rest(scene, view, reversed), truth, view, reversed, size < 1 ? 300 : 500);
                 }
         }
     }

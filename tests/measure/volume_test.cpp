@@ -149,7 +149,7 @@ TEST(GapFilling, CellsBesideTheKnownOnesAreExtrapolatedAndLessCertain)
     EXPECT_NEAR(gap_uncertainty(filled, one, columns), std::hypot(sum, common), 1e-9 * sum);
 }
 
-// Of four known cells in a row too few can be hidden to learn from. Their heights have no mean and no slope: they are
+// Four known cells in a row: too few can be hidden to learn from. Their heights have no mean and no slope: they are
 // the differences from the plane.
 TEST(GapFilling, WhereTooFewCellsCanBeHiddenTheErrorIsTheSpreadOfTheKnownOnes)
 {

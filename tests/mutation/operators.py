@@ -36,7 +36,7 @@ def faults_of(line):
         faults.append((f"{line[begin:end].strip()} -> {new.strip() or 'nothing'}", line[:begin] + new + line[end:]))
 
     for old, new in SWAPS:
-        for match in re.finditer(re.escape(old), code):
+        for match in re.finditer(re.escape(old), code) if old in code else ():
             begin, end = match.span()
             part_of_a_word = (WORD.match(old[0]) and begin and WORD.match(code[begin - 1])) or \
                 (WORD.match(old[-1]) and end < len(code) and WORD.match(code[end]))

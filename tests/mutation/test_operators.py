@@ -1,8 +1,6 @@
 """The faults that are made, and the choice of tests for them."""
 
 import pathlib
-import subprocess
-import tempfile
 import unittest
 
 import mutate
@@ -51,57 +49,11 @@ class Faults(unittest.TestCase):
         self.assertEqual(chosen, mutate.choose(faults, 100, 1))
         self.assertNotEqual(chosen, mutate.choose(faults, 100, 2))
 
-    def test_tests_of_a_room_come_first(self):
-        rooms = {"system": [], "io": ["system"], "io/las": ["io"], "tree": ["system"], "convert": ["tree", "io"]}
-        programs = ["test_convert", "test_io", "test_system", "test_tree"]
-        self.assertEqual(mutate.tests_for("core/io/las/las_reader.cpp", rooms, programs), (["test_io"], []))
-        self.assertEqual(mutate.tests_for("core/io/reader.cpp", rooms, programs), (["test_io"], ["test_convert"]))
-        self.assertEqual(mutate.tests_for("core/system/file.cpp", rooms, programs),
-                         (["test_system"], ["test_convert", "test_io", "test_tree"]))
-
-    def test_the_fault_is_in_its_line_and_subscripts_are_checked(self):
-        text = mutate.with_fault("#include <array>\nstd::array<int, 2> a;\nint main(int n, char**) { return a[n]; }\n", 2,
-                                 "int main(int n, char**) { return a[n + 1]; }")
-        with tempfile.TemporaryDirectory() as folder:
-            program = pathlib.Path(folder) / "a"
-            source = program.with_suffix(".cpp")
-            source.write_text(text)
-            subprocess.run(["c++", "-o", program, source], check=True)
-            self.assertLess(subprocess.run([program], capture_output=True).returncode, 0)
-            source.write_text(mutate.with_fault("a\nb\nc", 1, "wrong"))
-            failed = subprocess.run(["c++", "-fsyntax-only", source], capture_output=True, text=True)
-            self.assertIn("a.cpp:1:1", failed.stderr)
-
-    def test_tests_near_the_file_come_first(self):
-        with tempfile.TemporaryDirectory() as folder:
-            tests = pathlib.Path(folder)
-            (tests / "deep").mkdir()
-            (tests / "a_test.cpp").write_text('#include "pcm/io/b.h"\nTEST(One, X)\n{\n}\nTEST_F(Two, X)\nTEST_P(Two, Y)\n')
-            (tests / "deep" / "c_test.cpp").write_text("TYPED_TEST(Three, X)\n")
-            self.assertEqual(mutate.suites_near("core/io/b.cpp", tests), "One.*:*/One.*:One/*:Two.*:*/Two.*:Two/*")
-            self.assertEqual(mutate.suites_near("core/io/b.h", tests), mutate.suites_near("core/io/b.cpp", tests))
-            self.assertEqual(mutate.suites_near("core/io/deep/c.cpp", tests), "Three.*:*/Three.*:Three/*")
-            self.assertEqual(mutate.suites_near("core/io/d.cpp", tests), "")
-
-    def test_the_first_test_that_fails_is_named(self):
-        with tempfile.TemporaryDirectory() as folder:
-            copy = mutate.Copy.__new__(mutate.Copy)
-            copy.build = pathlib.Path(folder)
-            (copy.build / "bin").mkdir()
-            program = copy.build / "bin" / "test_a"
-
-            def run(script, limit=30, **filters):
-                program.write_text("#!/bin/sh\n" + script)
-                program.chmod(0o755)
-                return copy.run("test_a", limit, **filters)
-            self.assertIsNone(run('test "$1" = "--gtest_filter=-*KilledAtAnyCall*:*Kill*"'))
-            self.assertIsNone(run('test "$1" = "--gtest_filter=A.*-*KilledAtAnyCall*:*Kill*"', only="A.*"))
-            self.assertIsNone(run('test "$1" = "--gtest_filter=-*KilledAtAnyCall*:*Kill*:A.*"', less="A.*"))
-            begun = "echo '[ RUN      ] A.x'\necho '[       OK ] A.x'\necho '[ RUN      ] A.y'\n"
-            self.assertEqual(run(begun + "exit 1"), "test_a A.y")
-            self.assertEqual(run(begun + "kill -SEGV $$"), "test_a A.y")
-            self.assertEqual(run(begun + "sleep 30", limit=1), "test_a A.y")
-            self.assertEqual(run("exit 1"), "test_a")
+    def test_files_and_lines_are_named(self):
+        faults = [("core/io/a.cpp", 1, "", ""), ("core/io/a.cpp", 11, "", ""), ("core/io/b.h", 1, "", "")]
+        self.assertEqual(mutate.named(faults, ["io/a.cpp:2"]), faults[:1])
+        self.assertEqual(mutate.named(faults, ["core/io/a.cpp", "io/c"]), faults[:2])
+        self.assertEqual(mutate.named(faults, ["io"]), faults)
 
 
 if __name__ == "__main__":

@@ -210,6 +210,34 @@ TEST(Refit, ErrorsOfNeighboursThatAgreeAreLarger)
     EXPECT_EQ(fitted.box, tree->info().bounds());
 }
 
+// Where the first of several steps of least squares ends, the sums of the second begin.
+TEST(Refit, FromAStartAsideAndFromTheTrueShapeOneResult)
+{
+    Dice dice(6);
+    pcm::Shape ball;
+    ball.kind = ShapeKind::sphere;
+    ball.point = map;
+    ball.radius = 0.7;
+    for (const Shape& shape : {pipe_shape(), ball}) {
+        TemporaryFolder folder;
+        std::vector<SurfacePoint> points;
+        for (int i = 0; i < 3000; ++i) points.push_back(point_on(shape, 2, 2 * pi, sigma, dice));
+        const PointSet all = PointSet::all_of(build_surface_tree(folder.path(), points));
+        RefitOptions options;
+        options.threshold = 0.1;
+        const RefittedShape expected = refit_shape(all, shape, options);
+        Shape aside = shape;
+        aside.radius *= 1.15;
+        aside.point = shape.point + 0.08 * across(shape.axis)[0];
+        aside.axis = normalised(shape.axis + 0.05 * across(shape.axis)[1]);
+        const RefittedShape found = refit_shape(all, aside, options);
+        EXPECT_LT(change_in_errors(expected.fit.shape, found.fit.shape, expected.fit.errors, expected.box.centre()),
+                  0.02);
+        EXPECT_NEAR(found.fit.rms, expected.fit.rms, 1e-4 * expected.fit.rms);
+        EXPECT_NEAR(found.fit.errors.radius, expected.fit.errors.radius, 0.01 * expected.fit.errors.radius);
+    }
+}
+
 TEST(Refit, ChangesAreMeasuredInErrors)
 {
     Shape from = pipe_shape(), to = from;

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -98,6 +100,40 @@ TEST_F(TreeChangesTest, PartsAreThoseOfTheChunkAsItWasLastWritten)
     changes.commit();
     expect_all();
     EXPECT_EQ(Tree::open(path_)->read_chunk(0, all).attributes[0]->value(0), 8);
+    EXPECT_TRUE(verify_tree(path_, 1).faults.empty());
+}
+
+// Random changes and commits against a value for each node.
+TEST_F(TreeChangesTest, ManyCommitsFollowEachOther)
+{
+    std::mt19937_64 random(5);
+    TreeChanges changes(path_);
+    const ColumnSet all = ColumnSet::all(changes.tree()->info().schema);
+    const std::uint64_t generation = changes.tree()->info().generation;
+    std::vector<std::optional<std::uint16_t>> expected(changes.tree()->nodes().size());
+    const auto expect_values = [&](const std::function<Chunk(NodeId)>& read) {
+        for (NodeId node = 0; node < expected.size(); ++node) {
+            if (!expected[node]) continue;
+            const Chunk chunk = read(node);
+            EXPECT_EQ(chunk.attributes[0]->value(0), *expected[node]) << node;
+            EXPECT_EQ(chunk.attributes[0]->value(chunk.points - 1), *expected[node]) << node;
+        }
+    };
+    for (unsigned round = 1; round <= 5; ++round) {
+        for (NodeId node = 0; node < expected.size(); ++node) {
+            if (changes.tree()->node(node).points == 0 || (node > 0 && random() % 3)) continue;
+            expected[node] = static_cast<std::uint16_t>(random());
+            changes.write(node, with_intensity(changes.read(node, all), *expected[node]), all);
+        }
+        expect_values([&](NodeId node) { return changes.read(node, all); });
+        changes.commit();
+        EXPECT_EQ(changes.tree()->info().generation, generation + round);
+        expect_values([&](NodeId node) { return changes.read(node, all); });
+        const auto tree = Tree::open(path_);
+        EXPECT_EQ(tree->info().generation, generation + round);
+        EXPECT_EQ(tree->info().content_hash, changes.tree()->info().content_hash);
+        expect_values([&](NodeId node) { return tree->read_chunk(node, all); });
+    }
     EXPECT_TRUE(verify_tree(path_, 1).faults.empty());
 }
 
