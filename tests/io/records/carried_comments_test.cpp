@@ -15,7 +15,7 @@ namespace {
 using namespace pcm;
 
 // Printable characters of ASCII, of which many have to be encoded.
-std::string text(std::mt19937_64& random, std::size_t most)
+std::string random_text(std::mt19937_64& random, std::size_t most)
 {
     std::string text;
     for (std::size_t n = random() % (most + 1); n > 0; --n) text += static_cast<char>(' ' + random() % 95);
@@ -30,12 +30,14 @@ TEST(CarriedComments, RandomOnesComeBack)
         for (std::size_t n = random() % 4; n > 0; --n) {
             CarriedAttribute attribute;
             attribute.field = "f" + std::to_string(n);
-            attribute.attribute.name = "a" + text(random, 20) + "z";
+            attribute.attribute.name = "a" + random_text(random, 20) + "z";
             attribute.attribute.type = static_cast<ScalarType>(static_cast<int>(ScalarType::i8) + random() % 10);
             attribute.attribute.components = static_cast<std::uint32_t>(1 + random() % 5);
             attribute.attribute.scale = static_cast<double>(random() % 1000) / 7;
             attribute.attribute.offset = static_cast<double>(random()) - 0x1p63;
-            attribute.attribute.description = random() % 3 ? "b" + text(random, 30) + "y" : random() % 2 ? "-" : "";
+            attribute.attribute.description = random() % 3   ? "b" + random_text(random, 30) + "y"
+                                              : random() % 2 ? "-"
+                                                             : "";
             attribute.step = random() % 2 ? static_cast<unsigned>(random() % 300) : 0;
             carried.attributes.push_back(attribute);
         }
