@@ -113,6 +113,22 @@ uint self;  // its number in the piece
 STEPS at[3];
 float limit;  // squared distances from here on are not among the nearest; a little large
 
+// From this invocation's point. Vectors are made whole: NVIDIA's compiler cannot link a program that assigns to a component of a dvec3 by
+// an index that is not constant.
+vec3 offset(uint point)
+{
+    uint p = 3u * point;
+    return vec3(steps(positions[p], at[0]), steps(positions[p + 1u], at[1]), steps(positions[p + 2u], at[2])) * scale;
+}
+
+#ifdef NORMALS
+dvec3 exact_offset(uint point)
+{
+    uint p = 3u * point;
+    return dvec3(exact_steps(positions[p], at[0]), exact_steps(positions[p + 1u], at[1]), exact_steps(positions[p + 2u], at[2])) * exact_scale;
+}
+#endif
+
 void take(KEY key, float value)
 {
     uint i = 0u;
@@ -151,8 +167,7 @@ void set_limit()
 void compare(uint point, float square)
 {
 #ifdef NORMALS
-    dvec3 d;
-    for (int a = 0; a < 3; ++a) d[a] = exact_steps(positions[3u * point + a], at[a]) * exact_scale[a];
+    dvec3 d = exact_offset(point);
     precise double key = d.x * d.x + d.y * d.y;
     key += d.z * d.z;
     if (key >= keys[query]) return;
@@ -167,9 +182,9 @@ void compare(uint point, float square)
 
 bool is_near(uint box)
 {
-    vec3 d;
-    for (int a = 0; a < 3; ++a)
-        d[a] = max(max(steps(boxes[box].low[a], at[a]), steps(at[a], boxes[box].high[a])), 0.0) * scale[a];
+    vec3 below = vec3(steps(boxes[box].low[0], at[0]), steps(boxes[box].low[1], at[1]), steps(boxes[box].low[2], at[2]));
+    vec3 above = vec3(steps(at[0], boxes[box].high[0]), steps(at[1], boxes[box].high[1]), steps(at[2], boxes[box].high[2]));
+    vec3 d = max(max(below, above), vec3(0.0)) * scale;
     return dot(d, d) * 0.999998 < limit;
 }
 
@@ -177,8 +192,7 @@ void search(uint box)
 {
     uint end = boxes[box].end;
     for (uint point = boxes[box].first; point < end; ++point) {
-        vec3 d;
-        for (int a = 0; a < 3; ++a) d[a] = steps(positions[3u * point + a], at[a]) * scale[a];
+        vec3 d = offset(point);
         float square = dot(d, d);
         if (square < limit && point != self) compare(point, square);
     }

@@ -90,20 +90,15 @@ void main()
 #elif defined(PARABOLOID)
 
 flat in vec3 depth_radius_side;
-#if defined(QUADS)
-in vec2 place_in_square;
-#endif
+flat in vec2 centre;
 uniform vec2 depth_of;
 
 // Schuetz and Wimmer 2015: the depth of a paraboloid that opens away from the eye. Splats of less than three pixels fill their squares, or
-// they would lose pixels.
+// they would lose pixels. The place in the square is found here: for gl_PointCoord drivers round the square's place (to 1/256 of a pixel) and
+// its side (NVIDIA's: down to 1/32).
 void main()
 {
-#if defined(QUADS)
-    vec2 place = place_in_square;
-#else
-    vec2 place = 2.0 * gl_PointCoord - 1.0;
-#endif
+    vec2 place = (gl_FragCoord.xy - centre) * (2.0 / depth_radius_side.z);
     float q = dot(place, place);
     if (q > 1.0 && depth_radius_side.z > 3.0) discard;
     float depth = depth_radius_side.x + 0.5 * depth_radius_side.y * q;

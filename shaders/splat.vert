@@ -127,6 +127,11 @@ void main()
     }
     vec3 eye = to_eye * (position - reference) + translation;
     gl_Position = projection * vec4(eye, 1.0);
+    // OpenGL draws nothing of a point whose centre is not in view. NVIDIA's driver draws the part that is.
+    if (any(greaterThan(abs(gl_Position.xy), vec2(gl_Position.w)))) {
+        draw_nothing();
+        return;
+    }
     gl_PointSize = max(point_size, min(least_pixels, least_radius * eye_scale * pixels / gl_Position.w));
     splat_colour = shown_colour();
 }
@@ -161,9 +166,9 @@ void tangents(vec3 n, out vec3 t1, out vec3 t2)
 uniform float pixels;  // side of a square for a radius of 1 at a depth of 1 (orthographic: anywhere)
 #if defined(PARABOLOID)
 flat out vec3 depth_radius_side;  // eye units, eye units, pixels
-#if defined(QUADS)
-out vec2 place_in_square;  // -1 .. 1
-#endif
+flat out vec2 centre;             // pixels
+uniform vec2 focal;               // pixels: window = principal + focal * eye.xy / depth; orthographic: without the division
+uniform vec2 principal;
 #else
 flat out float splat_side;  // pixels
 #endif
@@ -183,6 +188,11 @@ void main()
     splat_colour = shown_colour();
 #if defined(PARABOLOID)
     depth_radius_side = vec3(-eye.z, eye_scale * side / unit, side);
+#if defined(ORTHOGRAPHIC)
+    centre = principal + focal * eye.xy;
+#else
+    centre = principal + focal * (eye.xy / -eye.z);
+#endif
 #else
     splat_side = side;
 #endif
@@ -191,11 +201,8 @@ void main()
         return;
     }
 #if defined(QUADS)
-    vec2 centre = place.xy / place.w;
-#if defined(PARABOLOID)
-    place_in_square = corner(vec2(-1.0), vec2(1.0));
-#endif
-    gl_Position = vec4(corner(centre - side / viewport, centre + side / viewport), place.z / place.w, 1.0);
+    vec2 middle = place.xy / place.w;
+    gl_Position = vec4(corner(middle - side / viewport, middle + side / viewport), place.z / place.w, 1.0);
 #else
     gl_Position = vec4(place.xy * guard, place.zw);
     gl_PointSize = side;

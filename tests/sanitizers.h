@@ -20,5 +20,16 @@
 #define PCM_NOT_UNDER_SANITIZERS(name) name
 #endif
 
+// A number of tries: the second one under a sanitizer, which makes each of them many times slower.
+template <typename T>
+constexpr T tries([[maybe_unused]] T many, [[maybe_unused]] T under_sanitizers)
+{
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+    return under_sanitizers;
+#else
+    return many;
+#endif
+}
+
 // TYPED_TEST with such a name: its own macro would not see what stands for the name.
 #define PCM_TYPED_TEST(suite, name) TYPED_TEST(suite, name)

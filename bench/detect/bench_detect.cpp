@@ -7,6 +7,7 @@
 #include "pcm/detect/detect.h"
 
 #include "bench/detect/truth.h"
+#include "bench/sweep/sweep.h"
 #include "pcm/detect/point_labels.h"
 #include "pcm/system/peak_memory.h"
 #include "pcm/tree/tree.h"
@@ -16,6 +17,7 @@
 #include <cstdio>
 #include <ctime>
 #include <filesystem>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -40,15 +42,46 @@ Pairs count_pairs(const Tree& tree, const DetectReport& found)
     return pairs;
 }
 
+// A row of a sweep.
+std::vector<std::string> figures(const std::shared_ptr<const Tree>& tree, const std::vector<True>& truth,
+                                 const DetectOptions& options)
+{
+    const DetectReport report = detect_primitives(tree, options);
+    const Score score = compare(truth, report.primitives, count_pairs(*tree, report), options.least_points, false);
+    int wanted = 0, recalled = 0, found = 0, wrong = 0;
+    for (const auto& [kind, count] : score.wanted) wanted += count;
+    for (const auto& [kind, count] : score.recalled) recalled += count;
+    for (const auto& [kind, count] : score.found) found += count;
+    for (const auto& [kind, count] : score.wrong) wrong += count;
+    const auto part = [](int some, int all) { return std::to_string(some) + " of " + std::to_string(all); };
+    return {part(recalled, wanted), part(wrong, found), std::to_string(score.split), part(score.within, score.good),
+            std::to_string(score.clutter) + ", good " + std::to_string(score.good_clutter)};
+}
+
+void run(const std::shared_ptr<const Tree>& tree, const std::vector<True>& truth, const DetectOptions& options,
+         bool list)
+{
+    const std::clock_t start = std::clock();
+    const DetectReport report = detect_primitives(tree, options);
+    const double processor = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+    Score score = compare(truth, report.primitives, count_pairs(*tree, report), options.least_points, list);
+    print(score);
+    for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
+    std::printf("%llu points, threshold %.2f mm, sample %.1f mm, %.1f s (processor time %.1f s), peak memory %.0f MB\n",
+                static_cast<unsigned long long>(tree->info().points), report.threshold * 1e3, report.sample * 1e3,
+                report.outcome.seconds, processor, static_cast<double>(peak_memory_bytes()) / 1e6);
+}
+
 }  // namespace
 
 int main(int argc, char** argv)
 {
     CLI::App app("Detection of primitives against the exact truth of a generated site");
     std::string tree_path, truth_path;
+    std::vector<std::string> sweeps;
     DetectOptions options;
     bool list = false;
-    app.add_option("tree", tree_path, "Tree of a generated site")->required();
+    app.add_option("tree", tree_path, "Tree of a generated site");
     app.add_option("--truth", truth_path, "Its .truth.json (default: next to the tree)");
     app.add_option("--threshold", options.threshold);
     app.add_option("--min-points", options.least_points);
@@ -56,22 +89,19 @@ int main(int argc, char** argv)
     app.add_option("-t,--threads", options.threads);
     app.add_option("-m,--memory", options.memory_bytes)->transform(CLI::AsSizeValue(false));
     app.add_flag("--list", list, "Each primitive");
+    app.add_option("--sweep", sweeps, "Tuned values: NAME or NAME=FROM:TO:STEPS; 'list' prints the names");
     CLI11_PARSE(app, argc, argv);
     try {
+        const std::vector<Sweep> drawn = read_sweeps(sweeps);
+        if (!sweeps.empty() && drawn.empty()) return 0;
         const auto tree = Tree::open(tree_path);
         if (truth_path.empty())
             truth_path = std::filesystem::path(tree->folder()).replace_extension(".truth.json").string();
         const std::vector<True> truth = read_truth(truth_path);
-        const std::clock_t start = std::clock();
-        const DetectReport report = detect_primitives(tree, options);
-        const double processor = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-        Score score = compare(truth, report.primitives, count_pairs(*tree, report), options.least_points, list);
-        print(score);
-        for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-        std::printf(
-            "%llu points, threshold %.2f mm, sample %.1f mm, %.1f s (processor time %.1f s), peak memory %.0f MB\n",
-            static_cast<unsigned long long>(tree->info().points), report.threshold * 1e3, report.sample * 1e3,
-            report.outcome.seconds, processor, static_cast<double>(peak_memory_bytes()) / 1e6);
+        if (drawn.empty()) run(tree, truth, options, list);
+        for (const Sweep& sweep : drawn)
+            print_sweep(sweep, {"found", "false", "in several pieces", "within 3 sigma", "in ground and trees"},
+                        [&] { return figures(tree, truth, options); });
     } catch (const std::exception& error) {
         std::fprintf(stderr, "bench_detect: %s\n", error.what());
         return 1;

@@ -1,6 +1,8 @@
 // Fits of one shape by our estimators, PCL's and CGAL's, in turns, with exact truth: a line of JSON for each fit.
 // bench/fit/run.py runs it over scenes and reports.
 #include "bench/fit/methods.h"
+#include "bench/fit/verdict_scenes.h"
+#include "bench/sweep/sweep.h"
 #include "pcm/fit/pcl_fit.h"
 
 #include <CLI/CLI.hpp>
@@ -72,7 +74,7 @@ struct Arguments {
     double degrees = 360;
     bool without_normals = false, memory = false;
     std::uint64_t seeds = 100, first_seed = 1;
-    std::vector<std::string> methods;
+    std::vector<std::string> methods, sweeps;
     std::vector<std::uint32_t> iterations{10000};
     std::vector<double> offset;
 };
@@ -97,6 +99,9 @@ void add_options(CLI::App& app, Arguments& a)
     app.add_option("--first-seed", a.first_seed, "of the scenes");
     app.add_option("--methods", a.methods, "names, all of them by default; 'list' prints them");
     app.add_flag("--memory", a.memory, "instead of an oracle's: the last line is the peak memory of the fits, in MB");
+    app.add_option("--sweep", a.sweeps,
+                   "tuned values, NAME or NAME=FROM:TO:STEPS: verdicts on scenes of --first-seed and --seeds; 'list' "
+                   "prints the names");
 }
 
 void run(Arguments& a)
@@ -153,6 +158,14 @@ try {
     if (arguments.methods == std::vector<std::string>{"list"}) {
         for (const Method& method : fit_methods()) std::cout << method.name << '\n';
         if (!why_no_pcl().empty()) std::cerr << "PCL is not here: " << why_no_pcl() << '\n';
+        return 0;
+    }
+    if (!arguments.sweeps.empty()) {
+        const std::vector<Sweep> sweeps = read_sweeps(arguments.sweeps);
+        if (sweeps.empty()) return 0;
+        const auto scenes = verdict_scenes(arguments.first_seed, arguments.seeds);
+        for (const Sweep& sweep : sweeps)
+            print_sweep(sweep, heads_of_verdicts(), [&] { return cells_of(judge(scenes)); });
         return 0;
     }
     run(arguments);

@@ -107,6 +107,7 @@ public:
                 if (last) {
                     row["frame_ms"].push_back(ms);
                     row["draw_ms"].push_back(report.frame_ms);
+                    row["measured_ms"].push_back(report.measured_ms);
                     row["points_drawn"].push_back(report.points_drawn);
                     row["screen_error_px"].push_back(report.screen_error_px);
                     row["uploaded_bytes"].push_back(after.uploaded_bytes - before.uploaded_bytes);

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <string_view>
 
 namespace pcm {
 namespace {
@@ -33,24 +34,43 @@ public:
     void dxfInt(int code, int value) const override { put(code, std::to_string(value)); }
     void dxfHex(int code, int value) const override
     {
-        char text[16];
-        std::snprintf(text, sizeof text, "%X", static_cast<unsigned>(value));
-        put(code, text);
+        if (seed_follows_) {
+            put(code, hex(0, 8));
+            seed_at_ = file_.size() - 9;  // its digits and the end of the line
+            seed_follows_ = false;
+        } else {
+            put(code, hex(static_cast<unsigned long>(value), 1));
+        }
     }
-    void dxfString(int code, const char* value) const override { put(code, value); }
-    void dxfString(int code, const std::string& value) const override { put(code, value); }
+    void dxfString(int code, const char* value) const override
+    {
+        put(code, value);
+        seed_follows_ = value == std::string_view("$HANDSEED");
+    }
+    void dxfString(int code, const std::string& value) const override { dxfString(code, value.c_str()); }
+
+    // The handle from which programs number what they add is above all of this file: dxflib's is 65535, whatever follows.
+    void put_seed() { file_.rewrite(hex(getNextHandle(), 8).data(), 8, seed_at_); }
 
     OutputFile& file() { return file_; }
 
     std::map<int, double> instead;  // numbers that are written whatever the library writes
 
 private:
+    static std::string hex(unsigned long value, int digits)
+    {
+        char text[24];
+        std::snprintf(text, sizeof text, "%0*lX", digits, value);
+        return text;
+    }
     void put(int code, const std::string& value) const
     {
         const std::string number = std::to_string(code);
         file_.append(std::string(number.size() < 3 ? 3 - number.size() : 0, ' ') + number + "\n" + value + "\n");
     }
     mutable OutputFile file_;
+    mutable bool seed_follows_ = false;
+    mutable std::uint64_t seed_at_ = 0;
 };
 
 void check_finite(const Vec3d& p)
@@ -286,6 +306,7 @@ void DxfFile::finish()
     state_->library.writeObjects(state_->writer);
     state_->library.writeObjectsEnd(state_->writer);
     state_->writer.dxfEOF();
+    state_->writer.put_seed();
     state_->writer.file().finish();
 }
 

@@ -2,6 +2,7 @@
 
 #include "pcm/detect/border_cells.h"
 #include "pcm/detect/shape_search.h"
+#include "pcm/detect/tuning.h"
 #include "pcm/detect/unit_parts.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/for_each_index.h"
@@ -19,14 +20,6 @@ namespace {
 
 constexpr std::uint32_t none = 0xffffffffu;
 constexpr std::size_t most_kept_points = 256;
-constexpr double piece_edge = 0.2;     // share of the edge where the surface of a piece continues
-constexpr double piece_bend = 0.4;     // of the distances, what is left of them in a mean of 17; noise leaves 0.24
-constexpr double piece_outline = 1.5;  // of so many times the square root of its points, a part of its outline
-// Distances that are small beside the threshold are no bend that it cuts, unless much of the outline is.
-constexpr double flat_rms = 0.2, flat_outline = 4;
-// A surface goes beyond where this many neighbours' surroundings are so many thresholds away.
-constexpr std::size_t enough_beyond = 3;
-constexpr double least_beyond = 0.7, most_beyond = 4;
 
 class UnitAssignment {
 public:
@@ -221,9 +214,9 @@ private:
             if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) continue;
             const double distance = std::fabs(mean_distance(j, shape));
             const double threshold = hypotheses_[owner_[i]].threshold;
-            beyond += distance > least_beyond * threshold && distance < most_beyond * threshold;
+            beyond += distance > tuned_.min_beyond * threshold && distance < tuned_.max_beyond * threshold;
         }
-        return beyond >= enough_beyond;
+        return beyond >= tuned_.min_neighbours;
     }
 
     void find_continued()
@@ -300,6 +293,7 @@ private:
     const Box3i box_;
     const std::vector<Hypothesis>& hypotheses_;
     const AssignOptions& options_;
+    const PieceTuning& tuned_ = detect_tuning().pieces;
     const SampleLattice lattice_;
     const SurfaceSample sample_;
     std::vector<std::uint32_t> owner_, part_;  // of the sample's points: hypothesis and part, or `none`
@@ -317,10 +311,11 @@ bool is_piece(const SurfacePart& part, double threshold)
     const auto continued = static_cast<double>(part.continued),
                interior = static_cast<double>(part.sampled - part.edge);
     const double outline = std::sqrt(static_cast<double>(part.sampled));
-    const bool flat = part.squares < flat_rms * flat_rms * threshold * threshold * interior;
-    return continued > piece_edge * static_cast<double>(part.edge) &&
-           part.smooth_squares > piece_bend * piece_bend * part.squares &&
-           continued > (flat ? flat_outline : piece_outline) * outline;
+    const PieceTuning& tuned = detect_tuning().pieces;
+    const bool flat = part.squares < tuned.flat_rms * tuned.flat_rms * threshold * threshold * interior;
+    return continued > tuned.min_edge * static_cast<double>(part.edge) &&
+           part.smooth_squares > tuned.min_bend * tuned.min_bend * part.squares &&
+           continued > (flat ? tuned.flat_outline : tuned.min_outline) * outline;
 }
 
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,

@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/local_surface.h"
+#include "pcm/detect/tuning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,10 +11,6 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t patches_per_place = 200;
-// Noise varies with the distance and the angle that a scanner sees a surface at, and patches of trees are no surfaces:
-// the larger part of the noise of surfaces is estimated by the lesser of two quantiles, times what they are apart where
-// all patches are surfaces.
-constexpr double lower_share = 0.35, upper_share = 0.5, lower_factor = 1.5, upper_factor = 1.25;
 
 // Patches of a sample.
 class Patches {
@@ -48,12 +45,12 @@ private:
 double noise_at(const SurfaceSample& sample, const std::vector<std::uint32_t>& points)
 {
     double noise = -1;
-    for (const std::size_t size : {24, 96, 384}) {
+    for (const std::size_t size : patch_sizes) {
         if (points.size() < size) break;
         const auto surface = fit_local_surface(sample, points.data(), size, infinity);
         if (!surface) break;
         noise = surface->rms;
-        if (surface->extent > 8 * noise) break;
+        if (surface->extent > detect_tuning().survey.min_patch_width * noise) break;
     }
     return noise;
 }
@@ -81,13 +78,15 @@ CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& p
         const std::size_t step = std::max<std::size_t>(1, sample.size() / patches_per_place);
         for (std::size_t i = 0; i < sample.size(); i += step) {
             if (sample.spacing[i] > 0) spacings.push_back(sample.spacing[i] / 1.2);
-            const double noise = noise_at(sample, patches.around(static_cast<std::uint32_t>(i), 384));
+            const double noise = noise_at(sample, patches.around(static_cast<std::uint32_t>(i), patch_sizes.back()));
             if (noise >= 0) noises.push_back(noise);
         }
     }
     CloudSurvey survey;
     survey.spacing = quantile(spacings, 0.5);
-    survey.noise = std::min(lower_factor * quantile(noises, lower_share), upper_factor * quantile(noises, upper_share));
+    const SurveyTuning& tuned = detect_tuning().survey;
+    survey.noise = std::min(tuned.lower_factor * quantile(noises, tuned.lower_quantile),
+                            tuned.upper_factor * quantile(noises, tuned.upper_quantile));
     return survey;
 }
 

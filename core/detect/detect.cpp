@@ -20,6 +20,7 @@
 #include "pcm/detect/point_labels.h"
 #include "pcm/detect/shape_search.h"
 #include "pcm/detect/surface_sample.h"
+#include "pcm/detect/tuning.h"
 #include "pcm/detect/wider_shapes.h"
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/knn/unit_plan.h"
@@ -41,17 +42,8 @@ constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // that a thread needs for them
 constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
-constexpr double threshold_of_noise = 4;
-constexpr double cell_of_noise = 5, cell_of_spacing = 0.5;
-// Of the samples in which larger thresholds are tried, in cells of the finest one.
-constexpr double widen_cells = 3, coarse_widen_cells = 9;
 constexpr double most_step_cells = 128;  // of the sample, in a step: all within a step of a unit is in memory
-constexpr double coarser = 4;            // cells of one resolution, in cells of the next
 constexpr double margin_cells = 8;
-// How far a shape may reach beyond where it was found: in cells of the resolution at which it was found, at edges of
-// which the samples have no normals, and in cells of the present one.
-constexpr double edge_cells = 4, reach_cells = 20;
-constexpr std::size_t least_coarse = 60;  // sample points of a shape at all resolutions but the finest
 
 struct Resolution {
     SampleSettings sample;
@@ -134,12 +126,11 @@ private:
         }
         const Vec3d& step = tree_->info().grid.scale;
         const double resolution = std::max(2 * largest_magnitude(step), 0.02 * found.spacing);
-        report_.threshold =
-            options_.threshold > 0 ? options_.threshold : std::max(threshold_of_noise * found.noise, resolution);
+        const double noises = detect_tuning().survey.threshold_noises;
+        report_.threshold = options_.threshold > 0 ? options_.threshold : std::max(noises * found.noise, resolution);
         report_.step = options_.step;
-        const double noise =
-            options_.threshold > 0 ? std::min(found.noise, options_.threshold / threshold_of_noise) : found.noise;
-        report_.sample = std::max(cell_of_spacing * found.spacing, cell_of_noise * noise);
+        const double noise = options_.threshold > 0 ? std::min(found.noise, options_.threshold / noises) : found.noise;
+        report_.sample = std::max(tuned_.cell_spacings * found.spacing, tuned_.cell_noises * noise);
         if (options_.step > most_step_cells * report_.sample)
             throw Error(ErrorCode::invalid_argument, tree_->folder(),
                         "the longest step of " + exact(options_.step) + " is far above the cloud's spacing of " +
@@ -252,7 +243,7 @@ private:
     {
         std::vector<Resolution> all;
         double cell = report_.sample;
-        for (;; cell *= coarser) {
+        for (;; cell *= tuned_.coarser) {
             Resolution resolution;
             resolution.sample = {
                 level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, {}};
@@ -284,7 +275,7 @@ private:
     MergeOptions merge_options(double cell) const
     {
         MergeOptions merge;
-        merge.gap = std::max(reach_cells * cell, options_.step);
+        merge.gap = std::max(tuned_.reach_cells * cell, options_.step);
         merge.normal_angle = options_.normal_angle;
         return merge;
     }
@@ -299,7 +290,7 @@ private:
                          most_unit_points,
                          {}};
         assign.normal_angle = options_.normal_angle;
-        assign.reach = reach_cells * cell;
+        assign.reach = tuned_.reach_cells * cell;
         assign.least_points = options_.least_points;
         assign.threads = threads_;
         assign.progress = [this, begin, end](double fraction) {
@@ -315,9 +306,9 @@ private:
             return WidenSample{assign_options(cell, 0.6, 0.65), units_of(cell)};
         };
         WidenOptions widen;
-        widen.fine = sample(widen_cells);
-        widen.coarse = sample(coarse_widen_cells);
-        widen.merge = merge_options(widen_cells * report_.sample);
+        widen.fine = sample(detect_tuning().widening.cells);
+        widen.coarse = sample(detect_tuning().widening.coarse_cells);
+        widen.merge = merge_options(detect_tuning().widening.cells * report_.sample);
         hypotheses_ = with_wider_shapes(points_, std::move(hypotheses_), widen);
     }
 
@@ -343,7 +334,7 @@ private:
         search.normal_angle = options_.normal_angle;
         search.seed = options_.seed;
         search.least = resolution.sample.cell > report_.sample
-                           ? least_coarse
+                           ? tuned_.min_coarse_points
                            : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
         search.check = check;
         for (const FoundShape& shape : search_shapes(sample, search, taken)) {
@@ -353,7 +344,7 @@ private:
             one.area = static_cast<double>(shape.points.size()) * resolution.sample.cell * resolution.sample.cell;
             one.rms = shape.rms;
             one.threshold = report_.threshold;
-            one.reach = edge_cells * resolution.sample.cell;
+            one.reach = tuned_.edge_cells * resolution.sample.cell;
             for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
             const std::size_t some = std::min(hypothesis_points, shape.points.size());
             for (std::size_t i = 0; i < some; ++i)
@@ -368,8 +359,8 @@ private:
         for (const Hypothesis& known : hypotheses_) {
             Shape shape = known.shape;
             shape.point = shape.point - sample.origin;
-            const double most = shadow * report_.threshold;
-            for_points_near(sample, reached_box(known, reach_cells * cell), shape, most, [&](std::uint32_t i) {
+            const double most = detect_tuning().search.shadow * report_.threshold;
+            for_points_near(sample, reached_box(known, tuned_.reach_cells * cell), shape, most, [&](std::uint32_t i) {
                 if (!taken[i] && fits(sample, i, shape, most, cos_angle)) taken[i] = 1;
             });
         }
@@ -404,6 +395,7 @@ private:
 
     const std::shared_ptr<const Tree> tree_;
     const DetectOptions& options_;
+    const ResolutionTuning& tuned_ = detect_tuning().resolution;
     const ChosenPoints points_;
     Watch watch_;
     unsigned threads_ = 1;

@@ -1,8 +1,10 @@
 #include "pcm/detect/final_fit.h"
 
+#include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_sums.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/extreme_points.h"
+#include "pcm/place/tuning.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/for_each_index.h"
 
@@ -18,9 +20,7 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t no_candidate = 0xffffffffu;
-constexpr std::size_t groups = 64;       // of nodes, whose sums are added in their order
-constexpr double enough_interior = 0.2;  // of a part's points: else those at edges are used too
-constexpr double cubes_per_extent = 16;  // in which errors are compared with their neighbours'
+constexpr std::size_t groups = 64;  // of nodes, whose sums are added in their order
 
 struct Candidate {
     Shape shape;
@@ -35,7 +35,10 @@ struct Candidate {
 
 // What bounds and errors need of a candidate's points beside the sums.
 struct PartFacts {
-    explicit PartFacts(const Candidate& c) : ends(c.shape, c.middle), alike(c.corner, c.extent / cubes_per_extent) {}
+    explicit PartFacts(const Candidate& c)
+        : ends(c.shape, c.middle), alike(c.corner, c.extent / place_tuning().growth.agreement_cubes)
+    {
+    }
     ExtremePoints ends;
     ErrorAgreement alike;
 };
@@ -64,8 +67,8 @@ struct Sums {
     }
     bool enough_interior_points() const
     {
-        return interior.points() >= 20 &&
-               static_cast<double>(interior.points()) >= enough_interior * static_cast<double>(all.points());
+        const double enough = detect_tuning().merging.min_interior * static_cast<double>(all.points());
+        return interior.points() >= 20 && static_cast<double>(interior.points()) >= enough;
     }
     const ShapeSums& best() const { return use_interior ? interior : all; }
 

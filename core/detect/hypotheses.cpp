@@ -1,5 +1,6 @@
 #include "pcm/detect/hypotheses.h"
 
+#include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_fit.h"
 
 #include <algorithm>
@@ -7,9 +8,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double same_rms = 1.35;  // a shape's points may lie so many times farther from another that is the same
-constexpr double explained_share = 0.8;
 
 double rms_distance(const Shape& shape, const std::vector<Vec3d>& points)
 {
@@ -53,7 +51,7 @@ bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& option
     if (one.shape.kind != other.shape.kind || !touch(one.box, other.box, std::max(one.reach, options.gap)))
         return false;
     const double threshold = std::max(one.threshold, other.threshold);
-    const double most = same_rms * std::max({one.rms, other.rms, 0.02 * threshold});
+    const double most = detect_tuning().merging.same_rms * std::max({one.rms, other.rms, 0.02 * threshold});
     double apart = rms_distance(one.shape, other.some);
     if (!(apart <= 4 * threshold) || !normals_agree(one.shape, other.shape, other.some, options.normal_angle))
         return false;
@@ -86,7 +84,7 @@ bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptio
     for (const Vec3d& p : small.some)
         on += box.contains(p) && distance_to(large.shape, p) <= large.threshold &&
               std::fabs(dot(normal_at(large.shape, p), normal_at(small.shape, p))) >= least;
-    return static_cast<double>(on) >= explained_share * static_cast<double>(small.some.size());
+    return static_cast<double>(on) >= detect_tuning().merging.explained_share * static_cast<double>(small.some.size());
 }
 
 }  // namespace

@@ -4,12 +4,16 @@
 #include "pcm/detect/surface_sample.h"
 #include "pcm/shapes/shape.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 namespace pcm {
+
+// Points of the patches around a place, in turn.
+inline constexpr std::array<std::size_t, 3> patch_sizes{24, 96, 384};
 
 // z = c0 + c1 x + c2 y + (xx x^2 + 2 xy x y + yy y^2) / 2 in a frame at a point, z along its normal.
 struct LocalSurface {

@@ -1,6 +1,7 @@
 #include "pcm/detect/shape_search.h"
 
 #include "pcm/detect/local_surface.h"
+#include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_fit.h"
 
 #include <algorithm>
@@ -12,12 +13,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::array<std::size_t, 3> patch_sizes{24, 96, 384};
 constexpr std::size_t refit_points = 1500;  // of which a shape is fitted again while it grows
-constexpr std::size_t tried_points = 12;    // of a patch that gave nothing: not tried again
-constexpr double smooth_share = 0.8;        // of a patch's points are near its paraboloid
-constexpr double curved_gain = 1.15;        // a curved shape has more points than the plane by this factor
-constexpr double least_arc = 0.5;           // radians that a curved shape's normals turn at least
 
 std::uint64_t mixed(std::uint64_t x)
 {
@@ -74,6 +70,7 @@ private:
     // Also the points beside it that its noise may have put there: no shape of their own.
     void take(const FoundShape& found)
     {
+        const double shadow = tuned_.shadow * options_.threshold;
         for (const std::uint32_t i : found.points) taken_[i] = 1;
         std::vector<std::uint32_t> open = found.points;
         while (!open.empty()) {
@@ -81,7 +78,7 @@ private:
             open.pop_back();
             for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
                 const std::uint32_t j = near[k];
-                if (taken_[j] || !fits(sample_, j, found.shape, shadow * options_.threshold, cos_angle_)) continue;
+                if (taken_[j] || !fits(sample_, j, found.shape, shadow, cos_angle_)) continue;
                 taken_[j] = 1;
                 open.push_back(j);
             }
@@ -110,14 +107,14 @@ private:
     FoundShape best_from(std::uint32_t seed)
     {
         const std::vector<std::uint32_t> points = patch(seed, patch_sizes.back());
-        for (std::size_t i = 0; i < std::min(points.size(), tried_points); ++i) tried_[points[i]] = 1;
+        for (std::size_t i = 0; i < std::min(points.size(), tuned_.tried_points); ++i) tried_[points[i]] = 1;
         std::optional<LocalSurface> surface;
         std::size_t used = 0;
         for (const std::size_t size : patch_sizes) {
             const std::size_t count = std::min(size, points.size());
             if (count <= used) break;
             const auto here = fit_local_surface(sample_, points.data(), count, options_.threshold);
-            if (!here || here->near < smooth_share || here->rms > 0.5 * options_.threshold) break;
+            if (!here || here->near < tuned_.smooth_share || here->rms > tuned_.max_rough * options_.threshold) break;
             surface = here;
             used = count;
         }
@@ -129,7 +126,7 @@ private:
             const bool flat = traits_of(shape.kind).is_flat();
             if (flat) plane = grown.points.size();
             if (grown.points.size() < options_.least) continue;
-            if (!flat && (static_cast<double>(grown.points.size()) < curved_gain * static_cast<double>(plane) ||
+            if (!flat && (static_cast<double>(grown.points.size()) < tuned_.curved_gain * static_cast<double>(plane) ||
                           !is_curved(grown)))
                 continue;
             if (grown.points.size() > best.points.size()) best = std::move(grown);
@@ -152,7 +149,7 @@ private:
                 if (dot(normal, from) < turn) turn = dot(normal, from), far = normal;
             }
         }
-        return turn < std::cos(least_arc);
+        return turn < std::cos(tuned_.min_arc);
     }
 
     bool fits_here(std::uint32_t i, const Shape& shape) const
@@ -227,6 +224,7 @@ private:
 
     const SurfaceSample& sample_;
     const ShapeSearchOptions& options_;
+    const ShapeSearchTuning& tuned_ = detect_tuning().search;
     std::vector<std::uint8_t>& taken_;
     const double cos_angle_;
     std::vector<std::uint8_t> tried_;

@@ -25,9 +25,6 @@ struct FoundShape {
     double rms = 0;                     // of their distances
 };
 
-// Points up to so many thresholds from a shape belong to no other one of the same normal.
-inline constexpr double shadow = 2;
-
 // Shapes that have at least `least` connected points, none of them in two shapes. `taken`: for each point, whether it
 // belongs to something already; those that are found are added. One thread.
 //

@@ -1,6 +1,7 @@
 #include "pcm/detect/surface_sample.h"
 
 #include "pcm/cloud/symmetric_eigen.h"
+#include "pcm/detect/tuning.h"
 #include "pcm/knn/grid_steps.h"
 #include "pcm/knn/unit_points.h"
 #include "pcm/knn/unit_search.h"
@@ -17,8 +18,7 @@
 namespace pcm {
 namespace {
 
-constexpr double small_box = 0.25;       // of a step: halves have no fewer points around them
-constexpr double edge_of_spacing = 2.5;  // longest edge where none was asked for, in spacings
+constexpr double small_box = 0.25;  // of a step: halves have no fewer points around them
 
 // Positions relative to the first one. Narrow where their differences are 31 bits.
 SearchPositions positions_of(const std::vector<Vec3i>& grid, const Vec3d& scale)
@@ -87,12 +87,12 @@ void find_neighbours(SurfaceSample& sample, SearchPositions positions, const std
 // Edges that are too long lead back to the point itself.
 void cut_edges(SurfaceSample& sample, double step, double cell)
 {
+    const double spacings = detect_tuning().resolution.edge_spacings;
     for (std::size_t i = 0; i < sample.size(); ++i)
         for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
             std::uint32_t& j = sample.edges[i * SurfaceSample::most_neighbours + k];
             const double most =
-                step > 0 ? step
-                         : std::max<double>(3 * cell, edge_of_spacing * std::min(sample.spacing[i], sample.spacing[j]));
+                step > 0 ? step : std::max<double>(3 * cell, spacings * std::min(sample.spacing[i], sample.spacing[j]));
             if (squared_distance(sample.at[i], sample.at[j]) > most * most) j = static_cast<std::uint32_t>(i);
         }
 }

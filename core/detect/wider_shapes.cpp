@@ -1,5 +1,6 @@
 #include "pcm/detect/wider_shapes.h"
 
+#include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_fit.h"
 
 #include <algorithm>
@@ -10,11 +11,6 @@ namespace pcm {
 namespace {
 
 constexpr int doublings = 3;
-constexpr double joined_share = 0.9;        // of the points of two layers that a shape for both has
-constexpr double widest_rms = 0.2;          // of a whole surface, in thresholds
-constexpr double most_open_edge = 0.1;      // share of its edge where it may seem to continue
-constexpr std::size_t least_sampled = 100;  // of a part that is looked at
-constexpr double kept_share = 0.5;          // of a piece's points are on a shape with the widest threshold
 
 // A hypothesis' points in a trial.
 struct Trial {
@@ -26,8 +22,9 @@ struct Trial {
 bool is_cut_out(const SurfacePart& part, double threshold)
 {
     const auto interior = static_cast<double>(part.sampled - part.edge);
-    if (static_cast<double>(part.continued) > most_open_edge * static_cast<double>(part.edge)) return true;
-    return !(part.squares < widest_rms * widest_rms * threshold * threshold * interior);
+    const double open = detect_tuning().widening.max_open_edge, flat = detect_tuning().pieces.flat_rms;
+    if (static_cast<double>(part.continued) > open * static_cast<double>(part.edge)) return true;
+    return !(part.squares < flat * flat * threshold * threshold * interior);
 }
 
 double share_on(const Hypothesis& surface, const std::vector<Vec3d>& points)
@@ -45,7 +42,7 @@ public:
         for (AssignOptions* assign : {&options_.fine.assign, &options_.coarse.assign}) {
             assign->keep_some = true;
             assign->least_points = 0;  // no labels, no points: only those of the sample count
-            assign->least_sampled = least_sampled;
+            assign->least_sampled = tuned_.min_sampled;
         }
     }
 
@@ -115,7 +112,7 @@ private:
 
     void keep_on(const std::vector<Hypothesis>& wide, std::vector<Hypothesis>& some) const
     {
-        const auto elsewhere = [&](const Hypothesis& one) { return !lies_on(one, wide, kept_share); };
+        const auto elsewhere = [&](const Hypothesis& one) { return !lies_on(one, wide, tuned_.kept_share); };
         some.erase(std::remove_if(some.begin(), some.end(), elsewhere), some.end());
     }
 
@@ -126,7 +123,7 @@ private:
         std::vector<Hypothesis> taken, kept;
         for (Hypothesis& one : settled_) {
             const auto alike = [&](const Hypothesis& w) {
-                return w.shape.kind == one.shape.kind && lies_on(one, {w}, joined_share) && same_normals(w, one);
+                return w.shape.kind == one.shape.kind && lies_on(one, {w}, tuned_.joined_share) && same_normals(w, one);
             };
             (std::any_of(wide.begin(), wide.end(), alike) ? taken : kept).push_back(std::move(one));
         }
@@ -157,7 +154,7 @@ private:
         assigned_ = assign_points(points_, units, tried_, sample_->assign, nullptr);
         std::vector<Trial> trials(tried_.size());
         for (const SurfacePart& part : assigned_.parts) {
-            if (part.sampled < least_sampled) continue;
+            if (part.sampled < tuned_.min_sampled) continue;
             Trial& one = trials[part.hypothesis];
             const bool piece = is_piece(part, tried_[part.hypothesis].threshold);
             (piece ? one.pieces : one.whole) += static_cast<double>(part.sampled);
@@ -189,7 +186,7 @@ private:
         const std::size_t first = tried_.size() - bent.size();
         for (std::size_t h = 0; h < bent.size(); ++h) {
             const SurfacePart* const part = trials[first + h].largest;
-            if (!part || part->some.size() < least_sampled / 2) continue;
+            if (!part || part->some.size() < tuned_.min_sampled / 2) continue;
             RefineOptions refine;
             refine.threshold = bent[h].threshold;
             const ShapeFit fit = refine_shape(FitPoints::of(part->some), bent[h].shape, refine);
@@ -231,8 +228,8 @@ private:
         const ShapeFit fit = refine_shape(FitPoints::of(both), one.shape, refine);
         Hypothesis together = one;
         together.shape = fit.shape;
-        if (!fit.has_shape() || share_on(together, one.some) < joined_share ||
-            share_on(together, other.some) < joined_share)
+        const double least = detect_tuning().widening.joined_share;
+        if (!fit.has_shape() || share_on(together, one.some) < least || share_on(together, other.some) < least)
             return false;
         one.shape = fit.shape;
         one.rms = fit.rms;
@@ -246,6 +243,7 @@ private:
 
     const ChosenPoints& points_;
     WidenOptions options_;
+    const WideningTuning& tuned_ = detect_tuning().widening;
     const WidenSample* sample_ = &options_.fine;
     std::vector<Hypothesis> settled_, tried_;
     AssignedPoints assigned_;

@@ -1,5 +1,7 @@
 #include "pcm/fit/chance_test.h"
 
+#include "pcm/fit/tuning.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,11 +11,6 @@ namespace {
 
 // Shares of fewer places are in proportion to the threshold.
 constexpr std::size_t places = 1024, least_near = 48;
-// The box of a flat cloud is as thick as this part of its largest side.
-constexpr double least_side = 0.1;
-// Number of tests in points that lie anywhere: (1 / share)^(found_of_different * parameters), since shapes differ where
-// a parameter differs by about the threshold; a share above largest_share counts as that.
-constexpr double found_of_different = 0.8, largest_share = 0.1;
 constexpr double threshold_ratio = 1.189207115;  // between thresholds: the fourth root of 2
 constexpr double least_part = 1.0 / 64;
 
@@ -55,7 +52,8 @@ ChanceTest::ChanceTest(const WorkingPoints& points) : points_(points)
     // Multiples of these leave no gaps (Roberts 2018): powers of the inverse of the root of x^4 = x + 1.
     constexpr std::array<double, 3> fraction{0.8191725133961645, 0.6710436067037893, 0.5497004779019703};
     for (std::size_t k = 0; k < 3; ++k) {
-        const double middle = low[k] + side[k] / 2, wide = std::max(side[k], least_side * largest);
+        const double middle = low[k] + side[k] / 2,
+                     wide = std::max(side[k], fit_tuning().chance_test.min_side * largest);
         for (std::size_t i = 1; i <= places; ++i) {
             const double at = static_cast<double>(i) * fraction[k];
             to[k]->push_back(middle + wide * (at - std::floor(at) - 0.5));
@@ -79,7 +77,8 @@ double ChanceTest::log_alarms(const ShapeModel& model, double share, double inli
     // A bound of the binomial tail (Chernoff 1952).
     const double rest = part < 1 ? (1 - part) * std::log((1 - part) / (1 - share)) : 0;
     const double tail = n * (part * std::log(part / share) + rest);
-    return std::min(0.0, found_of_different * free * std::log(1 / std::min(share, largest_share)) - tail);
+    const ChanceTestTuning& tuned = fit_tuning().chance_test;
+    return std::min(0.0, tuned.tests_per_parameter * free * std::log(1 / std::min(share, tuned.max_share)) - tail);
 }
 
 double ChanceTest::best_threshold(const ShapeModel& model, const Shape& shape, double most) const

@@ -1,5 +1,6 @@
 // What is known of a result: errors, and whether to trust it.
 #include "pcm/fit/least_squares.h"
+#include "pcm/fit/tuning.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -11,10 +12,6 @@ namespace pcm {
 namespace {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, most_parameters, most_parameters>;
-// Limits for a curvature in units of its own error.
-constexpr double least_significance = 5, good_significance = 10;
-// How far the points are from a plane, in units of their noise: errors that many points share bend a plane as much.
-constexpr double least_bend = 0.25;
 
 // The numbers that people read, whose errors are reported: place, axis, radius, second.
 struct Numbers {
@@ -64,12 +61,9 @@ ShapeErrors errors_of(const ShapeModel& model, const SurfacePatch& patch, const 
     return errors;
 }
 
-// Errors may differ by this factor by chance alone.
-constexpr double chance_factor = 1.25;
-
 void grow(double& error, double other)
 {
-    if (other > chance_factor * error) error = other;
+    if (other > fit_tuning().judgement.error_factor * error) error = other;
 }
 
 void grow(ShapeErrors& errors, const ShapeErrors& other)
@@ -90,12 +84,13 @@ void doubt(ShapeFit& fit, FitVerdict verdict, FitIssue issue, const std::string&
 void judge_size(const Shape& shape, double used, ShapeFit& fit)
 {
     const auto [flat, other] = model_of(shape.kind).significance(shape, fit.errors);
-    if (!(flat >= least_significance)) {
+    const JudgementTuning& tuned = fit_tuning().judgement;
+    if (!(flat >= tuned.min_significance)) {
         fit.errors.radius = traits_of(shape.kind).has_radius() ? infinity : 0;
         fit.errors.position = infinity;
         doubt(fit, FitVerdict::refused, FitIssue::coplanar,
               "the points are a plane within their noise: fit a plane, or take points farther around the shape");
-    } else if (!(std::min(flat, other) >= good_significance) || !(flat >= least_bend * std::sqrt(used))) {
+    } else if (!(std::min(flat, other) >= tuned.good_significance) || !(flat >= tuned.min_bend * std::sqrt(used))) {
         doubt(fit, FitVerdict::doubtful, FitIssue::thin_arc,
               "the points cover too little of the shape for their noise, so its size is uncertain: take points "
               "farther around it");
@@ -166,9 +161,8 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
 
 bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums)
 {
-    constexpr double min_curvature = 6;  // in units of the noise
     const auto [flat, other] = model_of(shape.kind).significance(shape, fit.errors);
-    return fit.has_shape() && std::min(flat, other) < min_curvature * std::sqrt(sums.used);
+    return fit.has_shape() && std::min(flat, other) < fit_tuning().judgement.flat_curvature * std::sqrt(sums.used);
 }
 
 void to_source_units(ShapeFit& fit, double unit)

@@ -2,7 +2,9 @@
 #include "pcm/cloud/numbers.h"
 #include "pcm/fit/near_tree.h"
 #include "pcm/fit/random_numbers.h"
+#include "pcm/fit/second_degree.h"
 #include "pcm/fit/shape_fit.h"
+#include "pcm/fit/tuning.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -14,14 +16,10 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_places = 200, least_neighbours = 16, most_neighbours = 512, surface_numbers = 6;
-// Maximum ratio of the noise to the width of a neighbourhood that shows it.
-constexpr double widest_noise = 0.12;
-// Residuals farther than this many deviations are of something else; what is left of Gaussian noise then.
-constexpr double cut = 3;
+constexpr std::size_t most_places = 200, least_neighbours = 16, most_neighbours = 512;
 
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, surface_numbers, 1>;
+using Matrix6 = Eigen::Matrix<double, surface_numbers, surface_numbers>;
 
 // The neighbours in axes of the plane through them; heights are along its normal. In units of the neighbourhood.
 struct Patch {
@@ -90,7 +88,7 @@ double noise_of(const std::vector<Eigen::Vector3d>& offsets, Patch& patch)
         patch.sizes.assign(n, 0);
         for (std::size_t i = 0; i < n; ++i) patch.sizes[i] = std::fabs(patch.residuals[i]);
         std::nth_element(patch.sizes.begin(), patch.sizes.begin() + n / 2, patch.sizes.end());
-        const double limit = cut * 1.4826 * patch.sizes[n / 2] *
+        const double limit = fit_tuning().thresholds.residual_cut * 1.4826 * patch.sizes[n / 2] *
                              std::sqrt(static_cast<double>(n) / static_cast<double>(n - surface_numbers));
         for (std::size_t i = 0; i < n; ++i) patch.used[i] = std::fabs(patch.residuals[i]) <= limit;
     }
@@ -123,7 +121,7 @@ std::vector<double> noises(const FitPoints& points, const std::vector<std::uint3
                 offsets.emplace_back(d[0], d[1], d[2]);
             }
             const double noise = noise_of(offsets, patch);
-            if (noise < 0 || noise > widest_noise) continue;
+            if (noise < 0 || noise > fit_tuning().thresholds.max_local_noise) continue;
             found.push_back(noise * size);
             break;
         }
@@ -163,7 +161,7 @@ double automatic_threshold(const FitPoints& points)
     // Dense points with much noise show it in a part of them, whose neighbourhoods are wider.
     for (std::size_t n = points.size(); n >= least_neighbours; n /= 4) {
         const std::vector<double> found = noises(points, order, n);
-        if (found.size() * 5 >= std::min(most_places, n)) return 3 * mode_of(found);
+        if (found.size() * 5 >= std::min(most_places, n)) return fit_tuning().thresholds.inlier_noises * mode_of(found);
     }
     return 0;
 }

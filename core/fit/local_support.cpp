@@ -1,5 +1,7 @@
 #include "pcm/fit/local_support.h"
 
+#include "pcm/fit/tuning.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,9 +9,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t least_inliers = 50;
-// Points of the surface in a block of 27 cells, at least and of many points.
-constexpr double least_in_block = 24, blocks = 400;
 constexpr std::int64_t cells_across = std::int64_t(1) << 20;
 
 // Counts of points within and beyond the threshold, by cell.
@@ -102,7 +101,9 @@ double cell_size(const WorkingPoints& points, const std::vector<double>& distanc
                  std::size_t inliers)
 {
     const auto n = static_cast<double>(inliers);
-    const double wanted = std::max(least_in_block, n / blocks), least = std::max(2 * noise, 4.0 / cells_across);
+    const SupportTuning& tuned = fit_tuning().support;
+    const double wanted = std::max(tuned.min_block_points, n / tuned.blocks);
+    const double least = std::max(2 * noise, 4.0 / cells_across);
     double size = std::max(least, std::sqrt(wanted / n) / 2);
     for (int round = 0; round < 3 && size > least; ++round) {
         SupportCells cells = filled(points, distances, threshold, size, threshold);
@@ -135,7 +136,7 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
     if (!before.empty() && inliers > 0 && change <= 0.25 * noise * noise * static_cast<double>(inliers)) return false;
     support_.clear();
     share_ = 1;
-    if (inliers < least_inliers || inliers == n || !(threshold < 0.1)) return true;
+    if (inliers < fit_tuning().support.min_inliers || inliers == n || !(threshold < 0.1)) return true;
     if (!(size_ > 0)) size_ = cell_size(points_, distances_, threshold, noise, inliers);
     SupportCells cells = filled(points_, distances_, threshold, size_, threshold);
     // What is anywhere is counted in larger cells: in a block of these, beyond the threshold.
@@ -144,6 +145,7 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
     const double part =
         block * block * std::min(block, 2 * threshold) / (large_block * large_block * (large_block - 2 * threshold));
     support_.assign(n, 0);
+    const double min_support = fit_tuning().support.min_support;
     double supported = 0, belong = 0;
     for (std::size_t i = 0; i < n; ++i) {
         if (!(std::fabs(distances_[i]) <= threshold)) continue;
@@ -152,7 +154,7 @@ bool LocalSupport::find(const Shape& shape, double threshold, double noise)
         if (cell.support < 0) {
             const double others = around(cells, place).first - 1;
             const double chance = part * beyond(large_cells, large_cells.place(points_.at(i)));
-            const bool is_more = others > chance + 2 * std::sqrt(chance + 1);
+            const bool is_more = others > chance + min_support * std::sqrt(chance + 1);
             cell.support = is_more ? static_cast<float>((others - chance) / others) : 0;
         }
         if (!(cell.support > 0)) continue;

@@ -1,6 +1,7 @@
 #include "pcm/fit/noise_mixture.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/fit/tuning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,10 +9,7 @@
 namespace pcm {
 namespace {
 
-constexpr double least_points = 60;
-// A threshold of fewer deviations does not separate noise from others.
-constexpr double least_reach = 1.7, most_reach = 300;
-constexpr double surely_all = 0.999;
+constexpr double most_reach = 300;
 
 double gauss(double c) { return std::exp(-c * c / 2) / std::sqrt(2 * pi); }
 double within(double c) { return std::erf(c / std::sqrt(2.0)); }
@@ -61,11 +59,12 @@ double density_at_cut(double deviation, double threshold, double points)
 NoiseMixture::NoiseMixture(double threshold, double share, double deviation)
     : threshold_(threshold), share_(std::clamp(share, 0.05, 1.0)), deviation_(deviation)
 {
-    all_ = !(deviation > 0 && share_ <= surely_all && threshold / deviation >= least_reach);
+    const MixtureTuning& tuned = fit_tuning().mixture;
+    all_ = !(deviation > 0 && share_ <= tuned.max_share && threshold / deviation >= tuned.min_reach);
     if (!all_) make_table();
 }
 
-bool NoiseMixture::needs_bins() const { return std::isfinite(threshold_) && share_ <= surely_all; }
+bool NoiseMixture::needs_bins() const { return std::isfinite(threshold_) && share_ <= fit_tuning().mixture.max_share; }
 
 bool NoiseMixture::let_all_belong(double rms)
 {
@@ -79,8 +78,9 @@ bool NoiseMixture::learn(const DistanceBins& bins, double rms)
 {
     double points = 0;
     for (const double count : bins.counts) points += count;
-    if (!needs_bins() || points < least_points) return let_all_belong(rms);
-    double reach = std::clamp(deviation_ > 0 ? threshold_ / deviation_ : 3, least_reach, most_reach);
+    const double min_reach = fit_tuning().mixture.min_reach;
+    if (!needs_bins() || points < static_cast<double>(fit_tuning().mixture.min_points)) return let_all_belong(rms);
+    double reach = std::clamp(deviation_ > 0 ? threshold_ / deviation_ : 3, min_reach, most_reach);
     constexpr double width = 1.0 / static_cast<double>(DistanceBins::size);
     for (int round = 0; round < 20; ++round) {
         double belong = 0, square = 0;
@@ -96,9 +96,9 @@ bool NoiseMixture::learn(const DistanceBins& bins, double rms)
         const double next = reach_of(square / belong);
         const bool done = std::fabs(next - reach) < 1e-3 * reach;
         reach = next;
-        if (done || reach < least_reach) break;
+        if (done || reach < min_reach) break;
     }
-    if (reach < least_reach) return let_all_belong(rms);
+    if (reach < min_reach) return let_all_belong(rms);
     if (!all_ && std::fabs(threshold_ / reach - deviation_) < 0.02 * deviation_) return false;
     all_ = false;
     deviation_ = threshold_ / reach;

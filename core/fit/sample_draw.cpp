@@ -1,13 +1,13 @@
 #include "pcm/fit/sample_draw.h"
 
+#include "pcm/fit/tuning.h"
+
 #include <algorithm>
 
 namespace pcm {
 namespace {
 
 constexpr std::size_t most_ordered = 1000;
-// Samples after which all are drawn as often as without an order (T_N of the paper).
-constexpr double even_samples = 20000;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ SampleDraw::SampleDraw(const WorkingPoints& points, SampleNormals& normals, std:
     std::sort(quality.begin(), quality.end());
     for (const auto& entry : quality) order_.push_back(entry.second);
     part_ = sampled;
-    expected_ = even_samples;
+    expected_ = fit_tuning().sampling.even_samples;
     for (std::size_t i = 0; i < sampled; ++i)
         expected_ *= static_cast<double>(part_ - i) / static_cast<double>(order_.size() - i);
 }

@@ -3,6 +3,7 @@
 
 #include "pcm/fit/point_normals.h"
 #include "pcm/fit/random_numbers.h"
+#include "pcm/fit/tuning.h"
 #include "pcm/fit/working_points.h"
 
 #include <cstddef>
@@ -25,6 +26,7 @@ public:
     template <class IsNear>
     double share(double share_of_all, const IsNear& is_near) const
     {
+        const std::size_t least_part = fit_tuning().sampling.min_share_points;
         double best = share_of_all;
         std::size_t near = 0;
         for (std::size_t i = 0; i < order_.size(); ++i) {
@@ -36,7 +38,6 @@ public:
     }
 
 private:
-    static constexpr std::size_t least_part = 50;  // minimum number of points for a meaningful share
     void grow();
 
     const WorkingPoints& points_;

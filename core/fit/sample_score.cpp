@@ -1,6 +1,7 @@
 #include "pcm/fit/sample_score.h"
 
 #include "pcm/cloud/numbers.h"
+#include "pcm/fit/tuning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,8 +13,6 @@ constexpr std::size_t block = 512, first_points = 2048;
 // Distances up to this many standard deviations are distinguished by the likelihood.
 constexpr double most_deviations = 6;
 constexpr std::size_t bins = 240;
-// Scores of the same points differ by chance by less than this many roots of their number.
-constexpr double chance = 2;
 
 }  // namespace
 
@@ -81,7 +80,8 @@ SampleScore::Value SampleScore::summed(const Shape& shape, const Value& best)
         if (!(value.score < best.score)) return value;
         if (many && first + block == first_points) {
             value.of_first = value.score;
-            if (value.score > best.of_first + chance * std::sqrt(static_cast<double>(first_points))) {
+            const double chance = fit_tuning().sampling.score_deviations * std::sqrt(static_cast<double>(first_points));
+            if (value.score > best.of_first + chance) {
                 value.score = infinity;
                 return value;
             }
@@ -94,7 +94,8 @@ SampleScore::Value SampleScore::likelihood(const Shape& shape)
 {
     Value value;
     std::fill(bins_.begin(), bins_.end(), 0u);
-    const double deviation = threshold_ / 3, scale = bins / (most_deviations * deviation);
+    const double deviation = threshold_ / fit_tuning().thresholds.inlier_noises,
+                 scale = bins / (most_deviations * deviation);
     for (std::size_t first = 0; first < points_.size(); first += block) {
         const std::size_t count = distances(shape, first);
         for (std::size_t i = 0; i < count; ++i) {

@@ -5,6 +5,7 @@
 #include "pcm/fit/local_support.h"
 #include "pcm/fit/pcl_fit.h"
 #include "pcm/fit/shape_search.h"
+#include "pcm/fit/tuning.h"
 #include "pcm/fit/working_points.h"
 #include "pcm/system/error.h"
 #include "pcm/system/seconds.h"
@@ -17,13 +18,6 @@
 namespace pcm {
 namespace {
 
-constexpr double unknown_noise = 0.01;  // share of the extent: the threshold for points that show no noise
-constexpr double harmless_chance = 0.06, harmless_influence = 8;
-// Maximum expected share of chance points near a shape, estimated from the points next to it: 0.5 and more where there
-// is not a surface, and 0.3 for a sphere among six times as many outliers.
-constexpr double most_chance = 0.42;
-// Maximum noise relative to the threshold, above which the threshold cuts the noise; maximum share of chance points.
-constexpr double most_noise = 0.55, most_flat_chance = 0.15;
 constexpr double fine_tolerance = 1e-7;  // steps of a three-thousandth of the errors are the last ones
 
 using Clock = std::chrono::steady_clock;
@@ -71,7 +65,11 @@ ShapeFit refused(ShapeKind kind, FitIssue issue)
 }
 
 // With a threshold within the noise, least squares of the points up to it is less exact than of those up to here.
-double widened(double threshold, double noise) { return std::clamp(4.5 * noise, threshold, 2 * threshold); }
+double widened(double threshold, double noise)
+{
+    const ThresholdTuning& tuned = fit_tuning().thresholds;
+    return std::clamp(tuned.polish_noises * noise, threshold, tuned.max_polish_widening * threshold);
+}
 
 // Which points least squares took at last, and how many of those within the threshold are there by chance.
 struct UsedBand {
@@ -91,7 +89,8 @@ PolishedPatch polished_sample(const ShapeModel& model, const Shape& start, const
     // Few such points that weigh no more than others do no harm.
     const BandFacts facts = band_facts(model, polished, working, threshold);
     used.chance = facts.chance;
-    if (facts.chance < harmless_chance && facts.influence < harmless_influence) {
+    const ConsensusTuning& tuned = fit_tuning().consensus;
+    if (facts.chance < tuned.harmless_chance && facts.influence < tuned.harmless_influence) {
         band.threshold = widened(threshold, polished.noise());
         band.share = 1 - facts.chance * band.threshold / threshold;
         band.deviation = polished.noise();
@@ -143,7 +142,8 @@ void judge_scatter(const ShapeModel& model, const PolishedPatch& polished, const
     std::array<double, most_parameters * most_parameters> scatter{};
     if (scatter_of(model, polished.patch, working, used.band, polished.mixture, scatter))
         fit = judged(model, polished.patch, polished.sums, polished.noise(), {}, 1, scatter.data());
-    if (polished.noise() > most_noise * used.band.threshold || used.chance > most_flat_chance)
+    const ConsensusTuning& tuned = fit_tuning().consensus;
+    if (polished.noise() > tuned.max_flat_noise * used.band.threshold || used.chance > tuned.max_flat_chance)
         doubt(
             fit, FitIssue::thin_arc,
             "the threshold is within the noise of points that are almost a plane, so the size is uncertain: raise the "
@@ -188,7 +188,7 @@ ShapeFit finished(const WorkingPoints& working, const Shape& start, const PatchB
     if (sample) judge_scatter(model, polished, working, used, fit);
     if (!polished.converged)
         doubt(fit, FitIssue::not_converged, "least squares did not converge: the errors may be larger");
-    if (used.chance > most_chance)
+    if (used.chance > fit_tuning().consensus.max_chance)
         doubt(fit, FitIssue::no_consensus,
               std::string("almost as many points are next to the ") + model.traits.name +
                   " as on it, so it may be there by chance: raise the number of iterations, or the threshold where the "
@@ -236,11 +236,12 @@ public:
         for (unsigned k = 0; k <= most_halved; ++k, threshold /= 2) {
             part_ = 0.5 * (1 - done_);
             Found found = settled(test, fit_within(threshold));
-            const bool narrow = found.share < narrow_share;
-            const bool better = k == 0 || found.log_false_alarms < min_improvement * best.log_false_alarms;
+            const bool narrow = found.share < tuned_.narrow_share;
+            const bool better = k == 0 || found.log_false_alarms < tuned_.min_improvement * best.log_false_alarms;
             if (better) best = std::move(found);
             if (is_sure(best) || narrow || threshold / 2 < smallest_) break;
-            if (!better && best.log_false_alarms < clear_log_false_alarms && best.share < wide_share) break;
+            if (!better && best.log_false_alarms < tuned_.clear_log_false_alarms && best.share < tuned_.wide_share)
+                break;
             done_ += part_;
             if (!on_(done_)) break;
         }
@@ -256,13 +257,6 @@ private:
         double share = 1, log_false_alarms = 0;  // see ChanceTest
     };
     static constexpr unsigned most_halved = 6;
-    // Narrower bands are of no use. A surface in a wide one shows only a part of itself.
-    static constexpr double narrow_share = 0.04, wide_share = 0.1, max_share = 0.25;
-    // Factor on the logarithm: a threshold within the noise has slightly fewer false alarms than three deviations.
-    static constexpr double min_improvement = 1.25;
-    static constexpr double clear_log_false_alarms = -10, log_false_alarm_limit = -25;
-    static constexpr double few_by_chance = 0.2;  // maximum share of the inliers
-    static constexpr double even_noise = 0.6;     // relative to the threshold: distances are about even within it
 
     ShapeFit refitted(const Shape& start, double threshold)
     {
@@ -278,10 +272,10 @@ private:
         for (int round = 0; found.fit.has_shape(); ++round) {
             const Shape shape = working_.to_working(found.fit.shape);
             const double now = found.fit.threshold / working_.unit;
-            // The band with the minimum number of false alarms is about one and a half deviations wide.
-            const double dense = 2 * test.best_threshold(model_, shape, now);
-            const double better = std::max(std::min(3 * found.fit.noise / working_.unit, dense), smallest_);
-            if (round == most_rounds || better > 0.7 * now) {
+            const double dense = tuned_.dense_bands * test.best_threshold(model_, shape, now);
+            const double noises = fit_tuning().thresholds.inlier_noises * found.fit.noise / working_.unit;
+            const double better = std::max(std::min(noises, dense), smallest_);
+            if (round == most_rounds || better > tuned_.settled_share * now) {
                 found.share = test.share(model_, shape, now);
                 found.log_false_alarms = test.log_alarms(model_, found.share, static_cast<double>(found.fit.inliers));
                 break;
@@ -292,23 +286,22 @@ private:
     }
     static constexpr int most_rounds = 6;
 
-    // Hardly a point of the band would be there without the surface.
     bool is_sure(const Found& found) const
     {
         const auto inliers = static_cast<double>(found.fit.inliers);
         const double others = static_cast<double>(working_.size()) - inliers;
-        return found.log_false_alarms < 0 && found.share < max_share &&
-               others * found.share / (1 - found.share) < few_by_chance * inliers;
+        return found.log_false_alarms < 0 && found.share < tuned_.max_share &&
+               others * found.share / (1 - found.share) < tuned_.few_by_chance * inliers;
     }
 
     void judge(Found& found) const
     {
         if (!found.fit.has_shape()) return;
         const std::string name = model_.traits.name;
-        const bool even = found.fit.noise > even_noise * found.fit.threshold;
+        const bool even = found.fit.noise > tuned_.even_noise * found.fit.threshold;
         // Surfaces with a direction may lie across the points: a strip of these is evenly within the band.
-        if (even &&
-            (found.share > max_share || (model_.traits.has_axis() && found.log_false_alarms > log_false_alarm_limit)))
+        if (even && (found.share > tuned_.max_share ||
+                     (model_.traits.has_axis() && found.log_false_alarms > tuned_.log_false_alarm_limit)))
             doubt(found.fit, FitIssue::no_consensus,
                   "the points within the automatic threshold are spread evenly over it, so the " + name +
                       " may lie across them: take more points or fewer outliers, or set the threshold");
@@ -321,6 +314,7 @@ private:
     const WorkingPoints& working_;
     SearchOptions search_;
     const ShapeModel& model_;
+    const HalvingTuning& tuned_ = fit_tuning().halving;
     double smallest_, done_ = 0, part_ = 1;
     std::function<bool(double)> on_;
     std::uint64_t samples_ = 0;
@@ -362,7 +356,7 @@ ShapeFit fit_shape(const FitPoints& points, const ShapeFitOptions& options)
     const WorkingPoints working = working_points(points, spread, options.seed);
     SearchOptions search{options, 0, {}};
     const double threshold = options.threshold > 0 ? options.threshold : automatic_threshold(points);
-    search.threshold = threshold > 0 ? threshold / working.unit : unknown_noise;
+    search.threshold = threshold > 0 ? threshold / working.unit : fit_tuning().thresholds.unknown_noise;
     // No smaller than what rounded coordinates distinguish.
     const double smallest = std::max(1e-9, 8e-16 * largest_magnitude(working.middle) / working.unit);
     search.threshold = std::max(search.threshold, smallest);

@@ -5,6 +5,7 @@
 #include "pcm/fit/point_normals.h"
 #include "pcm/fit/sample_draw.h"
 #include "pcm/fit/sample_score.h"
+#include "pcm/fit/tuning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,10 +15,7 @@ namespace {
 
 constexpr std::size_t improved_points = 512;
 constexpr unsigned flat_samples = 60;
-// A sample leads to the surface if its normals are within this angle of the surface's.
-constexpr double sound_normal = 0.15;  // radians
 constexpr std::size_t most_asked = 100;
-constexpr double rough_normals = 3;  // thresholds
 
 // What the estimators are made of. In the order of the enumerators.
 struct EstimatorParts {
@@ -69,7 +67,7 @@ public:
             if (!better) continue;
             improve();
             if (model_.needs_normals)
-                near_loosely_ = std::max(near_loosely_, score_.roughly_near(result_.shape, rough_normals));
+                near_loosely_ = std::max(near_loosely_, score_.roughly_near(result_.shape, rough_normals_));
             enough = std::min<double>(options_.fit.iterations, samples_needed());
         }
         if (model_.flat_starts > 0) try_flat();
@@ -135,7 +133,7 @@ private:
     // Estimated normals lead to shapes that are near the surface, not within the threshold of most of it.
     bool passes(const Shape& shape)
     {
-        return score_.is_near(shape, random_.below(points_.size()), model_.needs_normals ? rough_normals : 1);
+        return score_.is_near(shape, random_.below(points_.size()), model_.needs_normals ? rough_normals_ : 1);
     }
 
     bool consider(const Shape& shape)
@@ -153,11 +151,11 @@ private:
     bool consider_roughly(const Shape& shape)
     {
         if (!in_range(shape)) return false;
-        const std::size_t near = score_.roughly_near(shape, rough_normals);
+        const std::size_t near = score_.roughly_near(shape, rough_normals_);
         if (near <= near_loosely_) return false;
         near_loosely_ = near;
         const double before = best_.score;
-        improve(model_.patch_at(shape, {}), {rough_normals * options_.threshold, least_cosine_, improved_points});
+        improve(model_.patch_at(shape, {}), {rough_normals_ * options_.threshold, least_cosine_, improved_points});
         return best_.score < before;
     }
 
@@ -182,6 +180,7 @@ private:
     // Share of the points near the best shape whose normals are about its own.
     double sound_normals()
     {
+        const double least_cosine = std::cos(fit_tuning().sampling.sound_normal);
         std::size_t asked = 0, sound = 0;
         PatchBlock block;
         for (std::size_t i = 0; i < points_.size() && asked < most_asked; ++i) {
@@ -192,7 +191,7 @@ private:
             if (!(std::fabs(block.distance[of_block]) <= options_.threshold)) continue;
             if (least_cosine_ > 0 && !score_.is_near(result_.shape, i)) continue;
             ++asked;
-            sound += std::fabs(dot(normals_.at(i), normal_at(result_.shape, points_.at(i)))) >= std::cos(sound_normal);
+            sound += std::fabs(dot(normals_.at(i), normal_at(result_.shape, points_.at(i)))) >= least_cosine;
         }
         return asked > 0 ? std::max(1.0, static_cast<double>(sound)) / static_cast<double>(asked) : 1;
     }
@@ -216,6 +215,7 @@ private:
     SampleDraw draw_;
     SampleNumbers random_;
     double least_cosine_;
+    const double rough_normals_ = fit_tuning().sampling.rough_normals;
     SampleScore score_;
     SampleScore::Value best_;
     double done_ = 0;               // share of the samples, as shown

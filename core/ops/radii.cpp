@@ -24,7 +24,8 @@ public:
             .only(Face::command)
             .label("Device")
             .help(
-                "gpu: by compute shaders, which takes OpenGL 4.3 and pcmlab-render; worth it on a graphics card alone");
+                "gpu: by compute shaders, which takes OpenGL 4.3 and pcmlab-render; faster only with a fast card and "
+                "one or two cores");
     }
 
     Result run(const Context& context) override

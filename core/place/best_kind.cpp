@@ -1,6 +1,8 @@
 #include "pcm/place/best_kind.h"
 
 #include "pcm/fit/models/shape_model.h"
+#include "pcm/fit/tuning.h"
+#include "pcm/place/tuning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,14 +10,7 @@
 namespace pcm {
 namespace {
 
-constexpr double inlier_noises = 3;   // an inlier's largest distance
-constexpr double far_less = 0.3;      // noise
-constexpr double as_little = 1.25;    // times the noise of the surface: nothing is left to explain,
-constexpr double half_less = 0.45;    // where it is less than half of what there was
-constexpr double least_share = 0.5;   // of the points
-constexpr double most_radius = 200;   // of the other kind, in the noise: what is less bent may be a scanner's error
 constexpr std::size_t enough = 3000;  // points to compare kinds
-const double gain_on_plane = std::log(2.0), gain_on_curved = std::log(1.2);  // per inlier, of a kind of higher rank
 
 int rank_of(const ShapeFit& fit) { return model_of(fit.shape.kind).rank; }
 
@@ -33,7 +28,8 @@ double log_false_alarms(std::size_t points, std::size_t inliers, std::size_t sam
 
 double chance_of(const ShapeFit& fit, const FitPoints& points, double depth)
 {
-    const double distance = fit.noise > 0 ? std::min(fit.threshold, inlier_noises * fit.noise) : fit.threshold;
+    const double noises = fit_tuning().thresholds.inlier_noises * fit.noise;
+    const double distance = fit.noise > 0 ? std::min(fit.threshold, noises) : fit.threshold;
     std::size_t inliers = 0;
     for (std::size_t i = 0; i < points.size(); ++i) inliers += distance_to(fit.shape, points.source(i)) <= distance;
     return log_false_alarms(points.size(), inliers, model_of(fit.shape.kind).parameters(),
@@ -65,7 +61,8 @@ std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitP
         }
         if (!of_rank) continue;
         if (best) {
-            const double gain = rank_of(fits[*best]) == 0 ? gain_on_plane : gain_on_curved;
+            const KindTuning& tuned = place_tuning().kinds;
+            const double gain = std::log(rank_of(fits[*best]) == 0 ? tuned.gain_on_plane : tuned.gain_on_curved);
             if (!(least_of_rank + gain * static_cast<double>(fits[*of_rank].inliers) < least)) continue;
         }
         best = of_rank;
@@ -85,20 +82,22 @@ std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3
     for (std::size_t i = 0; i < inliers.size(); i += every) some.push_back(inliers[i]);
     const FitPoints compared = FitPoints::of(some);
     ShapeFitOptions options;
-    options.threshold = 2 * inlier_noises * noise;
+    options.threshold = 2 * fit_tuning().thresholds.inlier_noises * noise;
     options.progress = progress;
     std::optional<ShapeKind> best;
-    double least = std::max(far_less * fit.noise, std::min(as_little * noise, half_less * fit.noise));
+    const KindTuning& tuned = place_tuning().kinds;
+    const double enough_less = std::min(tuned.surface_noise * noise, tuned.half_noise * fit.noise);
+    double least = std::max(tuned.far_less_noise * fit.noise, enough_less);
     for (const ShapeTraits& row : shape_kinds()) {
         options.kind = row.kind;
         if (row.kind == fit.shape.kind || !(options.threshold > 0)) continue;
         const ShapeFit other = fit_shape(compared, options);
         if (!is_determined(other) ||
-            static_cast<double>(other.inliers) < least_share * static_cast<double>(some.size()) ||
+            static_cast<double>(other.inliers) < tuned.min_share * static_cast<double>(some.size()) ||
             !(other.noise < least))
             continue;
         const double radius = row.bend_radius(other.shape, some.front());
-        if (traits_of(fit.shape.kind).is_flat() && !(radius < most_radius * fit.noise)) continue;
+        if (traits_of(fit.shape.kind).is_flat() && !(radius < tuned.max_radius * fit.noise)) continue;
         best = row.kind;
         least = other.noise;
     }

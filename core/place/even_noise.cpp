@@ -1,5 +1,8 @@
 #include "pcm/place/even_noise.h"
 
+#include "pcm/fit/second_degree.h"
+#include "pcm/place/tuning.h"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
@@ -9,13 +12,8 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t first = 24;
-constexpr double wider = 1.5;
-constexpr double surface_numbers = 6;
-constexpr double level = 3.0902;  // of a normal deviate: once in a thousand
-
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Matrix6 = Eigen::Matrix<double, 6, 6>;
+using Vector6 = Eigen::Matrix<double, surface_numbers, 1>;
+using Matrix6 = Eigen::Matrix<double, surface_numbers, surface_numbers>;
 
 // Of residuals from the surface of second degree through the first n points.
 double squares_of(const std::vector<Vec3d>& points, std::size_t n)
@@ -61,16 +59,18 @@ bool is_more_noise(double variance, double more, double than, double fewer)
     if (!(variance > than)) return false;
     if (!(than > 0)) return true;
     const double root = std::cbrt(variance / than), a = 2 / (9 * more), b = 2 / (9 * fewer);
-    return ((1 - b) * root - (1 - a)) / std::sqrt(b * root * root + a) > level;
+    return ((1 - b) * root - (1 - a)) / std::sqrt(b * root * root + a) > place_tuning().even_noise.level;
 }
 
 EvenNoise even_noise(const std::vector<Vec3d>& nearest)
 {
-    if (nearest.size() < first) return {};
-    std::size_t count = first;
+    const EvenNoiseTuning& tuned = place_tuning().even_noise;
+    if (nearest.size() < tuned.first_points) return {};
+    std::size_t count = tuned.first_points;
     double squares = squares_of(nearest, count);
     while (count < nearest.size()) {
-        const std::size_t next = std::min(nearest.size(), static_cast<std::size_t>(wider * static_cast<double>(count)));
+        const auto wider = static_cast<std::size_t>(tuned.widening * static_cast<double>(count));
+        const std::size_t next = std::min(nearest.size(), wider);
         const double all = squares_of(nearest, next), further = static_cast<double>(next - count),
                      free = static_cast<double>(count) - surface_numbers;
         if (is_more_noise((all - squares) / further, further, squares / free, free)) break;

@@ -2,12 +2,14 @@
 
 #include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/numbers.h"
+#include "pcm/fit/tuning.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/local_fit.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/surface_beyond.h"
+#include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/system/error.h"
 #include "pcm/system/seconds.h"
@@ -24,17 +26,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t left_out_points = 500;
-constexpr std::size_t most_judged = 20000;  // points, for whether they are a piece of another surface
-constexpr std::size_t least_narrow = 120;   // points of a surface beside which the noise rises
-constexpr double most_noise_grown = 3;      // of a surface whose noise differs from place to place
-// Racks as planes and wide cylinders leave these by 4.5 to 6 times the noise of the closest points, with bends (see
-// one_surface.h) of 0.04 to 0.23 mostly; scans of real things by as much, with bends of 0.27 (Tango) to 0.95 (a mug).
-constexpr double most_noise_close = 4, least_shared = 0.25;
-// Standard deviations of noise per threshold: a third where nothing is cut. Of 105 good answers
-// two of 93 right ones are above, and three of 12 wrong ones.
-constexpr double most_noise_share = 0.46;
-constexpr double is_at_limit = 2.4;  // times the first threshold, of a threshold that growth raised (grow_shape.h)
+constexpr std::size_t most_judged = 20000;      // points, for whether they are a piece of another surface
 const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
@@ -95,8 +87,8 @@ private:
 
     void leave_out(const Vec3d& place)
     {
-        double radius =
-            points_near(cloud_, place, near_options(options_.count > 0 ? options_.count : left_out_points)).radius;
+        const std::size_t count = options_.count > 0 ? options_.count : place_tuning().neighbourhood.first_points;
+        double radius = points_near(cloud_, place, near_options(count)).radius;
         for (const Vec3d& p : places_) radius = std::min(radius, length(p - place) / 2);
         limit_.clips.push_back({Region::sphere(place, radius), true});
     }
@@ -127,7 +119,8 @@ private:
         double squares = 0;
         for (std::size_t i = 0; i < local.near.ids.size(); ++i)
             if (local.fit.is_inlier[i]) squares += std::pow(distance_to(shape, local.near.points.source(i)), 2);
-        return squares <= std::pow(most_noise_grown * local.fit.noise, 2) * static_cast<double>(local.fit.inliers);
+        const double most = place_tuning().following.max_noise_growth * local.fit.noise;
+        return squares <= most * most * static_cast<double>(local.fit.inliers);
     }
 
     LocalFitOptions local_options() const
@@ -156,7 +149,7 @@ private:
         primitive.estimator = traits_of(options_.fit.estimator).name;
         primitive.fit = result.local;
         primitive.fit.is_inlier.clear();
-        noise_ = local.noise / 3;
+        noise_ = local.noise / fit_tuning().thresholds.inlier_noises;
         progress_ = part_of(options_.progress, begin, end);
         if (result.local.has_shape()) add_points(local.close, way, result);
         return result;
@@ -191,8 +184,9 @@ private:
         options.threshold = local.threshold;
         options.raise_threshold = way == Way::uneven;
         options.turned_angle = result.reached.turned_angle;
-        options.turned_edge = result.reached.turned_edge = TurnedSurface::edge_for(
-            result.step, options_.fit.threshold > 0 ? std::min(local.noise, local.threshold) : local.threshold / 3);
+        const double noise = options_.fit.threshold > 0 ? std::min(local.noise, local.threshold)
+                                                        : local.threshold / fit_tuning().thresholds.inlier_noises;
+        options.turned_edge = result.reached.turned_edge = TurnedSurface::edge_for(result.step, noise);
         options.step = result.step;
         options.normal_angle = options_.fit.normal_angle;
         options.most_rounds = options_.rounds;
@@ -225,7 +219,7 @@ private:
         if (!grown.fit.has_shape())
             return come_back("the points reached determine no shape (" + std::string(name_of(grown.fit.issue)) + ")",
                              grown.fit.issue, result);
-        if (options_.fit.threshold == 0 && grown.fit.noise > most_noise_grown * result.local.noise)
+        if (options_.fit.threshold == 0 && grown.fit.noise > tuned_.max_noise_growth * result.local.noise)
             return come_back("its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +
                                  brief(result.local.noise),
                              FitIssue::no_consensus, result);
@@ -242,12 +236,12 @@ private:
         result = std::move(followed);
     }
 
-    // The neighbourhood was chosen by its noise: leaves and twigs have some that look smooth. Of 18 such fits of 216
-    // clicks the four on bushes, ray-cast and sampled, reached 57 to 106 points, those on surfaces 249 and more.
+    // The neighbourhood was chosen by its noise: leaves and twigs have some that look smooth.
     static void doubt_few_points(FittedPrimitive& result)
     {
         ShapeFit& fit = result.primitive.fit;
-        if (fit.verdict != FitVerdict::good || result.points.size() >= least_narrow) return;
+        if (fit.verdict != FitVerdict::good || result.points.size() >= place_tuning().following.min_narrow_points)
+            return;
         doubt(fit, FitIssue::no_consensus,
               "only " + grouped(result.points.size()) +
                   " points lie on it before the noise rises, as some do by chance in a crown of a tree: pick more "
@@ -312,12 +306,13 @@ private:
                              brief(noise_) +
                              ": it may hold several surfaces, so take a smaller neighbourhood, or give "
                              "a threshold");
-        if (options_.fit.threshold == 0 && fit.threshold > is_at_limit * result.local.threshold &&
+        if (options_.fit.threshold == 0 &&
+            fit.threshold > place_tuning().growth.raised_limit * result.local.threshold &&
             !evidence.has_shared_errors())
             return doubt(fit, FitIssue::other_surface,
                          "its points leave it farther and farther the more of them there are, by " + brief(noise) +
                              " at last: it may be a piece of another surface, so take a smaller neighbourhood");
-        if (options_.fit.threshold == 0 && fit.noise > most_noise_share * fit.threshold)
+        if (options_.fit.threshold == 0 && fit.noise > tuned_.max_noise_share * fit.threshold)
             return doubt(fit, FitIssue::no_consensus,
                          "the threshold cuts the noise of its points, which may be those of another surface: give a "
                          "larger threshold, or take a smaller neighbourhood");
@@ -347,11 +342,11 @@ private:
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, const SurfaceEvidence& whole,
                                   const NearPoints& near) const
     {
-        if (!(noise_ > 0) || !(noise > most_noise_close * noise_)) return false;
+        if (!(noise_ > 0) || !(noise > tuned_.max_close_noise * noise_)) return false;
         std::vector<Vec3d> positions;
         for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
         const SurfaceEvidence at_place = surface_evidence(fit.shape, spread_of(fit), resolution(), positions);
-        return std::max(whole.bend, at_place.bend) < least_shared;
+        return std::max(whole.bend, at_place.bend) < tuned_.min_shared_bend;
     }
 
     // A place of another surface may be beside a fit that was narrowed or followed.
@@ -375,7 +370,7 @@ private:
     std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
                                              const std::vector<Vec3d>& around) const
     {
-        if (options_.fit.threshold > 0 || !(noise_ > 0 && noise > most_noise_grown * noise_)) return {};
+        if (options_.fit.threshold > 0 || !(noise_ > 0 && noise > tuned_.max_noise_growth * noise_)) return {};
         ShapeFit fit = result.primitive.fit;
         fit.noise = noise;
         std::vector<Vec3d> near;
@@ -395,6 +390,7 @@ private:
     const std::shared_ptr<const Tree> tree_;
     const std::vector<Vec3d>& places_;
     const FitAtOptions& options_;
+    const FollowingTuning& tuned_ = place_tuning().following;
     Selection limit_;
     ProgressFunction progress_;  // of following
     double noise_ = 0;           // of the surface around the places, one standard deviation; 0: unknown

@@ -5,6 +5,7 @@
 #include "pcm/place/next_to.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/refit.h"
+#include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/select/grow.h"
 #include "pcm/threads/watch.h"
@@ -16,9 +17,7 @@
 namespace pcm {
 namespace {
 
-constexpr double raised_noises = 3.3, most_raised_share = 2.5;  // of a raised threshold
-constexpr double rounds_end = 0.7;                              // of the progress
-constexpr double least_inner = 0.5;                             // of the points
+constexpr double rounds_end = 0.7;  // share of the progress
 
 class ShapeGrowth {
 public:
@@ -43,9 +42,11 @@ public:
             grown.fit = fitted.fit;
             grown.agreement = fitted.agreement;
             if (!grown.fit.has_shape()) break;
-            grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) < 0.25;
+            grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) <
+                              tuned_.settled_change;
             if (options_.raise_threshold && grown.rounds < rounds) {
-                const double raised = std::min(raised_noises * grown.fit.noise, most_raised_share * options_.threshold);
+                const double raised = std::min(place_tuning().evidence.spread_noises * grown.fit.noise,
+                                               tuned_.max_raised * options_.threshold);
                 grown.converged = grown.converged && raised <= 1.05 * threshold_;
                 if (!grown.converged) threshold_ = std::max(threshold_, raised);
             }
@@ -101,11 +102,11 @@ private:
         const PointSet inner = inner_points(grown.points, grown.around, before, threshold_, options_.threads,
                                             part_of(options_.progress, 0.3, 0.5));
         if (inner.size() == grown.points.size() ||
-            static_cast<double>(inner.size()) < least_inner * static_cast<double>(grown.points.size()))
+            static_cast<double>(inner.size()) < tuned_.min_inner * static_cast<double>(grown.points.size()))
             return;
         const RefittedShape fitted = refit(inner, before, 0.5, 0.7, true);
         if (!fitted.fit.has_shape()) return;
-        if (change_in_errors(before, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) > 0.25)
+        if (change_in_errors(before, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) > tuned_.settled_change)
             reach(fitted.fit.shape, 0.7, 1, grown);
         grown.fit = fitted.fit;
         grown.fit.inliers = grown.points.size();
@@ -123,6 +124,7 @@ private:
     }
 
     const PointSet& seeds_;
+    const GrowthTuning& tuned_ = place_tuning().growth;
     GrowShapeOptions options_;
     const ProgressFunction whole_progress_;
     double threshold_;

@@ -1,6 +1,7 @@
 #include "pcm/place/inner_points.h"
 
 #include "pcm/place/progress_part.h"
+#include "pcm/place/tuning.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/tree/source_rounding.h"
 
@@ -13,11 +14,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double most_beside = 0.1;        // of the points on the shape; noise leaves less
-constexpr std::uint64_t least_beside = 2;  // fewer may be noise
-constexpr double points_per_cube = 4;
-constexpr double thresholds_per_cube = 2;  // wider than the noise
 
 void scan(const PointSet& set, unsigned threads, const ProgressFunction& progress,
           const std::function<void(const ScannedPoints&, const std::vector<Vec3d>&)>& take)
@@ -75,8 +71,8 @@ void EdgeCubes::coarsen()
 
 void EdgeCubes::widen()
 {
-    while (static_cast<double>(points_) < points_per_cube * static_cast<double>(cubes_.size()) && cubes_.size() > 1)
-        coarsen();
+    const double enough = place_tuning().growth.min_cube_points;
+    while (static_cast<double>(points_) < enough * static_cast<double>(cubes_.size()) && cubes_.size() > 1) coarsen();
 }
 
 bool EdgeCubes::is_edge(const Vec3d& p) const
@@ -89,13 +85,15 @@ bool EdgeCubes::is_edge(const Vec3d& p) const
         sum.on += found->second.on;
         sum.beside += found->second.beside;
     }
-    return sum.beside >= least_beside && static_cast<double>(sum.beside) > most_beside * static_cast<double>(sum.on);
+    const GrowthTuning& tuned = place_tuning().growth;
+    return sum.beside >= tuned.min_edge_points &&
+           static_cast<double>(sum.beside) > tuned.max_edge_share * static_cast<double>(sum.on);
 }
 
 PointSet inner_points(const PointSet& points, const PointSet& around, const Shape& shape, double threshold,
                       unsigned threads, const ProgressFunction& progress)
 {
-    EdgeCubes cubes(points.tree().info().bounds().min, thresholds_per_cube * threshold);
+    EdgeCubes cubes(points.tree().info().bounds().min, place_tuning().growth.edge_cube * threshold);
     std::mutex mutex;
     scan(around, threads, part_of(progress, 0, 0.6), [&](const ScannedPoints&, const std::vector<Vec3d>& positions) {
         std::vector<bool> on(positions.size());

@@ -2,10 +2,12 @@
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/fit/pcl_fit.h"
+#include "pcm/fit/tuning.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/even_noise.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/progress_part.h"
+#include "pcm/place/tuning.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
@@ -17,23 +19,10 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t first_count = 500, widening = 4, most_widenings = 3;
-constexpr std::size_t most_points = 4000;  // that take part in a fit of a chosen neighbourhood
-constexpr std::size_t core_points = 50;    // the nearest of a place
-constexpr double least_gain = 0.02;        // of a higher threshold, per inlier
-constexpr int most_raised = 4;             // the threshold: doublings
+constexpr std::size_t most_widenings = 3;
+constexpr std::size_t most_points = 4000;  // maximum number of points in a fit of a chosen neighbourhood
+constexpr int most_raised = 4;             // doublings of the threshold
 constexpr int most_lowered = 3;            // halvings, where the noise of the closest points is that of two surfaces
-constexpr double most_noise_raised = 2.5;  // when the threshold is doubled; of one surface it is doubled at most
-constexpr double noises = 3;               // an inlier's largest distance
-constexpr std::size_t closer_count = 125;  // where wider neighbourhoods hold more of another surface
-// Where a threshold cuts noise, its standard deviation is 0.58 of it, and a third where it is three of them.
-constexpr double most_of_threshold = 0.45;
-// Of the noise of a fit at the same place that holds a fifth of the points: others are of several surfaces. Posts as
-// cylinders have 2.2 times and more that of a face, racks as planes 3; kinds that fit a mug by stereo 1.5.
-constexpr double most_noise_beside = 2;
-// Of a kind with more sizes in a wider neighbourhood: two slopes of a roof as a cylinder have twice that of one slope.
-constexpr double most_noise_wider = 1.3;
-constexpr double least_share = 0.2;
 
 class LocalSearch {
 public:
@@ -55,9 +44,9 @@ public:
         }
         best.near = best.close;
         best.fit = fitted(best.near, 0.1, 0.2);
-        std::size_t count = is_at_places(best) ? first_count : look_closer(best);
+        std::size_t count = is_at_places(best) ? tuned_.first_points : look_closer(best);
         for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
-            count *= widening;
+            count *= tuned_.widening;
             const double begin = 0.3 + 0.7 * static_cast<double>(round - 1) / most_widenings,
                          end = 0.3 + 0.7 * static_cast<double>(round) / most_widenings;
             NearPoints near = neighbourhood(0, count, most_points, begin, (begin + end) / 2);
@@ -101,7 +90,7 @@ public:
         LocalFit narrow;
         choose_kinds(narrow);
         gather_close(narrow);
-        noise_ = noises * even.noise;
+        noise_ = fit_tuning().thresholds.inlier_noises * even.noise;
         narrow.noise = noise_;
         narrow.near = narrow.close = neighbourhood(0, even.count, even.count, 0.2, 0.3);
         narrow.fit = fitted(narrow.near, 0.3, 1);
@@ -115,7 +104,7 @@ private:
     EvenNoise even_noise_at(const Vec3d& place) const
     {
         NearOptions options;
-        options.count = first_count;
+        options.count = tuned_.first_points;
         options.limit = options_.limit;
         const NearPoints near = points_near(cloud_, place, options);
         std::vector<Vec3d> positions;
@@ -167,12 +156,12 @@ private:
 
     void gather_close(LocalFit& result)
     {
-        result.close = neighbourhood(0, first_count, first_count, 0, 0.1);
+        result.close = neighbourhood(0, tuned_.first_points, tuned_.first_points, 0, 0.1);
         result.noise = automatic_threshold(result.close.points);
         noise_ = options_.fit.threshold > 0 ? options_.fit.threshold : result.noise;
         for (const Vec3d& place : places_) {
             NearOptions options;
-            options.count = core_points;
+            options.count = tuned_.core_points;
             options.limit = options_.limit;
             const NearPoints core = points_near(cloud_, place, options);
             std::vector<Vec3d> positions;
@@ -220,14 +209,14 @@ private:
     // Where another surface has more points around the place; returns how many of the nearest points were taken.
     std::size_t look_closer(LocalFit& best)
     {
-        NearPoints near = neighbourhood(0, closer_count, closer_count, 0.2, 0.22);
+        NearPoints near = neighbourhood(0, tuned_.closer_points, tuned_.closer_points, 0.2, 0.22);
         ShapeFit fit = fitted(near, 0.22, 0.3);
         if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near) ||
             !is_of_one_surface(fit, near))
-            return first_count;
+            return tuned_.first_points;
         best.near = std::move(near);
         best.fit = std::move(fit);
-        return closer_count;
+        return tuned_.closer_points;
     }
 
     static double share_of(const ShapeFit& fit, const NearPoints& near)
@@ -280,7 +269,7 @@ private:
         if (!holds_noise(fit) && !evidence_of(fit, near).has_shared_errors()) return true;
         if (fit.shape.kind == before.shape.kind) return false;
         const bool has_more = traits_of(fit.shape.kind).sizes.size() > traits_of(before.shape.kind).sizes.size();
-        return fit.noise > (has_more ? most_noise_wider : most_noise_raised) * before.noise;
+        return fit.noise > (has_more ? tuned_.max_noise_wider : tuned_.max_noise_raised) * before.noise;
     }
 
     // Half of the former inliers are still near.
@@ -315,19 +304,19 @@ private:
         if (options_.fit.threshold > 0) return;
         double least = infinity;
         for (const ShapeFit& fit : fits)
-            if (is_determined(fit) && holds_noise(fit) && share_of(fit, near) >= least_share && passes(fit, near))
+            if (is_determined(fit) && holds_noise(fit) && share_of(fit, near) >= tuned_.min_share && passes(fit, near))
                 least = std::min(least, fit.noise);
         fits.erase(std::remove_if(fits.begin(), fits.end(),
-                                  [&](const ShapeFit& fit) { return fit.noise > most_noise_beside * least; }),
+                                  [&](const ShapeFit& fit) { return fit.noise > tuned_.max_noise_ratio * least; }),
                    fits.end());
     }
 
-    static bool holds_noise(const ShapeFit& fit) { return fit.noise < most_of_threshold * fit.threshold; }
+    bool holds_noise(const ShapeFit& fit) const { return fit.noise < tuned_.max_noise_share * fit.threshold; }
 
     // Whether points of another surface are near the shape, with a threshold twice as large as before.
-    static bool takes_in_another(const ShapeFit& fit, const ShapeFit& before)
+    bool takes_in_another(const ShapeFit& fit, const ShapeFit& before) const
     {
-        return fit.has_shape() && before.has_shape() && fit.noise > most_noise_raised * before.noise;
+        return fit.has_shape() && before.has_shape() && fit.noise > tuned_.max_noise_raised * before.noise;
     }
 
     // With the threshold that is least probable by chance, of those that hold one surface where there are any.
@@ -347,9 +336,9 @@ private:
             if (takes_in_another(fit, before)) break;
             if (fit.has_shape()) before = fit;
             const bool is_now = is_of_one_surface(fit, near);
-            if (is_one && (!is_now || (holds_noise(best) && fit.noise > most_noise_beside * best.noise))) continue;
+            if (is_one && (!is_now || (holds_noise(best) && fit.noise > tuned_.max_noise_ratio * best.noise))) continue;
             const double chance = chance_of(fit, near.points, near.radius);
-            const double gain = least_gain * static_cast<double>(fit.inliers);
+            const double gain = tuned_.min_gain * static_cast<double>(fit.inliers);
             const bool is_first = !best.has_shape() || (is_now && !is_one);
             if (raised == 0 || (fit.has_shape() && (is_first || chance + gain < least))) {
                 best = std::move(fit);
@@ -370,8 +359,8 @@ private:
         for (int lowered = 1; lowered <= most_lowered; ++lowered) {
             options.threshold = std::ldexp(noise_, -lowered);
             ShapeFit fit = fit_shape(near.points, options);
-            if (!is_determined(fit) || !holds_noise(fit) || share_of(fit, near) < least_share || !passes(fit, near) ||
-                !is_of_one_surface(fit, near))
+            if (!is_determined(fit) || !holds_noise(fit) || share_of(fit, near) < tuned_.min_share ||
+                !passes(fit, near) || !is_of_one_surface(fit, near))
                 continue;
             best = std::move(fit);
             return;
@@ -381,7 +370,7 @@ private:
     // Beyond the noise there is nothing of the surface.
     void narrow(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
     {
-        const double enough = std::max(noise_, noises * 1.1 * best.noise);
+        const double enough = std::max(noise_, fit_tuning().thresholds.inlier_noises * 1.1 * best.noise);
         if (options_.fit.threshold > 0 || !best.has_shape() || !(enough < best.threshold)) return;
         options.threshold = enough;
         options.progress = part_of(options_.progress, at, at);
@@ -393,6 +382,7 @@ private:
     const PointCloud& cloud_;
     const std::vector<Vec3d>& places_;
     const LocalFitOptions& options_;
+    const NeighbourhoodTuning& tuned_ = place_tuning().neighbourhood;
     std::vector<ShapeKind> kinds_;           // of which the best is kept
     std::vector<std::vector<Vec3d>> cores_;  // the nearest points of each place
     double noise_ = 0;                       // a threshold from it; 0: unknown

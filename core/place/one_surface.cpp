@@ -1,6 +1,7 @@
 #include "pcm/place/one_surface.h"
 
 #include "pcm/fit/near_tree.h"
+#include "pcm/place/tuning.h"
 #include "pcm/shapes/axis_frame.h"
 
 #include <algorithm>
@@ -11,20 +12,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t judged_neighbours = 17;  // the point itself among them, as in surface_beyond.cpp
 constexpr std::size_t most_places = 200;
-constexpr double threshold_noises = 3.3;
-
-// From 180 clicks on plants that were ray-cast from stations, shapes among clutter, canopies, and on the scans of
-// GROUND_TRUTH.csv. Fits to one surface have 0.29 to 0.42 of two_peaks where there are 500 points (table by stereo:
-// 0.40), and up to 0.48 of 60 points; plates, racks and posts 0.47 to 0.87 of 500 points and more. The root of the
-// number of points is how chance spreads it: by 0.54 / root(n) for Gaussian noise.
-constexpr double most_two_peaks = 0.45, by_chance = 0.5;
-// In the same clicks: a mug by stereo, whose errors neighbours share, has a bend of 0.58 to 0.79 with a slope of 0.39
-// at most, and of 0.84 to 0.87 with 0.58 where all of it was reached; canopies called planes or spheres have slopes of
-// 0.83 to 1.33. Plates, racks and posts have bends up to 0.39, the whole mug 0.47 to 0.53 of two_peaks.
-constexpr double least_spread = 0.03;  // of the threshold: coordinates that are exact up to their rounding
-constexpr double least_bend = 0.3, most_slope = 0.7, shared_bend = 0.6;
 
 struct Near {
     std::vector<Vec3d> foot;  // on the shape, about the first of the points
@@ -100,13 +88,18 @@ std::optional<Tilt> tilt_of(const Near& near, std::size_t place, const std::vect
 
 bool SurfaceEvidence::has_two_peaks() const
 {
-    return points >= judged_neighbours && !has_shared_errors() &&
-           two_peaks > most_two_peaks + by_chance / std::sqrt(static_cast<double>(points));
+    const EvidenceTuning& tuned = place_tuning().evidence;
+    return points >= tuned.neighbours && !has_shared_errors() &&
+           two_peaks > tuned.max_two_peaks + tuned.two_peaks_by_chance / std::sqrt(static_cast<double>(points));
 }
 
-bool SurfaceEvidence::has_shared_errors() const { return bend > shared_bend; }
+bool SurfaceEvidence::has_shared_errors() const { return bend > place_tuning().evidence.shared_bend; }
 
-bool SurfaceEvidence::is_turned() const { return bend > least_bend && slope > most_slope; }
+bool SurfaceEvidence::is_turned() const
+{
+    const EvidenceTuning& tuned = place_tuning().evidence;
+    return bend > tuned.min_turned_bend && slope > tuned.max_slope;
+}
 
 std::string SurfaceEvidence::message() const
 {
@@ -121,23 +114,25 @@ std::string SurfaceEvidence::message() const
 
 double spread_of(const ShapeFit& fit)
 {
-    return fit.noise > 0 ? std::min(fit.threshold, threshold_noises * fit.noise) : fit.threshold;
+    return fit.noise > 0 ? std::min(fit.threshold, place_tuning().evidence.spread_noises * fit.noise) : fit.threshold;
 }
 
 double farthest_place(const ShapeFit& fit)
 {
-    constexpr double beyond = 1.2, part = 0.3;
-    return beyond * std::max(spread_of(fit), part * fit.threshold);
+    const EvidenceTuning& tuned = place_tuning().evidence;
+    return tuned.place_spreads * std::max(spread_of(fit), tuned.place_share * fit.threshold);
 }
 
 SurfaceEvidence surface_evidence(const Shape& shape, double threshold, double resolution,
                                  const std::vector<Vec3d>& points)
 {
     SurfaceEvidence evidence;
+    const std::size_t neighbours = place_tuning().evidence.neighbours;
     const Near near = near_shape(shape, threshold, points);
     const std::size_t count = evidence.points = near.distance.size();
-    if (count < judged_neighbours) return evidence;
-    evidence.two_peaks = two_peaks_of(near.distance, std::max(resolution, least_spread * threshold));
+    if (count < neighbours) return evidence;
+    evidence.two_peaks =
+        two_peaks_of(near.distance, std::max(resolution, place_tuning().evidence.min_spread * threshold));
     std::array<std::vector<double>, 3> foot;
     double squares = 0;
     for (std::size_t i = 0; i < count; ++i) {
@@ -148,9 +143,9 @@ SurfaceEvidence surface_evidence(const Shape& shape, double threshold, double re
     std::vector<NearTree::Near> around;
     double smooth = 0, tilted = 0, places = 0, planes = 0;
     for (std::size_t i = 0; i < count; i += 1 + count / most_places) {
-        tree.nearest(near.foot[i], judged_neighbours, around);
+        tree.nearest(near.foot[i], neighbours, around);
         double mean = 0;
-        for (const NearTree::Near& one : around) mean += near.distance[one.index] / judged_neighbours;
+        for (const NearTree::Near& one : around) mean += near.distance[one.index] / static_cast<double>(neighbours);
         smooth += mean * mean;
         places += 1;
         if (const auto tilt = tilt_of(near, i, around)) {

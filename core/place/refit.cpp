@@ -2,6 +2,7 @@
 
 #include "pcm/fit/shape_sums.h"
 #include "pcm/place/error_agreement.h"
+#include "pcm/place/tuning.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/threads/watch.h"
 #include "pcm/tree/source_rounding.h"
@@ -110,7 +111,7 @@ private:
 
     double agreement_of(const Shape& shape, const Box3d& box)
     {
-        const double edge = extent_ / 16;
+        const double edge = extent_ / place_tuning().growth.agreement_cubes;
         std::map<NodeId, ErrorAgreement> parts;
         std::mutex mutex;
         scan([&](const ScannedPoints& found) {

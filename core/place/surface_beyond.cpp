@@ -1,7 +1,9 @@
 #include "pcm/place/surface_beyond.h"
 
 #include "pcm/fit/near_tree.h"
+#include "pcm/fit/tuning.h"
 #include "pcm/place/grow_shape.h"
+#include "pcm/place/tuning.h"
 
 #include <algorithm>
 #include <array>
@@ -10,12 +12,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr std::size_t neighbours = 17;  // the point itself among them
-constexpr double least_slant = 1.2;     // of the way to the next point within the threshold, per way beyond it
-constexpr double gap = 1.5;             // spacings
-constexpr double most_continued = 0.12, most_bend = 0.4, most_noise = 2;
-constexpr double most_chance = 0.42;  // as of fits to points in memory
 
 // Within the threshold, about the first of them.
 struct Inside {
@@ -36,14 +32,16 @@ struct Inside {
 
 bool SurfaceBeyond::is_piece(double noise) const
 {
-    return continued > most_continued && (bend > most_bend || noise > most_noise);
+    const BeyondTuning& tuned = place_tuning().beyond;
+    return continued > tuned.max_continued && (bend > tuned.max_bend || noise > tuned.max_noise);
 }
 
-bool SurfaceBeyond::is_by_chance() const { return chance > most_chance; }
+bool SurfaceBeyond::is_by_chance() const { return chance > fit_tuning().consensus.max_chance; }
 
 SurfaceBeyond surface_beyond(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
 {
     SurfaceBeyond result;
+    const std::size_t neighbours = place_tuning().evidence.neighbours;
     const Inside inside(shape, threshold, points);
     const std::size_t count = inside.distance.size();
     if (count < neighbours) return result;
@@ -62,13 +60,14 @@ SurfaceBeyond surface_beyond(const Shape& shape, double threshold, const std::ve
     }
     std::nth_element(spacings.begin(), spacings.begin() + static_cast<std::ptrdiff_t>(count / 2), spacings.end());
     const double spacing = std::sqrt(spacings[count / 2]);
+    const double slant = place_tuning().beyond.min_slant, gap = place_tuning().beyond.gap * spacing;
     std::size_t continued = 0, far = 0;
     for (const Vec3d& p : points) {
         const double beyond = distance_to(shape, p) - threshold;
         if (!(beyond > 0 && beyond <= (beyond_thresholds - 1) * threshold)) continue;
         far += beyond > threshold;
         tree.nearest(p - points.front(), 1, near);
-        continued += std::sqrt(near[0].square) > least_slant * beyond + gap * spacing;
+        continued += std::sqrt(near[0].square) > slant * beyond + gap;
     }
     result.continued = static_cast<double>(continued) / static_cast<double>(count);
     result.chance = static_cast<double>(far) / (beyond_thresholds - 2) / static_cast<double>(count);

@@ -1,5 +1,6 @@
 #include "pcm/place/turned_surface.h"
 
+#include "pcm/place/tuning.h"
 #include "pcm/shapes/axis_frame.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -14,11 +15,6 @@
 
 namespace pcm {
 namespace {
-
-constexpr double counted = 1.5;        // edges from the shape, half a block: a steep surface has points there, too
-constexpr double noises_per_cube = 6;  // a block is three cubes wide: its direction is known to a few degrees
-constexpr std::uint32_t least_block_points = 6;  // of a block with a direction
-constexpr double deviations = 3;                 // by which a direction must be off
 
 using Key = std::array<std::int64_t, 3>;
 using Products = Eigen::Matrix<double, 4, 4>;  // of x, y, z and the distance from the shape
@@ -101,7 +97,7 @@ private:
             block.add(found->second, edge_ * Sums4(static_cast<double>(step[0]), static_cast<double>(step[1]),
                                                    static_cast<double>(step[2]), 0));
         }
-        if (block.points < least_block_points) return false;
+        if (block.points < tuned_.min_block_points) return false;
         const double n = block.points;
         const Sums4 mean = block.sums / n;
         const Products spread = block.products / n - mean * mean.transpose();
@@ -117,12 +113,13 @@ private:
         const double least = std::max(axes.eigenvalues()[0], 0.0), next = axes.eigenvalues()[1];
         if (!(next > 1e-6 * axes.eigenvalues()[2])) return false;
         const double angle = std::acos(std::min(1.0, std::fabs(axes.eigenvectors()(2, 0))));
-        return angle > angle_ + deviations * std::sqrt(least / (next * n));
+        return angle > angle_ + tuned_.deviations * std::sqrt(least / (next * n));
     }
 
     const Shape shape_;
     const double edge_, angle_;
     const Vec3d corner_;
+    const TurnedTuning& tuned_ = place_tuning().turned;
     std::unordered_map<Key, Moments, Hash> cubes_;
     std::unordered_map<Key, bool, Hash> passing_;
 };
@@ -134,7 +131,7 @@ TurnedSurface::TurnedSurface(const Shape& shape, double threshold, double edge, 
       edge_(edge),
       angle_(angle),
       corner_(tree.bounds().min),
-      near_(shape, std::max(threshold, counted * edge), pi, tree.schema)
+      near_(shape, std::max(threshold, place_tuning().turned.counted * edge), pi, tree.schema)
 {
     if (!(angle > 0))
         throw Error(ErrorCode::invalid_argument, {},
@@ -142,7 +139,10 @@ TurnedSurface::TurnedSurface(const Shape& shape, double threshold, double edge, 
                         " radians; it is positive, and pi / 2 or more where they are not compared");
 }
 
-double TurnedSurface::edge_for(double step, double noise) { return std::max(step / 3, noises_per_cube * noise); }
+double TurnedSurface::edge_for(double step, double noise)
+{
+    return std::max(step / 3, place_tuning().turned.cube_noises * noise);
+}
 
 std::unique_ptr<SurroundingsTest::Judge> TurnedSurface::judge() const
 {

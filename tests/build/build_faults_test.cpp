@@ -144,7 +144,8 @@ TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(KilledAgainAndAgain))
     EXPECT_TRUE(contents(out()) == reference_);
 }
 
-TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(ATreeThatIsOverwrittenIsThereAtAnyTime))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(BuildFaults, PCM_NOT_UNDER_SANITIZERS(ATreeThatIsOverwrittenIsThereAtAnyTime))
 {
     write_las(folder_ / "old.las", records(Shape::volume, 3000, 32), {});
     build_tree({folder_ / "old.las"}, folder_ / "old.pct", options());
@@ -174,7 +175,8 @@ TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(ATreeThatIsOverwrittenIsThereAtAnyTime)
     EXPECT_GT(replaced, 0);
 }
 
-TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(ADiskThatIsFullOrFailsLeavesNothingBehind))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(BuildFaults, PCM_NOT_UNDER_SANITIZERS(ADiskThatIsFullOrFailsLeavesNothingBehind))
 {
     write_las(folder_ / "old.las", records(Shape::volume, 3000, 32), {});
     build_tree({folder_ / "old.las"}, folder_ / "old.pct", options());
@@ -203,7 +205,8 @@ TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(ADiskThatIsFullOrFailsLeavesNothingBehi
 }
 
 // Through the spool: doubles that are read in order.
-TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(OfDoublesToo))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(BuildFaults, PCM_NOT_UNDER_SANITIZERS(OfDoublesToo))
 {
     std::vector<std::array<double, 3>> points;
     for (const LasRecord& p : records(Shape::surface, 20000, 33))
@@ -283,7 +286,8 @@ TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(ProgressSaysThatItResumes))
 }
 
 // Whatever is torn, missing or too short: the tree is the same.
-TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(WhatDoesNotHoldIsNotUsed))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(BuildFaults, PCM_NOT_UNDER_SANITIZERS(WhatDoesNotHoldIsNotUsed))
 {
     for (const double share : {0.4, 0.95}) {
         interrupt(share);

@@ -9,6 +9,7 @@
 #include "pcm/update/tree_update.h"
 #include "tests/build/build_support.h"
 #include "tests/memory_reader.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <cmath>
@@ -99,7 +100,8 @@ protected:
     Contents old_;
 };
 
-TEST_F(Extents, ATreeOfAnyMagnitudeReturnsItsPointsOrIsRefused)
+// Not under the thread sanitizer: all of it runs in one thread.
+TEST_F(Extents, PCM_NOT_UNDER_THREAD(ATreeOfAnyMagnitudeReturnsItsPointsOrIsRefused))
 {
     for (const Kind kind : {Kind::doubles, Kind::floats, Kind::grid, Kind::near_grid})
         for (int k = -1070; k <= 1020; k += 38) {

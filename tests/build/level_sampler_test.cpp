@@ -3,6 +3,7 @@
 #include "pcm/bpc/byte_order.h"
 #include "pcm/build/levels/morton_sort.h"
 #include "pcm/system/error.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <gtest/gtest.h>
@@ -231,7 +232,8 @@ TYPED_TEST(Levels, OfSeveralSpacings)
 }
 
 // Bins that are a little less than a spacing apart, of one point and of a few: what one chooses matters to the next.
-TYPED_TEST(Levels, OfBinsThatAreAlmostASpacingApart)
+// Under no sanitizer: minutes there, in one thread, of what other tests run too.
+PCM_TYPED_TEST(Levels, PCM_NOT_UNDER_SANITIZERS(OfBinsThatAreAlmostASpacingApart))
 {
     const Lattice lattice(Grid{{0.001, 0.001, 0.001}, {0, 0, 0}});
     for (const double share : {0.9996, 0.9999, 1.0})
@@ -298,7 +300,8 @@ TYPED_TEST(Levels, OfAnisotropicGrids)
     }
 }
 
-TYPED_TEST(Levels, OfAddedPointsFitTheGivenOnes)
+// Not under the thread sanitizer: all of it runs in one thread.
+PCM_TYPED_TEST(Levels, PCM_NOT_UNDER_THREAD(OfAddedPointsFitTheGivenOnes))
 {
     for (const std::string kind : {"volume", "plane", "line", "duplicates", "point", "clusters", "uneven"})
         for (const std::size_t count : {500u, 60u}) {

@@ -5,6 +5,7 @@
 
 #include "pcm/system/error.h"
 #include "tests/build/schema_of.h"
+#include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
 
@@ -97,7 +98,8 @@ void expect_round_trip(const Schema& schema, bool wide, bool coordinates, bool s
         }
 }
 
-TEST(RowPacking, RoundTrips)
+// Not under the thread sanitizer: all of it runs in one thread.
+TEST(RowPacking, PCM_NOT_UNDER_THREAD(RoundTrips))
 {
     for (const bool wide : {false, true})
         for (const bool signed_coordinates : {false, true}) {

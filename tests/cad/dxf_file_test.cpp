@@ -5,6 +5,7 @@
 #include "pcm/system/error.h"
 #include "tests/support.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
@@ -195,6 +196,30 @@ TEST_F(Dxf, HandlesAreNeverUsedTwice)
             if (const std::string handle = entity.text(5); !handle.empty() && entity.type != "DIMSTYLE") ++seen[handle];
     EXPECT_GT(seen.size(), 300u);
     for (const auto& [handle, times] : seen) EXPECT_EQ(times, 1) << handle;
+}
+
+// Programs number what they add from there on.
+TEST_F(Dxf, TheSeedOfHandlesIsAboveAllOfThem)
+{
+    for (const int points : {1, 70000}) {
+        DxfFile file(folder_ / "a.dxf", {{"a", 1}});
+        for (int i = 0; i < points; ++i) file.point("a", {1.0 * i, 2, 3});
+        file.finish();
+        unsigned long largest = 0;
+        for (const char* name : {"TABLES", "BLOCKS", "ENTITIES", "OBJECTS"})
+            for (const Entity& entity : section(folder_ / "a.dxf", name))
+                largest = std::max(largest, std::strtoul(entity.text(5).c_str(), nullptr, 16));
+        EXPECT_GT(largest, static_cast<unsigned long>(points));
+        std::ifstream text(folder_ / "a.dxf");
+        std::string line;
+        while (std::getline(text, line) && line != "$HANDSEED") continue;
+        std::getline(text, line);
+        EXPECT_EQ(line, "  5");
+        std::getline(text, line);
+        const unsigned long seed = std::strtoul(line.c_str(), nullptr, 16);
+        EXPECT_GT(seed, largest) << points;
+        EXPECT_LE(seed, largest + 100) << points;
+    }
 }
 
 TEST_F(Dxf, LayersAreInTheTable)

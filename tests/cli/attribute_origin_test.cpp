@@ -1,5 +1,6 @@
 // Attributes that a cloud has from elsewhere are not overwritten unasked; lengths among them grow with the cloud.
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 
@@ -109,7 +110,8 @@ TEST_F(Origin, ComputedAttributesDoNotReplaceOthers)
     done("normals " + path("c.pct") + " --radii --curvature --mean-distance --in-place");
 }
 
-TEST_F(Origin, LengthsGrowWithTheCloud)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(Origin, PCM_NOT_UNDER_ADDRESS(LengthsGrowWithTheCloud))
 {
     done("normals " + path("t.pct") + " --radii --mean-distance --curvature --in-place");
     done("set " + path("t.pct") +

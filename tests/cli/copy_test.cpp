@@ -1,5 +1,6 @@
 // Commands that change a copy: whether a tree of the copy's name is replaced is known before the work begins.
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 namespace {
 
@@ -20,7 +21,8 @@ protected:
     }
 };
 
-TEST_F(Copies, ReplaceATreeOnlyWhenThatIsAsked)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(Copies, PCM_NOT_UNDER_ADDRESS(ReplaceATreeOnlyWhenThatIsAsked))
 {
     const std::string tree = path("a.pct"), copy = " -q -o " + path("b.pct");
     const std::string shape = " --threshold 0.3 --min-points 50 --label shape";

@@ -1,6 +1,7 @@
 // pcmlab detect as a user meets it, on a generated scene.
 
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 #include <filesystem>
 #include <regex>
@@ -24,7 +25,8 @@ protected:
     }
 };
 
-TEST_F(DetectCommand, FindsListsAndLabels)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(DetectCommand, PCM_NOT_UNDER_ADDRESS(FindsListsAndLabels))
 {
     const Result result = pcmlab("detect --json " + path("in.pct") + " --min-points 1000 --out " + path("list.json") +
                                  " --label shape -o " + path("out.pct"));

@@ -1,6 +1,7 @@
 // Paths, names and coordinate systems that are not UTF-8: finished work is reported, in JSON that every reader takes.
 #include "tests/cli/command.h"
 #include "tests/io/crs_records.h"
+#include "tests/sanitizers.h"
 
 #include <set>
 
@@ -70,7 +71,8 @@ protected:
     std::string place_;
 };
 
-TEST_F(Encoding, EveryCommandReportsPathsThatAreNotUtf8)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(Encoding, PCM_NOT_UNDER_ADDRESS(EveryCommandReportsPathsThatAreNotUtf8))
 {
     std::set<std::string> tried;
     for (const Call& call : calls()) {

@@ -1,5 +1,6 @@
 // Results whose name is that of a file: written as the file, or refused before any work; never a folder of that name.
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 #include <cmath>
 #include <sstream>
@@ -26,7 +27,8 @@ protected:
     }
 };
 
-TEST_F(FileResult, IsWrittenInTheFormatOfItsName)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(FileResult, PCM_NOT_UNDER_ADDRESS(IsWrittenInTheFormatOfItsName))
 {
     const std::string pairs = " --pair 0 0 0 1 0 0 --pair 9 0 0 10 0 0 --pair 0 9 0 1 9 0 --pair 0 0 5 1 0 5 -o ";
     const std::pair<std::string, std::string> commands[] = {

@@ -4,6 +4,7 @@
 #include "tests/cli/command.h"
 #include "tests/faults.h"
 #include "tests/place/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <fstream>
 #include <regex>
@@ -76,7 +77,8 @@ TEST_F(FitCommand, ClickOnAPipeAndGetThePipe)
 }
 
 // Of all kinds those that PCL has are fitted.
-TEST_F(FitCommand, IsTheSameWithAllVectorInstructions)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(FitCommand, PCM_NOT_UNDER_ADDRESS(IsTheSameWithAllVectorInstructions))
 {
     std::string first;
     for (const pcm::SimdLevel level : pcm::simd_levels()) {
@@ -102,7 +104,8 @@ TEST_F(FitCommand, TheBackendPclLeavesOutWhatItHasNot)
     refused(at_ + "--shape torus --backend pcl", 1, "the backend PCL has no torus");
 }
 
-TEST_F(FitCommand, PlacesMayBeWrittenInSeveralWays)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(FitCommand, PCM_NOT_UNDER_ADDRESS(PlacesMayBeWrittenInSeveralWays))
 {
     const double radius = fit(at_)["primitive"]["radius"];
     for (const char* at : {"--at 2 -39.75 10", "--at 2,-39.75,10", "--at '2, -39.75, 10'"})
@@ -166,7 +169,8 @@ TEST_F(FitCommand, ARefusedFitDoesNothing)
     EXPECT_FALSE(std::filesystem::exists(folder_ / "list.json"));
 }
 
-TEST_F(FitCommand, AddsToAList)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(FitCommand, PCM_NOT_UNDER_ADDRESS(AddsToAList))
 {
     const std::string list = " --add " + path("list.json");
     EXPECT_EQ(fit(at_ + list)["primitive"]["name"], "Cylinder 1");
@@ -188,7 +192,8 @@ TEST_F(FitCommand, AddsToAList)
     EXPECT_EQ(content, "{}");
 }
 
-TEST_F(FitCommand, ItsPointsAreExtractedSavedAndDeleted)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(FitCommand, PCM_NOT_UNDER_ADDRESS(ItsPointsAreExtractedSavedAndDeleted))
 {
     const std::uint64_t points = fit(at_ + "--extract " + path("pipe.las"))["points"];
     EXPECT_EQ(points_of("pipe.las"), points);
@@ -205,7 +210,8 @@ TEST_F(FitCommand, ItsPointsAreExtractedSavedAndDeleted)
 }
 
 // A full disk leaves the tree as it was, and no half of an output.
-TEST_F(FitCommand, AFullDiskChangesNothing)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(FitCommand, PCM_NOT_UNDER_ADDRESS(AFullDiskChangesNothing))
 {
     const std::filesystem::path work = folder_ / "work";
     std::filesystem::create_directory(work);

@@ -1,5 +1,6 @@
 // Lists of measures and primitives that several processes add to at once.
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 #include <set>
 
@@ -40,7 +41,8 @@ TEST_F(Lists, MeasuresAddedAtOnceAreAllThere)
     EXPECT_EQ(names("measure --json --list " + list, "measures"), expected);
 }
 
-TEST_F(Lists, PrimitivesAddedAtOnceAreAllThere)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(Lists, PCM_NOT_UNDER_ADDRESS(PrimitivesAddedAtOnceAreAllThere))
 {
     ASSERT_EQ(pcmlab("generate -q -n 20000 --no-truth --origin 0 0 0 " + path("scene.las")).code, 0);
     ASSERT_EQ(pcmlab("build -q -o " + path("t.pct") + " " + path("scene.las")).code, 0);

@@ -1,6 +1,7 @@
 // Commands that measure: measure, profile, volume.
 
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 #include <cmath>
 
@@ -139,7 +140,8 @@ TEST_F(MeasureCommands, ClipsHoldInProfilesAndVolumes)
     expect_refused(line + " --clip 'ball 1 2 3 4'", 1, "ball");
 }
 
-TEST_F(MeasureCommands, VolumeOfATree)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(MeasureCommands, PCM_NOT_UNDER_ADDRESS(VolumeOfATree))
 {
     make_tree("a", 1);
     const std::string base = "volume " + path("a.pct") + " --side 2 ";

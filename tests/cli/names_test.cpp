@@ -1,6 +1,7 @@
 // Names of outputs as a user types them: each command refuses what would lose something, and says what to do.
 
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 #include <sys/stat.h>
 
@@ -36,7 +37,8 @@ protected:
     }
 };
 
-TEST_F(Names, NoCommandWritesIntoATree)
+// Not under the address sanitizer: starts many commands, whose work other tests check.
+TEST_F(Names, PCM_NOT_UNDER_ADDRESS(NoCommandWritesIntoATree))
 {
     const auto before = contents("u.pct");
     for (const std::string& name : {"index.pct", "chunks-000.bpc", "about.pct", "new.las", "new.pct"}) {

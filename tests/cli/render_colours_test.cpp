@@ -1,6 +1,7 @@
 // What pcmlab render colours and shows: attributes, ramps, ranges, conditions.
 
 #include "tests/cli/command.h"
+#include "tests/sanitizers.h"
 
 #ifdef PCM_HAVE_RENDER
 
@@ -70,7 +71,8 @@ TEST_F(RenderColours, AnAttributeIsNamedAndItsRangeReported)
     expect_refusal("--colour height --ramp pink", "pink");
 }
 
-TEST_F(RenderColours, TheLegendIsInTheCorner)
+// Pictures are drawn under the address sanitizer by the tests of the rooms that draw; here it takes minutes.
+TEST_F(RenderColours, PCM_NOT_UNDER_ADDRESS(TheLegendIsInTheCorner))
 {
     const auto drawn_as = [&](const std::string& options) {
         drawn(options);
@@ -93,7 +95,7 @@ TEST_F(RenderColours, TheLegendIsInTheCorner)
     EXPECT_TRUE(drawn_as("--uniform-colour 9,9,9 --legend") == drawn_as("--uniform-colour 9,9,9"));
 }
 
-TEST_F(RenderColours, ConditionsChooseWhatIsShown)
+TEST_F(RenderColours, PCM_NOT_UNDER_ADDRESS(ConditionsChooseWhatIsShown))
 {
     const Json cloud = drawn("--colour classification --where classification=2,4 --where 'intensity<250'");
     EXPECT_EQ(cloud["points_drawn"], 1999);  // without the bright one

@@ -21,7 +21,8 @@ std::string bytes_of(const fs::path& file)
 class RenderWithout : public CommandTest {};
 
 // Debian's packages and scripts of others may install pcmlab without pcmlab-render.
-TEST_F(RenderWithout, PcmlabSaysWhatIsMissing)
+// Pictures are drawn under the address sanitizer by the tests of the rooms that draw; here it takes minutes.
+TEST_F(RenderWithout, PCM_NOT_UNDER_ADDRESS(PcmlabSaysWhatIsMissing))
 {
     fs::copy_file(pcm::paths::command, folder_ / "pcmlab");
     const std::string command = path("pcmlab") + " render a.pct -o a.png 2>" + path("said.txt");
@@ -32,7 +33,7 @@ TEST_F(RenderWithout, PcmlabSaysWhatIsMissing)
     EXPECT_NE(pcmlab("--help").out.find("render"), std::string::npos);
 }
 
-TEST_F(RenderWithout, PcmlabItselfNeedsNoOpenGL)
+TEST_F(RenderWithout, PCM_NOT_UNDER_ADDRESS(PcmlabItselfNeedsNoOpenGL))
 {
     const std::string program = bytes_of(pcm::paths::command);
     for (const char* library : {"libGL.so", "libEGL.so", "libOpenGL.so", "libGLEW.so", "libpng16.so"})
@@ -76,7 +77,7 @@ protected:
     }
 };
 
-TEST_F(Render, TheWholeCloudInFull)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(TheWholeCloudInFull))
 {
     const Json json = render(path("in.pct") + " -o " + path("a.png"));
     ASSERT_EQ(json["pictures"].size(), 1u);
@@ -106,7 +107,7 @@ TEST_F(Render, TheWholeCloudInFull)
     EXPECT_NE(text.out.find("20,000 points, every point in view"), std::string::npos) << text.out;
 }
 
-TEST_F(Render, ClipsShowWhatConditionsOnCoordinatesShow)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(ClipsShowWhatConditionsOnCoordinatesShow))
 {
     const Json box = Json::parse(pcmlab("query --json --count " + path("in.pct")).out)["bounds"];
     const std::string middle = std::to_string((box["min"][0].get<double>() + box["max"][0].get<double>()) / 2 + 0.005);
@@ -143,7 +144,7 @@ TEST_F(Render, PCM_NOT_UNDER_ADDRESS(UntilTheTargetWithinABudget))
 }
 
 // Smooth by default, on request of more or fewer frames or none.
-TEST_F(Render, ThePictureIsTheMeanOfFrames)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(ThePictureIsTheMeanOfFrames))
 {
     const auto partly = [&](const std::string& name) {
         const Image image = picture(name);
@@ -169,7 +170,7 @@ TEST_F(Render, ThePictureIsTheMeanOfFrames)
         EXPECT_EQ(pcmlab(small + wrong).code, 2) << wrong;
 }
 
-TEST_F(Render, DiscsArePerspectiveOnes)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(DiscsArePerspectiveOnes))
 {
     ASSERT_EQ(pcmlab("normals --in-place --radii " + path("in.pct")).code, 0);
     render(path("in.pct") + " -o " + path("a.png") + " --discs");
@@ -314,7 +315,7 @@ TEST_F(Render, PCM_NOT_UNDER_ADDRESS(APathGivesOnePicturePerFrame))
     EXPECT_NE(one.err.find("picture%04d.png"), std::string::npos) << one.err;
 }
 
-TEST_F(Render, SeveralTreesAtOnce)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(SeveralTreesAtOnce))
 {
     write_las(folder_ / "more.las", records(Shape::volume, 3000, 9), {{0.01, 0.01, 0.01}, {500000, 4800000, 0}});
     ASSERT_EQ(pcmlab("build --chunk-points 1000 " + path("more.las")).code, 0);
@@ -323,7 +324,7 @@ TEST_F(Render, SeveralTreesAtOnce)
     EXPECT_EQ(json["pictures"][0]["full_resolution"], true);
 }
 
-TEST_F(Render, AMissingAttributeIsReported)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(AMissingAttributeIsReported))
 {
     const Json json = render(path("in.pct") + " -o " + path("a.png") + " --splats perspective");
     ASSERT_EQ(json["notes"].size(), 1u);
@@ -417,7 +418,7 @@ TEST_F(Render, PCM_NOT_UNDER_ADDRESS(CloudsOfAnyUnit))
     }
 }
 
-TEST_F(Render, APictureWithoutPointsClaimsNothing)
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(APictureWithoutPointsClaimsNothing))
 {
     const std::string command = "render --overwrite --size 60x40 " + path("in.pct") + " -o " + path("a.png");
     const Result away = pcmlab(command + " --eye 500000 4800000 500 --target 500000 4800000 900 --up 0 1 0");

@@ -212,7 +212,8 @@ TEST_F(Detect, OneShapeInManyBoxesIsOneWhateverThreadsAndMemory)
 }
 
 // Rolling ground: within the threshold of a plane piece by piece.
-TEST_F(Detect, PCM_NOT_UNDER_THREAD(PiecesOfABendingSurfaceAreNoPrimitivesUnlessAskedFor))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(Detect, PCM_NOT_UNDER_SANITIZERS(PiecesOfABendingSurfaceAreNoPrimitivesUnlessAskedFor))
 {
     Dice dice(3);
     std::vector<Vec3d> points;
@@ -459,7 +460,8 @@ TEST_F(Detect, AFloorInLayersIsOnePlane)
 
 // Planes that others have labelled. A label may have several walls of one plane that are apart, which are several
 // primitives: what counts is that half of its points lie on planes parallel to its largest one.
-TEST_F(Detect, PCM_NOT_UNDER_THREAD(BuildingsPlanesAreThoseOfItsLabels))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(Detect, PCM_NOT_UNDER_SANITIZERS(BuildingsPlanesAreThoseOfItsLabels))
 {
     PCM_REQUIRE_SAMPLE("primitives/building.ply");
     build_tree({sample("primitives/building.ply")}, folder_ / "building.pct");

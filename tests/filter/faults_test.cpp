@@ -151,7 +151,7 @@ TEST_P(FilterFaults, PCM_NOT_UNDER_SANITIZERS(KilledAtAnyCall))
 // Not under the thread sanitizer: starts the command, which is not built then.
 TEST_P(FilterFaults, PCM_NOT_UNDER_THREAD(AFullDisk))
 {
-    for (const long at : spread(calls_, 25)) {
+    for (const long at : spread(calls_, tries(25, 3))) {
         const std::string when = "full at " + std::to_string(at) + " of " + std::to_string(calls_);
         start_again();
         const Faulty full = run_with_fault(command(), work_, "full", at);
@@ -163,8 +163,8 @@ TEST_P(FilterFaults, PCM_NOT_UNDER_THREAD(AFullDisk))
 
 TEST_P(FilterFaults, PCM_NOT_UNDER_THREAD(ABadDisk))
 {
-    std::vector<long> instants = spread(calls_, 15);
-    for (long at = std::max(1L, calls_ - 10); at <= calls_; ++at) instants.push_back(at);
+    std::vector<long> instants = spread(calls_, tries(15, 3));
+    for (long at = std::max(1L, calls_ - tries(10, 1)); at <= calls_; ++at) instants.push_back(at);
     for (const long at : instants) {
         const std::string when = "eio at " + std::to_string(at) + " of " + std::to_string(calls_);
         start_again();

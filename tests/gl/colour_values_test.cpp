@@ -1,6 +1,7 @@
 // Colours by value: ranges, ramps, any attribute; and the conditions that hide points.
 #include "tests/gl/gl_support.h"
 
+#include "pcm/gl/draw/cloud_facts.h"
 #include "pcm/io/reader.h"
 #include "pcm/update/append.h"
 
@@ -116,6 +117,27 @@ TEST(ColourValues, TheRangeIsThatOfTheCloudWhateverIsInViewOrLoadedFirst)
         EXPECT_GT(range->high, is_height ? 25 : 7000);
         EXPECT_LT(range->high, is_height ? 30.5 : 9001);
     }
+}
+
+// A chunk may arrive between two looks at a fact. If the second one found it, a cloud of one colour would be shown in
+// that colour, as the first did not know it, and nothing would be missing.
+TEST(ColourValues, AFactDoesNotBecomeKnownWithinAFrame)
+{
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "cube", grid_at({0, 0, 0}), random_points(3000, 10000, 34));
+    CloudStyle style;
+    style.colour = ColourMode::rgb;
+    const auto none_failed = [](NodeId) { return false; };
+    CloudFacts facts(cloud);
+    facts.begin_frame();
+    EXPECT_EQ(facts.find(style, none_failed), nullptr);
+    for (const SampledChunk& sampled : coarsest_chunks(*cloud->tree()))
+        cloud->cache().get(sampled.node, ColumnSet::all(cloud->info().schema));
+    EXPECT_EQ(facts.find(style, none_failed), nullptr);
+    EXPECT_TRUE(facts.lacks());
+    facts.begin_frame();
+    EXPECT_NE(facts.find(style, none_failed), nullptr);
+    EXPECT_FALSE(facts.lacks());
 }
 
 // The first look: colours, else classes, else heights, as bright as the intensity where that is more than noise.

@@ -1,5 +1,6 @@
 // Composition of a picture into the host's framebuffer: depth, multisampling, eye-dome lighting.
 #include "tests/gl/gl_support.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -133,13 +134,14 @@ TEST(Compositor, SeveralSamplesSmoothEdges)
     const Framebuffer framebuffer(100, 100);
     const Camera view = view_of(translation(-5, -5, -10), orthographic(5, 5, 1, 100), 100, 100);
     for (const unsigned samples : {1u, 4u, 1000u}) {
+        SCOPED_TRACE(samples);
         Drawing drawing(cloud);
         drawing.style.point_size_px = 20;
         RenderOptions options = everything();
         options.samples = samples;
         const FrameReport report = draw_until_done(drawing, framebuffer, view, {0, 0, 0}, options);
         if (samples > 4) {
-            EXPECT_LT(report.samples, samples);  // the driver's most
+            EXPECT_LE(report.samples, 8u);  // more are of no use: see RenderTarget::most_samples
             EXPECT_GE(report.samples, 4u);
         }
         std::size_t partly = 0, whole = 0;
@@ -248,7 +250,8 @@ TEST(Compositor, EyeDomeLightingShowsSteps)
 
 // A wall stays as it is, seen face-on or at a grazing angle, near or far, in either projection, moving or at rest: its
 // slope is no relief, and neither are the splats that it is drawn with.
-TEST(Compositor, EyeDomeLightingLeavesPlanesAsTheyAre)
+// Not under the address sanitizer: much drawing in software.
+TEST(Compositor, PCM_NOT_UNDER_ADDRESS(EyeDomeLightingLeavesPlanesAsTheyAre))
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;

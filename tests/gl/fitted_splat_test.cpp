@@ -1,5 +1,6 @@
 // Splats by the points' surroundings, against their formula.
 #include "tests/gl/splat_formulas.h"
+#include "tests/sanitizers.h"
 
 #include <random>
 
@@ -165,7 +166,8 @@ SplatScene one(PointShape shape, double radius, const Vec3d& at = {0.02, 0.01, -
 
 }  // namespace
 
-TEST(FittedSplat, AgreesWithItsFormula)
+// Not under the address sanitizer: much drawing in software.
+TEST(FittedSplat, PCM_NOT_UNDER_ADDRESS(AgreesWithItsFormula))
 {
     for (const Profile profile : {Profile::core, Profile::compatibility}) {
         PCM_REQUIRE_GL(context, profile);

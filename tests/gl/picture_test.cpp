@@ -1,5 +1,6 @@
 // Pictures of moving and of resting views.
 #include "tests/gl/gl_support.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -224,7 +225,8 @@ TEST(Picture, SeveralCloudsShareABudgetByScreenError)
 }
 
 // One cloud in two places is loaded once.
-TEST(Picture, ACloudMayBeShownTwice)
+// Not under the address sanitizer: much drawing in software.
+TEST(Picture, PCM_NOT_UNDER_ADDRESS(ACloudMayBeShownTwice))
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const TemporaryFolder folder;

@@ -1,6 +1,7 @@
 // Where points appear in the pictures of small trees, against projections in double precision.
 #include "pcm/build/builder.h"
 #include "tests/gl/gl_support.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -117,7 +118,8 @@ TEST_P(RendererAccuracyIn, MapCoordinatesDrawTheSamePicture)
     EXPECT_TRUE(pictures[0] == pictures[1]);
 }
 
-TEST(RendererAccuracy, ASlowPanDoesNotMakePointsTremble)
+// Not under the address sanitizer: much drawing in software.
+TEST(RendererAccuracy, PCM_NOT_UNDER_ADDRESS(ASlowPanDoesNotMakePointsTremble))
 {
     // One point seen from 2 m, in a tile of 20 km at map coordinates, through a projection that magnifies the
     // surroundings of where it should appear 64 times: the lit pixel gives its place in the picture to 1/64 pixel. The

@@ -2,6 +2,7 @@
 #include "pcm/gl/draw/smoothing.h"
 #include "pcm/view/pixel_offset.h"
 #include "tests/gl/gl_support.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -96,7 +97,8 @@ TEST(Smoothing, FramesAreWorthwhileWhereTheyAreFewPoints)
 
 // It is the mean of the pictures that cameras at the offsets have, for each kind of splats, projection and lighting,
 // and with several samples.
-TEST(Smoothing, IsTheMeanOfPicturesAtTheOffsets)
+// Not under the address sanitizer: much drawing in software.
+TEST(Smoothing, PCM_NOT_UNDER_ADDRESS(IsTheMeanOfPicturesAtTheOffsets))
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;

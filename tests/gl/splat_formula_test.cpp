@@ -1,5 +1,6 @@
 // Each kind of splat against its formula in double precision, and how large the error of each kind is.
 #include "tests/gl/splat_formulas.h"
+#include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
 
@@ -54,7 +55,8 @@ std::vector<Splat> splats_of(SplatMode mode, const Camera& view, const std::vect
 
 }  // namespace
 
-TEST(SplatFormula, EachAgreesWithItsFormula)
+// Not under the address sanitizer: much drawing in software.
+TEST(SplatFormula, PCM_NOT_UNDER_ADDRESS(EachAgreesWithItsFormula))
 {
     for (const Profile profile : {Profile::core, Profile::compatibility}) {
         PCM_REQUIRE_GL(context, profile);
@@ -154,7 +156,8 @@ TEST(SplatFormula, AFixedPointStaysUnderASlowPanAtMapCoordinates)
     }
 }
 
-TEST(SplatFormula, DiscsAreAntialiasedSampleBySample)
+// Not under the address sanitizer: much drawing in software.
+TEST(SplatFormula, PCM_NOT_UNDER_ADDRESS(DiscsAreAntialiasedSampleBySample))
 {
     for (const Profile profile : {Profile::core, Profile::compatibility}) {
         PCM_REQUIRE_GL(context, profile);

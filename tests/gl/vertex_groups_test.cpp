@@ -2,6 +2,7 @@
 #include "tests/gl/splat_scene.h"
 
 #include "pcm/gl/l1/vertex_groups.h"
+#include "tests/sanitizers.h"
 #include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>
@@ -114,7 +115,8 @@ TEST(VertexGroups, RunsGrow)
 }
 
 // The same chunk, once as it is and once with the whole box for each group: nothing is culled then.
-TEST(VertexGroups, CulledGroupsAreInvisible)
+// Not under the address sanitizer: much drawing in software.
+TEST(VertexGroups, PCM_NOT_UNDER_ADDRESS(CulledGroupsAreInvisible))
 {
     PCM_REQUIRE_GL(context, Profile::core);
     std::mt19937_64 random(2);

@@ -383,6 +383,62 @@ def check_words(texts):
     return complaints
 
 
+# ---- Tuned numbers: each with its unit and where it was chosen, used, and known to --sweep
+
+TUNED_VALUE = re.compile(r"    (?:double|std::size_t) (\w+) = [^;]+;(.*)")
+
+
+def tuned_structs(text):
+    """Struct -> [(number of the line, name, what follows the value, the comment above it)] of a tuning.h."""
+    structs, struct, above = {}, None, []
+    for number, line in enumerate(text.splitlines(), 1):
+        head = re.match(r"struct (\w+) \{", line)
+        value = TUNED_VALUE.fullmatch(line)
+        if head:
+            struct, above = head[1], []
+        elif value and struct:
+            structs.setdefault(struct, []).append((number, value[1], value[2].strip(), "\n".join(above)))
+            above = []
+        elif line.strip().startswith("//"):
+            above.append(line.strip())
+        elif line.strip():
+            above = []
+    return structs
+
+
+def check_tuning(sources):
+    """`sources`: name -> text. The form of core/ROOM/tuning.h, and that each of its values is read and swept."""
+    complaints = []
+    core = {name: text for name, text in sources.items()
+            if name.startswith("core/") and not re.search(r"/(tuning|tuned_values)\.(h|cpp)$", name)}
+    for file, text in sources.items():
+        found = re.fullmatch(r"core/(\w+)/tuning\.h", file)
+        if not found:
+            continue
+        room = found[1]
+        if f'#include "pcm/{room}/tuned_values.h"' not in sources.get("bench/sweep/sweep.cpp", ""):
+            complaints.append(f"bench/sweep/sweep.cpp: --sweep does not know the values of {file}")
+        for struct, values in tuned_structs(text).items():
+            member = re.search(rf"^    {struct} (\w+);", text, re.MULTILINE)
+            if not member:
+                complaints.append(f"{file}: {struct} is not a member of the room's struct")
+                continue
+            group = rf"{room}_tuning\(\)\.{member[1]}"
+            for number, value, after, above in values:
+                if not after.startswith("// "):
+                    complaints.append(f"{file}:{number}: {value} has no unit: write it behind the value")
+                if not re.search(r"^// Chosen: \S", above, re.MULTILINE):
+                    complaints.append(f"{file}:{number}: {value} has no provenance: a line \"// Chosen: \" above it")
+                row = f"PCM_TUNED({room}.{member[1]}.{value})"
+                if row not in sources.get(f"core/{room}/tuning.cpp", ""):
+                    complaints.append(f"{file}:{number}: --sweep does not know {value}: {row} in core/{room}/tuning.cpp")
+                if not any(re.search(rf"{group}\.{value}\b", source) or
+                           (re.search(rf"\b{struct}\b|{group}\b", source) and re.search(rf"\btuned_?\.{value}\b", source))
+                           for source in core.values()):
+                    complaints.append(f"{file}:{number}: nothing reads {value}")
+    return complaints
+
+
 # ---- What is in the repository at all
 
 TOP_LEVEL = {"CMakeLists.txt", "CMakePresets.json", "LICENSE", "README.md", "core", "plugin", "shaders", "tests", "bench", "packaging"}

@@ -63,6 +63,11 @@ class Project(unittest.TestCase):
             self.assertTrue(any(name.startswith(folder) for name in texts), f"{folder} has no text")
         self.none(house.check_plain_words(texts))
 
+    def test_tuned_values_have_a_unit_a_provenance_a_reader_and_a_sweep(self):
+        for room in ("fit", "place", "detect"):
+            self.assertTrue(house.tuned_structs(self.tree.sources[f"core/{room}/tuning.h"]), f"{room} has no tuned values")
+        self.none(house.check_tuning(self.tree.sources))
+
     def test_the_repository_holds_only_what_belongs_to_it(self):
         files = house.tracked_files()
         if files is None:
@@ -188,6 +193,28 @@ class Checks(unittest.TestCase):
         for line in good:
             self.assertEqual(house.check_plain_words({"core/tree/a.h": line}), [], line)
         self.assertEqual(house.check_plain_words({"attic/a.h": "// written beside it\n"}), [])
+
+    def test_a_tuned_value_without_its_parts(self):
+        header = ("struct ChanceTuning {\n    // Share of points.\n    // Chosen: not swept.\n"
+                  "    double max_chance = 0.4;  // share\n};\n\nstruct FitTuning {\n    ChanceTuning chance;\n};\n")
+        whole = {"core/fit/tuning.h": header, "core/fit/tuning.cpp": "PCM_TUNED(fit.chance.max_chance)",
+                 "core/fit/fit.cpp": "x > fit_tuning().chance.max_chance",
+                 "bench/sweep/sweep.cpp": '#include "pcm/fit/tuned_values.h"\n'}
+        self.assertEqual(house.check_tuning(whole), [])
+        by_name = {**whole, "core/fit/fit.cpp": "const ChanceTuning& tuned = x; y > tuned.max_chance"}
+        self.assertEqual(house.check_tuning(by_name), [])
+        for file, part, word in (("core/fit/tuning.h", "  // share", "unit"),
+                                 ("core/fit/tuning.h", "    // Chosen: not swept.\n", "provenance"),
+                                 ("core/fit/tuning.h", "    ChanceTuning chance;\n", "not a member"),
+                                 ("core/fit/tuning.cpp", "max_chance", "does not know max_chance"),
+                                 ("core/fit/fit.cpp", "fit_tuning().chance.", "nothing reads"),
+                                 ("bench/sweep/sweep.cpp", "fit", "does not know the values")):
+            complaints = house.check_tuning({**whole, file: whole[file].replace(part, "", 1)})
+            self.assertEqual(len(complaints), 1, complaints)
+            self.assertIn(word, complaints[0])
+        # A second value does not share the first one's provenance.
+        two = header.replace("};", "    double min_chance = 0.1;  // share\n};", 1)
+        self.assertIn("min_chance has no provenance", "\n".join(house.check_tuning({**whole, "core/fit/tuning.h": two})))
 
     def test_a_line_that_clang_format_would_change(self):
         program = house.formatter()

@@ -37,7 +37,7 @@ Vec3i on_lattice(std::size_t i, std::int64_t side, Vec3i step)
     return {n % side * step[0], n / side % side * step[1], n / side / side * step[2]};
 }
 
-// Not under the thread sanitizer: an oracle in one thread takes nearly all of the time.
+// Not under the thread sanitizer, nor most of the following: an oracle in one thread takes nearly all of the time.
 TEST(UnitSearch, PCM_NOT_UNDER_THREAD(Random))
 {
     expect_exact(narrow(1500, InBox(1000, 1000, 1000)));
@@ -56,7 +56,7 @@ TEST(UnitSearch, NoPoints)
     make_unit_search(SearchPositions{})->search(nullptr, {}, [](const FoundNeighbours&) { FAIL(); });
 }
 
-TEST(UnitSearch, Lattices)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(Lattices))
 {
     const auto lattice = [](Vec3i step, Vec3d scale) {
         return narrow(
@@ -74,7 +74,7 @@ TEST(UnitSearch, Lattices)
 }
 
 // Neighbours whose squares differ by less than single precision shows.
-TEST(UnitSearch, AlmostTies)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(AlmostTies))
 {
     std::mt19937 random(3);
     const auto p = narrow(900, [&](std::size_t i) {
@@ -90,7 +90,7 @@ TEST(UnitSearch, AlmostTies)
 }
 
 // Single precision loses the more the farther apart the queries of a leaf are: here more than their distances.
-TEST(UnitSearch, SmallClustersFarApart)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(SmallClustersFarApart))
 {
     for (const std::int64_t spread : {1000ll, 30ll, 2ll}) {
         InBox far(1 << 29, 1 << 29, 1 << 29), near(spread, spread, spread);
@@ -106,7 +106,7 @@ TEST(UnitSearch, SmallClustersFarApart)
 }
 
 // A small part of a large extent, so that its offsets are small in any unit.
-TEST(UnitSearch, DifferentScalesBesideAStray)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(DifferentScalesBesideAStray))
 {
     for (const int bits : {30, 45, 55}) {
         const auto place = [&](std::size_t i) { return i ? on_lattice(i, 9, {1, 1, 1}) : Vec3i{1ll << bits, 0, 0}; };
@@ -114,21 +114,22 @@ TEST(UnitSearch, DifferentScalesBesideAStray)
     }
 }
 
-TEST(UnitSearch, ListsOfAllLengths)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(ListsOfAllLengths))
 {
     const auto p = narrow(400, InBox(1000, 1000, 1000));
     expect_exact(p, {2, 8, 9, 15, 24, 25, 31, 32, 40, 41, 48, 49, 56, 57, 64, 65, 96, 97, 192, 193, 399, 400},
                  unbounded, 7);
 }
 
-TEST(UnitSearch, PCM_NOT_UNDER_THREAD(ManyPoints))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST(UnitSearch, PCM_NOT_UNDER_SANITIZERS(ManyPoints))
 {
     expect_exact(narrow(200000, InBox(100000, 100000, 300)), {16, 40}, unbounded, 2003);
     expect_exact(narrow(100000, InBox(1 << 30, 1 << 30, 1 << 30)), {16}, unbounded, 2003);
     expect_exact(wide(50000, InBox(1ll << 50, 1ll << 50, 1ll << 40), {1e-6, 1e-6, 1e-5}), {16}, unbounded, 1009);
 }
 
-TEST(UnitSearch, Duplicates)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(Duplicates))
 {
     expect_exact(narrow(1000, InBox(3, 3, 3)));
     expect_exact(narrow(600, [](std::size_t) { return Vec3i{5, -7, 9}; }));
@@ -143,7 +144,8 @@ TEST(UnitSearch, PCM_NOT_UNDER_THREAD(LinesAndPlanes))
     expect_exact(narrow(1000, InBox(20, 20, 0)));
 }
 
-TEST(UnitSearch, PCM_NOT_UNDER_THREAD(MapExtents))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST(UnitSearch, PCM_NOT_UNDER_SANITIZERS(MapExtents))
 {
     // All of the 32 bits: differences need 33.
     expect_exact(narrow(1500, InBox(2147483647, 2147483647, 2147483647)));
@@ -153,7 +155,8 @@ TEST(UnitSearch, PCM_NOT_UNDER_THREAD(MapExtents))
     }));
 }
 
-TEST(UnitSearch, PCM_NOT_UNDER_THREAD(WidePositions))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST(UnitSearch, PCM_NOT_UNDER_SANITIZERS(WidePositions))
 {
     expect_exact(wide(1500, InBox(1ll << 61, 1ll << 61, 1ll << 61)));
     expect_exact(wide(1500, InBox(1ll << 45, 1ll << 40, 1ll << 20), {1e-6, 1e-6, 1e-6}));
@@ -168,7 +171,7 @@ TEST(UnitSearch, PCM_NOT_UNDER_THREAD(WidePositions))
 }
 
 // Each extent from 1e-6 to 1e9 source units with steps that fit it, and with steps a thousand times finer.
-TEST(UnitSearch, TinyAndLargeExtents)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(TinyAndLargeExtents))
 {
     for (const double extent : {1e-6, 1.0, 1e9})
         for (const double steps : {1e6, 1e9, 1e15}) {
@@ -179,7 +182,7 @@ TEST(UnitSearch, TinyAndLargeExtents)
         }
 }
 
-TEST(UnitSearch, ClustersAndStrays)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(ClustersAndStrays))
 {
     for (const std::int64_t far : {1000000ll, 1000000000ll, 1000000000000ll, 1ll << 61}) {
         InBox near(50, 50, 50), cluster(1000, 1000, 1000);
@@ -198,7 +201,7 @@ TEST(UnitSearch, ClustersAndStrays)
     }
 }
 
-TEST(UnitSearch, ScalesFarApart)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(ScalesFarApart))
 {
     expect_exact(narrow(700, InBox(1000, 1000, 1000), {1, 1e-5, 1e5}), {1, 16});
     expect_exact(narrow(700, InBox(1000, 1000, 1000), {1, 1e-20, 1e20}), {1, 16});
@@ -206,7 +209,7 @@ TEST(UnitSearch, ScalesFarApart)
     expect_exact(narrow(300, InBox(1, 1000, 1000), {1, 1e-40, 1e-40}), {1, 16});
 }
 
-TEST(UnitSearch, MaxDistanceIsInclusive)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(MaxDistanceIsInclusive))
 {
     const auto lattice = narrow(1000, [](std::size_t i) { return on_lattice(i, 10, {5, 5, 5}); });
     for (const double distance : {0.0, 4.999999, 5.0, 5.000001, 10.0, 1000.0})
@@ -222,7 +225,7 @@ TEST(UnitSearch, MaxDistanceIsInclusive)
     expect_exact(wide(700, InBox(1ll << 50, 1ll << 50, 1ll << 50)), {16}, std::ldexp(1, 48));
 }
 
-TEST(UnitSearch, SomeQueries)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(SomeQueries))
 {
     const auto p = narrow(2000, InBox(1000, 1000, 10));
     at_each_level([&] {
@@ -257,7 +260,7 @@ TEST(UnitSearch, ManyThreadsMaySearch)
 }
 
 // The same points in the same order, whatever the processor.
-TEST(UnitSearch, AllLevelsAgree)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(AllLevelsAgree))
 {
     for (const bool fine : {false, true}) {
         const std::int64_t half = fine ? 100000000 : 100;
@@ -274,7 +277,7 @@ TEST(UnitSearch, AllLevelsAgree)
     }
 }
 
-TEST(UnitSearch, NearestOf)
+TEST(UnitSearch, PCM_NOT_UNDER_THREAD(NearestOf))
 {
     const auto check = [](const SearchPositions& p) {
         std::vector<std::uint32_t> points, among;

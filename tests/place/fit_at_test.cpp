@@ -196,7 +196,8 @@ TEST_F(FitAt, PCM_NOT_UNDER_THREAD(OnlyWhatTheLimitChoosesTakesPart))
 }
 
 // In the air and far away the nearest points are taken, and the distance is said; a radius that holds none is refused.
-TEST_F(FitAt, PCM_NOT_UNDER_THREAD(PlacesBesideTheCloud))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(FitAt, PCM_NOT_UNDER_SANITIZERS(PlacesBesideTheCloud))
 {
     const Shape ball = truth(ShapeKind::sphere);
     const Vec3d air = pick(ShapeKind::sphere) + 0.5 * normal_at(ball, pick(ShapeKind::sphere));
@@ -431,7 +432,8 @@ TEST_F(FitScan, PCM_NOT_UNDER_THREAD(TangoScene))
 }
 
 // Labels of the file say how many points the table has (141,517), and which are on a box and on two equal cans.
-TEST_F(FitScan, PCM_NOT_UNDER_THREAD(TableBoxAndCans))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(FitScan, PCM_NOT_UNDER_SANITIZERS(TableBoxAndCans))
 {
     const std::string name = "primitives/learn33.pcd";
     PCM_REQUIRE_SAMPLE(name);

@@ -155,8 +155,8 @@ protected:
 };
 
 // Before, each of these places was a "cylinder: good" through the four faces, of four times the scanner's noise.
-// Not under the thread sanitizer: many fits, whose threads other tests watch.
-TEST_F(SeveralSurfaces, PCM_NOT_UNDER_THREAD(ASquarePostIsNoCylinder))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(SeveralSurfaces, PCM_NOT_UNDER_SANITIZERS(ASquarePostIsNoCylinder))
 {
     const double half = 0.04;
     for (const int side : {-1, 1}) {
@@ -190,7 +190,8 @@ TEST_F(SeveralSurfaces, PCM_NOT_UNDER_THREAD(AThinPlateIsNotAPlaneBetweenItsFace
 }
 
 // Before, planes over the crowns of several pipes.
-TEST_F(SeveralSurfaces, PCM_NOT_UNDER_THREAD(PipesSideBySideAreNoPlane))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(SeveralSurfaces, PCM_NOT_UNDER_SANITIZERS(PipesSideBySideAreNoPlane))
 {
     std::vector<pcm::Shape> pipes;
     double y = 0;
@@ -220,7 +221,8 @@ TEST_F(SeveralSurfaces, PCM_NOT_UNDER_THREAD(PipesSideBySideAreNoPlane))
 }
 
 // Before, the canopy about a roof was a plane, of a noise of a third of its height.
-TEST_F(SeveralSurfaces, PCM_NOT_UNDER_THREAD(ACanopyIsNoPlane))
+// Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(SeveralSurfaces, PCM_NOT_UNDER_SANITIZERS(ACanopyIsNoPlane))
 {
     for (double x = -1.1; x < 1.1; x += 0.02)
         for (double y = -1.1; y < 1.1; y += 0.02) {

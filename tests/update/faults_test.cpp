@@ -159,7 +159,7 @@ TEST_P(UpdateFaults, PCM_NOT_UNDER_SANITIZERS(KilledAtAnyCall))
 // Not under the thread sanitizer: starts the command, which is not built then.
 TEST_P(UpdateFaults, PCM_NOT_UNDER_THREAD(AFullDisk))
 {
-    for (const long at : spread(calls_, 25)) {
+    for (const long at : spread(calls_, tries(25, 4))) {
         const std::string when = "full at " + std::to_string(at);
         start_again();
         const Faulty full = run_with_fault(command(), tree_, "full", at);

@@ -11,12 +11,12 @@
 namespace pcm {
 namespace {
 
-unsigned most_samples()
+unsigned samples_of_driver()
 {
     GLint colour = 1, depth = 1;
     glGetIntegerv(GL_MAX_COLOR_TEXTURE_SAMPLES, &colour);
     glGetIntegerv(GL_MAX_DEPTH_TEXTURE_SAMPLES, &depth);
-    return static_cast<unsigned>(std::max(1, std::min(colour, depth)));
+    return static_cast<unsigned>(std::clamp(std::min(colour, depth), 1, RenderTarget::most_samples));
 }
 
 GLuint make_texture(GLenum format, GLenum components, GLenum type, int width, int height, unsigned samples)
@@ -88,7 +88,7 @@ bool RenderTarget::prepare(int width, int height, unsigned samples)
     width_ = width;
     height_ = height;
     asked_samples_ = samples;
-    samples_ = samples > 1 ? std::min(samples, most_samples()) : 1;
+    samples_ = samples > 1 ? std::min(samples, samples_of_driver()) : 1;
     reversed_ = gl_has_clip_control();
     const GLenum target = samples_ > 1 ? GL_TEXTURE_2D_MULTISAMPLE : GL_TEXTURE_2D;
     colours_ = make_texture(GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, width, height, samples_);

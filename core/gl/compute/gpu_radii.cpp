@@ -152,9 +152,10 @@ private:
     const ChunkBoxes& boxes_of(NodeId id);
     template <class Choose>
     void compare(NodeId id, const GpuView& view, const GpuPiece& piece, const QueryBlocks& batch, const Choose& choose);
-    void report()
+    void report(bool at_once = false)
     {
-        watch_.report("Computing radii", double(done_) / double(std::max<std::uint64_t>(1, tree_->info().points)));
+        watch_.report("Computing radii", double(done_) / double(std::max<std::uint64_t>(1, tree_->info().points)),
+                      at_once);
     }
 
     PointCloud& cloud_;
@@ -265,7 +266,7 @@ void RadiiPass::compute_batch(QueryBlocks batch)
     finish(batch);
     done_ += points_of(batch);
     ++report_.batches;
-    report();
+    report(true);
 }
 
 void RadiiPass::begin(QueryBlocks& batch)

@@ -31,7 +31,7 @@ struct GpuRadiiOptions {
     // Measure across the cloud's attribute "normal" (3 components); a point whose normal is 0 or not finite has the
     // radius that it has without.
     bool normals = false;
-    ProgressFunction progress;
+    ProgressFunction progress;  // called after each batch at least
 };
 
 struct GpuRadiiReport {

@@ -125,6 +125,7 @@ const CloudFact* CloudFacts::find(const CloudStyle& usable, const std::function<
     if (const CloudFact* const fact = known(traits.source, at)) return fact;
 
     const Key key{traits.source, at.attribute, at.component};
+    if (asked_.count(key)) return nullptr;
     Handles chunks;
     bool complete = true, any = false;
     const auto held = held_.find(key);

@@ -36,6 +36,7 @@ public:
 
     // The fact that a usable style's attribute or, without one, its heights have; null while its chunks are being
     // loaded, and for a style without either. What is asked for after begin_frame() is missing() until it is known.
+    // What was not known in a frame becomes known in the next one at the earliest: the style is chosen by it.
     void begin_frame()
     {
         held_ = std::move(asked_);

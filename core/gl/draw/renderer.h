@@ -50,7 +50,7 @@ struct RenderOptions {
     double upload_budget_ms = L1Cache::default_milliseconds;  // per frame while the view moves; at least one chunk is
                                                               // uploaded
     unsigned prefetch_frames = 8;  // a moving view loads ahead what it will need in this many frames; 0: nothing
-    unsigned samples = 1;          // per pixel: 1 to the driver's most (FrameReport::samples)
+    unsigned samples = 1;          // per pixel: 1 to 8, or the driver's most (FrameReport::samples)
     float eye_dome = 1;            // strength of eye-dome lighting; 0: none
     bool converge = true;          // a resting view refines to full resolution; else to the target
     // The picture of a resting view, once it is complete, becomes the mean of at most this number of frames at

@@ -1,0 +1,43 @@
+#include "pcm/detect/tuning.h"
+
+#include "pcm/detect/tuned_values.h"
+
+#include <array>
+
+namespace pcm {
+namespace {
+
+DetectTuning detect_values;
+
+}  // namespace
+
+const DetectTuning& detect_tuning() { return detect_values; }
+
+// A value without a row does not compile.
+std::vector<TunedValue> detect_tuned_values()
+{
+    DetectTuning& detect = detect_values;
+    const std::array<TunedValue, sizeof(DetectTuning) / sizeof(double)> all{{
+        PCM_TUNED(detect.survey.lower_quantile),    PCM_TUNED(detect.survey.upper_quantile),
+        PCM_TUNED(detect.survey.lower_factor),      PCM_TUNED(detect.survey.upper_factor),
+        PCM_TUNED(detect.survey.min_patch_width),   PCM_TUNED(detect.survey.threshold_noises),
+        PCM_TUNED(detect.resolution.cell_noises),   PCM_TUNED(detect.resolution.cell_spacings),
+        PCM_TUNED(detect.resolution.coarser),       PCM_TUNED(detect.resolution.edge_cells),
+        PCM_TUNED(detect.resolution.reach_cells),   PCM_TUNED(detect.resolution.min_coarse_points),
+        PCM_TUNED(detect.resolution.edge_spacings), PCM_TUNED(detect.search.shadow),
+        PCM_TUNED(detect.search.smooth_share),      PCM_TUNED(detect.search.max_rough),
+        PCM_TUNED(detect.search.curved_gain),       PCM_TUNED(detect.search.min_arc),
+        PCM_TUNED(detect.search.tried_points),      PCM_TUNED(detect.pieces.min_edge),
+        PCM_TUNED(detect.pieces.min_bend),          PCM_TUNED(detect.pieces.min_outline),
+        PCM_TUNED(detect.pieces.flat_rms),          PCM_TUNED(detect.pieces.flat_outline),
+        PCM_TUNED(detect.pieces.min_neighbours),    PCM_TUNED(detect.pieces.min_beyond),
+        PCM_TUNED(detect.pieces.max_beyond),        PCM_TUNED(detect.widening.cells),
+        PCM_TUNED(detect.widening.coarse_cells),    PCM_TUNED(detect.widening.joined_share),
+        PCM_TUNED(detect.widening.max_open_edge),   PCM_TUNED(detect.widening.kept_share),
+        PCM_TUNED(detect.widening.min_sampled),     PCM_TUNED(detect.merging.same_rms),
+        PCM_TUNED(detect.merging.explained_share),  PCM_TUNED(detect.merging.min_interior),
+    }};
+    return {all.begin(), all.end()};
+}
+
+}  // namespace pcm

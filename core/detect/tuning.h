@@ -1,0 +1,154 @@
+// The numbers of detection that no theory gives: each was chosen on scenes, and "Chosen" says on which. A benchmark
+// draws the curve of a value again by its name (bench_detect --sweep detect.pieces.min_bend; bench/README.md). Sizes of
+// units and of patches stand where they are used. Numbers that estimation has too are in fit/tuning.h.
+#pragma once
+
+#include <cstddef>
+
+namespace pcm {
+
+// Noise and threshold of a whole cloud.
+struct SurveyTuning {
+    // Noise varies with the distance and the angle that a scanner sees a surface at, and patches of trees are not
+    // surfaces: the larger part of the noise of surfaces is estimated by the lesser of two quantiles, times what they
+    // differ by where all patches are surfaces.
+    // Chosen: not swept.
+    double lower_quantile = 0.35;  // share of the patches
+    // Chosen: with lower_quantile; not swept.
+    double upper_quantile = 0.5;  // share of the patches
+    // Chosen: with lower_quantile; not swept.
+    double lower_factor = 1.5;  // factor on the lower quantile
+    // Chosen: with lower_quantile; not swept.
+    double upper_factor = 1.25;  // factor on the upper quantile
+    // Minimum width of a patch, so that the noise does not choose the patch's points.
+    // Chosen: not swept.
+    double min_patch_width = 8;  // noise
+    // Threshold of a detection. More than fit.thresholds.inlier_noises: the noise is that of a whole cloud, and differs
+    // from place to place.
+    // Chosen: not swept.
+    double threshold_noises = 4;  // standard deviations
+};
+
+// How dense the samples are in which shapes are searched, and how far a shape reaches in them.
+struct ResolutionTuning {
+    // Shapes need many points, but none nearer than their noise is wide.
+    // Chosen: not swept.
+    double cell_noises = 5;  // standard deviations
+    // Chosen: not swept.
+    double cell_spacings = 0.5;  // spacings
+    // One resolution and the next one.
+    // Chosen: not swept.
+    double coarser = 4;  // factor on the cell
+    // Where a shape was found its samples have no normals at their edges.
+    // Chosen: not swept.
+    double edge_cells = 4;  // cells of the resolution that found it
+    // Distance that a shape may reach beyond where it was found.
+    // Chosen: not swept.
+    double reach_cells = 20;  // cells
+    // Minimum number of sample points of a shape at all resolutions but the finest.
+    // Chosen: not swept.
+    std::size_t min_coarse_points = 60;  // points
+    // Longest edge between neighbours where none was asked for.
+    // Chosen: not swept.
+    double edge_spacings = 2.5;  // spacings
+};
+
+// Shapes among the points of a sample.
+struct ShapeSearchTuning {
+    // Points up to this distance from a shape belong to no other one of the same normal.
+    // Chosen: not swept.
+    double shadow = 2;  // thresholds
+    // Minimum share of a patch's points near its paraboloid.
+    // Chosen: not swept.
+    double smooth_share = 0.8;  // share of the patch
+    // Maximum roughness of a patch.
+    // Chosen: not swept.
+    double max_rough = 0.5;  // thresholds
+    // A curved shape has more points than the plane by this factor.
+    // Chosen: not swept.
+    double curved_gain = 1.15;  // factor
+    // Minimum turn of a curved shape's normals.
+    // Chosen: not swept.
+    double min_arc = 0.5;  // radians
+    // Points around a seed without a shape that are not tried again.
+    // Chosen: not swept.
+    std::size_t tried_points = 12;  // points
+};
+
+// Which parts of surfaces the threshold cuts out of something bent (assign_points.h).
+struct PieceTuning {
+    // Minimum share of the edge where the surface of a piece continues.
+    // Chosen: not swept.
+    double min_edge = 0.2;  // share of the edge
+    // Minimum root of the share of squared distances that is left in means of 17; noise leaves 0.24. As a share that is
+    // 0.16, where a fit at a place needs place.beyond.max_bend, 0.4: a piece here must also continue along much of its
+    // outline.
+    // Chosen: not swept.
+    double min_bend = 0.4;  // rms of the means per rms of the distances
+    // Minimum length of the outline where it continues.
+    // Chosen: not swept.
+    double min_outline = 1.5;  // roots of the number of points
+    // Rms of distances below which the threshold cuts no bend: a piece then continues along flat_outline, and a surface
+    // within a wider threshold is whole.
+    // Chosen: not swept.
+    double flat_rms = 0.2;  // thresholds
+    // Chosen: with flat_rms; not swept.
+    double flat_outline = 4;  // roots of the number of points
+    // A surface continues at a point where this many neighbours' surroundings are next to the threshold.
+    // Chosen: not swept.
+    std::size_t min_neighbours = 3;  // points
+    // Distances from the shape that are next to the threshold.
+    // Chosen: not swept.
+    double min_beyond = 0.7;  // thresholds
+    // Chosen: with min_beyond; not swept.
+    double max_beyond = 4;  // thresholds
+};
+
+// Wider thresholds of cut-outs of rough surfaces (wider_shapes.h).
+struct WideningTuning {
+    // Cells of the samples in which larger thresholds are tried, and of the coarse ones among them.
+    // Chosen: not swept.
+    double cells = 3;  // cells of the finest sample
+    // Chosen: not swept.
+    double coarse_cells = 9;  // cells of the finest sample
+    // Share of the points of two layers that a shape for both has.
+    // Chosen: not swept.
+    double joined_share = 0.9;  // share of the points
+    // Maximum share of its edge where a whole surface may seem to continue.
+    // Chosen: not swept.
+    double max_open_edge = 0.1;  // share of the edge
+    // Minimum share of a piece's points on a shape with the widest threshold.
+    // Chosen: not swept.
+    double kept_share = 0.5;  // share of the points
+    // Minimum number of sample points of a part that is looked at.
+    // Chosen: not swept.
+    std::size_t min_sampled = 100;  // points
+};
+
+// Which hypotheses are one surface (hypotheses.h), and the final fit of its points.
+struct MergingTuning {
+    // Maximum rms distance of a shape's points from another that is the same.
+    // Chosen: not swept.
+    double same_rms = 1.35;  // rms distance from their own shape
+    // Minimum share of a shape's points on a larger one that explains it.
+    // Chosen: not swept.
+    double explained_share = 0.8;  // share of the points
+    // Minimum share of points inside a part, below which those at edges are used too.
+    // Chosen: not swept.
+    double min_interior = 0.2;  // share of the points
+};
+
+struct DetectTuning {
+    SurveyTuning survey;
+    ResolutionTuning resolution;
+    ShapeSearchTuning search;
+    PieceTuning pieces;
+    WideningTuning widening;
+    MergingTuning merging;
+};
+
+// The values above, unless a benchmark has set one (tuned_values.h). Constant while anything works. A loop over points
+// reads a value before it begins.
+const DetectTuning& detect_tuning();
+
+}  // namespace pcm
