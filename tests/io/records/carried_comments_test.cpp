@@ -42,7 +42,7 @@ TEST(CarriedComments, RandomOnesComeBack)
             carried.attributes.push_back(attribute);
         }
         for (std::size_t n = random() % 4; n > 0; --n) {
-            Metadata block{text(random, 20), {}};
+            Metadata block{random_text(random, 20), {}};
             for (std::size_t bytes = random() % 200; bytes > 0; --bytes)
                 block.value.push_back(static_cast<std::byte>(random()));
             carried.metadata.push_back(block);
