@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/affine.h"
 #include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/scene/text.h"
 
 #include <algorithm>
