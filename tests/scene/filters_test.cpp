@@ -93,7 +93,7 @@ TEST(Filters, AResultTakesThePlaceOfItsLayer)
     const test::TemporaryFolder folder;
     FakeScene scene;
     FakeLayer& layer = scene.add("city", make_tree(folder, "city", 3000));
-    LayerMatrix moved = identity_matrix;
+    LayerMatrix moved = host::identity_matrix;
     moved[0][3] = 5;
     layer.set_matrix(moved);
     Call call(scene, "Subsample Point Cloud Tree");

@@ -108,7 +108,7 @@ TEST(ViewBox, WhatAViewShowsOfALayer)
     ASSERT_TRUE(box);
     EXPECT_NEAR(box->min[0], far_away[0] - 70, 0.1);
     EXPECT_NEAR(box->max[0], far_away[0] + 70, 0.1);
-    LayerMatrix moved = identity_matrix;
+    LayerMatrix moved = host::identity_matrix;
     moved[0][3] = 20;
     layer.set_matrix(moved);
     box = view.SceneView::seen_box(layer);
