@@ -49,7 +49,8 @@ public:
     }
     void dxfString(int code, const std::string& value) const override { dxfString(code, value.c_str()); }
 
-    // The handle from which programs number what they add is above all of this file: dxflib's is 65535, whatever follows.
+    // The handle from which programs number what they add is above all of this file: dxflib's is 65535, whatever
+    // follows.
     void put_seed() { file_.rewrite(hex(getNextHandle(), 8).data(), 8, seed_at_); }
 
     OutputFile& file() { return file_; }

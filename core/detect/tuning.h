@@ -25,7 +25,7 @@ struct SurveyTuning {
     double min_patch_width = 8;  // noise
     // Threshold of a detection. More than fit.thresholds.inlier_noises: the noise is that of a whole cloud, and differs
     // from place to place.
-    // Chosen: not swept.
+    // Chosen: not by a curve; from 3 to 5 recall is the same (bench_detect, bench/results/fitting/tuning.md).
     double threshold_noises = 4;  // standard deviations
 };
 
@@ -65,7 +65,7 @@ struct ShapeSearchTuning {
     // Chosen: not swept.
     double max_rough = 0.5;  // thresholds
     // A curved shape has more points than the plane by this factor.
-    // Chosen: not swept.
+    // Chosen: not by a curve; flat from 1.05 to 1.175 (bench_detect, bench/results/fitting/tuning.md).
     double curved_gain = 1.15;  // factor
     // Minimum turn of a curved shape's normals.
     // Chosen: not swept.
@@ -83,7 +83,7 @@ struct PieceTuning {
     // Minimum root of the share of squared distances that is left in means of 17; noise leaves 0.24. As a share that is
     // 0.16, where a fit at a place needs place.beyond.max_bend, 0.4: a piece here must also continue along much of its
     // outline.
-    // Chosen: not swept.
+    // Chosen: not by a curve; flat from 0.2 to 0.4, more ground at 0.6 (bench_detect, bench/results/fitting/tuning.md).
     double min_bend = 0.4;  // rms of the means per rms of the distances
     // Minimum length of the outline where it continues.
     // Chosen: not swept.

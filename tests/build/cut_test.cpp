@@ -43,6 +43,10 @@ public:
                 p = random() % 10 ? std::array<Coord, 3>{1000, 2, 3} : std::array<Coord, 3>{number(), 2, 3};
             if (kind == "dense far below")
                 p = {random() % 4 ? static_cast<Coord>(random() % 64) : number(), Coord(0), Coord(0)};
+            if (kind == "dense in the middle")
+                p = {random() % 4 ? static_cast<Coord>(largest / 3 + random() % 64) : number(), Coord(0), Coord(0)};
+            if (kind == "dense far above")
+                p = {random() % 4 ? static_cast<Coord>(largest - random() % 64) : number(), Coord(0), Coord(0)};
             if (kind == "ascending") p = {static_cast<Coord>(i), Coord(9), Coord(9)};
         }
         return points;
@@ -54,8 +58,8 @@ TYPED_TEST_SUITE(Cuts, Widths);
 TYPED_TEST(Cuts, PartThePointsEvenly)
 {
     using Coord = TypeParam;
-    for (const std::string kind :
-         {"full range", "ends", "neighbours", "few values", "pile and outliers", "dense far below", "ascending"})
+    for (const std::string kind : {"full range", "ends", "neighbours", "few values", "pile and outliers",
+                                   "dense far below", "dense in the middle", "dense far above", "ascending"})
         for (const std::size_t count : {2u, 3u, 5u, 64u, 1000u, 5000u})
             for (int trial = 0; trial < 5; ++trial) {
                 SCOPED_TRACE(kind + ", " + std::to_string(count));

@@ -16,6 +16,37 @@ std::string bytes_of(const Column& column, std::size_t point)
     return {reinterpret_cast<const char*>(column.data()) + point * column.point_bytes(), column.point_bytes()};
 }
 
+TEST(PointBatch, IsResetToAnySchemaWhateverItWas)
+{
+    std::mt19937_64 random(2);
+    PointBatch batch;
+    for (int round = 0; round < 50; ++round) {
+        Schema schema;
+        for (std::size_t n = random() % 5; n > 0; --n)
+            schema.add({"a" + std::to_string(n),
+                        random() % 2 ? ScalarType::u8 : ScalarType::f64,
+                        static_cast<std::uint32_t>(1 + random() % 3),
+                        1,
+                        0,
+                        {}});
+        const bool gridded = random() % 2;
+        const std::size_t points = random() % 100;
+        batch.reset(schema, gridded, points);
+        EXPECT_EQ(batch.size, points);
+        EXPECT_EQ(batch.gridded, gridded);
+        for (std::size_t a = 0; a < 3; ++a) {
+            EXPECT_EQ(batch.grid_xyz[a].size(), gridded ? points : 0);
+            EXPECT_EQ(batch.xyz[a].size(), gridded ? 0 : points);
+        }
+        ASSERT_EQ(batch.attributes.size(), schema.size());
+        for (std::size_t k = 0; k < schema.size(); ++k) {
+            EXPECT_EQ(batch.attributes[k].type(), schema[k].type);
+            EXPECT_EQ(batch.attributes[k].components(), schema[k].components);
+            EXPECT_EQ(batch.attributes[k].size(), points);
+        }
+    }
+}
+
 TEST(PointBatch, KeepsTheGivenPointsAndNoOthers)
 {
     std::mt19937_64 random(1);

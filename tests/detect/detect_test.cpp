@@ -211,8 +211,7 @@ TEST_F(Detect, OneShapeInManyBoxesIsOneWhateverThreadsAndMemory)
         EXPECT_EQ(text_of(one.primitives[i].fit.shape), text_of(four.primitives[i].fit.shape));
 }
 
-// Rolling ground: within the threshold of a plane piece by piece.
-// Under no sanitizer: minutes there, of what other tests run too.
+// Rolling ground: within the threshold of a plane piece by piece. Under no sanitizer: minutes there.
 TEST_F(Detect, PCM_NOT_UNDER_SANITIZERS(PiecesOfABendingSurfaceAreNoPrimitivesUnlessAskedFor))
 {
     Dice dice(3);
@@ -460,7 +459,6 @@ TEST_F(Detect, AFloorInLayersIsOnePlane)
 
 // Planes that others have labelled. A label may have several walls of one plane that are apart, which are several
 // primitives: what counts is that half of its points lie on planes parallel to its largest one.
-// Under no sanitizer: minutes there, of what other tests run too.
 TEST_F(Detect, PCM_NOT_UNDER_SANITIZERS(BuildingsPlanesAreThoseOfItsLabels))
 {
     PCM_REQUIRE_SAMPLE("primitives/building.ply");

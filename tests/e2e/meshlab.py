@@ -7,8 +7,10 @@ import os
 import pathlib
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 from xml.sax.saxutils import quoteattr
@@ -78,8 +80,41 @@ class Display:
         shutil.rmtree(self.folder, ignore_errors=True)
 
 
+class MeshLab:
+    """A running MeshLab whose driver plays scripts, one after another."""
+
+    def __init__(self, command, environment, folder, driver="on"):
+        self.process = subprocess.Popen([*map(str, command)], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        stderr=subprocess.STDOUT, text=True, errors="replace", cwd=folder,
+                                        env=dict(environment, DISPLAY=Display.name(), PCM_TEST_DRIVER=driver))
+
+    def play(self, script, timeout, ends=False):
+        """What MeshLab prints until it has played the script, or until it ends. `ends`: the script ends MeshLab."""
+        late = threading.Timer(timeout, self.process.kill)
+        late.start()
+        text = ""
+        try:
+            self.process.stdin.write(f"{script}\n")
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            pass  # what it printed says why
+        for line in self.process.stdout:
+            text += line
+            if line.endswith("driver: played\n") and not ends:
+                break
+        else:
+            self.process.wait()
+        late.cancel()
+        return Run(self.process.poll() or 0, text)
+
+    def end(self):
+        """Without regard to what it does."""
+        self.process.kill()
+        self.process.communicate()
+
+
 class Run:
-    """Output and exit code of a program, and what the driver printed."""
+    """Output and exit code of a program, and what the driver printed. A MeshLab that goes on has no code yet: 0."""
 
     def __init__(self, code, text):
         self.code = code
@@ -181,14 +216,37 @@ FIXED_VIEW = NO_TIME_LIMIT + """
     """
 
 
+class Shared:
+    """A MeshLab for several tests, in a folder that is its own."""
+
+    def __init__(self, test, settings):
+        self.settings = settings
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pcm-e2e-shared-"))
+        self.meshlab = MeshLab([test.prefix / "bin" / "meshlab"], test.home(self.folder), self.folder, "shared")
+
+    def quit(self):
+        script = self.folder / "quit.txt"
+        script.write_text("quit\n")
+        run = self.meshlab.play(script, 120, ends=True)
+        if run.code != 0:
+            raise AssertionError(f"MeshLab quit with code {run.code}:\n{run.text[-3000:]}")
+
+    def end(self):
+        self.meshlab.end()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
 class MeshLabTest(unittest.TestCase):
-    """A test with its own folder and its own settings of MeshLab."""
+    """A test with its own folder. The tests of a module share one MeshLab, which starts over after each script; a test that needs a
+    new one says why. After a test that fails, the next one has a new MeshLab."""
 
     # Most tests look straight down, as MeshLab does: their cameras and pictures shall not depend on ours.
     first_view = 1
     # Pictures are compared as a whole, and when their points are complete.
     scale_bar = False
     smooth = False
+
+    shared = None  # the MeshLab of the module's tests, and the settings that it was started with
 
     @classmethod
     def setUpClass(cls):
@@ -199,48 +257,93 @@ class MeshLabTest(unittest.TestCase):
             fcntl.flock(lock, fcntl.LOCK_EX)
             subprocess.run([SOURCE / "packaging" / "meshlab-prefix", BUILD, cls.prefix, BUILD / "test-plugins"], check=True,
                            capture_output=True, timeout=60)
+        unittest.addModuleCleanup(MeshLabTest.quit_shared)
 
     def setUp(self):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="pcm-e2e-"))
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
-        self.environment = dict(os.environ, XDG_CONFIG_HOME=str(self.folder / "config"), LC_ALL="C.UTF-8",
-                                XDG_RUNTIME_DIR=str(self.folder / "runtime"),
-                                XDG_CACHE_HOME=str(self.folder / "cache"), LIBGL_ALWAYS_SOFTWARE="1",
-                                MESA_SHADER_CACHE_DIR=str(BUILD / "e2e-shaders"))
-        (self.folder / "config" / "VCG").mkdir(parents=True)
-        if self.first_view:
-            self.setting("FirstView", "RichEnum", self.first_view, enum_cardinality=2, enum_val0="", enum_val1="")
-        if not self.scale_bar:
-            self.setting("ScaleBar", "RichBool", "false", tooltip="Default on.")
-        if not self.smooth:
-            self.setting("Smooth", "RichBool", "false", tooltip="Default on.")
-        (self.folder / "runtime").mkdir(mode=0o700)
+        self.environment = self.home(self.folder)
 
-    def setting(self, name, kind, value, **more):
+    def run(self, result):
+        faults = len(result.failures) + len(result.errors)
+        super().run(result)
+        if len(result.failures) + len(result.errors) > faults:
+            self.forget_shared()
+
+    @classmethod
+    def home(cls, folder):
+        """Settings of MeshLab's first start in a folder, and the environment of a MeshLab that has them."""
+        (folder / "config" / "VCG").mkdir(parents=True)
+        (folder / "runtime").mkdir(mode=0o700)
+        if cls.first_view:
+            cls.store(folder, "FirstView", "RichEnum", cls.first_view, enum_cardinality=2, enum_val0="", enum_val1="")
+        if not cls.scale_bar:
+            cls.store(folder, "ScaleBar", "RichBool", "false", tooltip="Default on.")
+        if not cls.smooth:
+            cls.store(folder, "Smooth", "RichBool", "false", tooltip="Default on.")
+        return dict(os.environ, XDG_CONFIG_HOME=str(folder / "config"), LC_ALL="C.UTF-8", XDG_RUNTIME_DIR=str(folder / "runtime"),
+                    XDG_CACHE_HOME=str(folder / "cache"), LIBGL_ALWAYS_SOFTWARE="1",
+                    MESA_SHADER_CACHE_DIR=str(BUILD / "e2e-shaders"))
+
+    @staticmethod
+    def store(folder, name, kind, value, **more):
         """Stores one of our settings as MeshLab does, before it is started."""
         name = "MeshLab::PointCloud::" + name
         attributes = " ".join(f"{key}={quoteattr(str(text))}" for key, text in dict(more, type=kind, name=name, value=value).items())
         document = f"<!DOCTYPE MeshLabSettings><Param {attributes}/>".replace('"', '\\"')
-        with open(self.folder / "config" / "VCG" / "MeshLab_64bit_fp.conf", "a", encoding="utf-8") as file:
+        with open(folder / "config" / "VCG" / "MeshLab_64bit_fp.conf", "a", encoding="utf-8") as file:
             file.write(f'{name.replace(":", "%3A")}="{document}"\n')
 
     def result(self, name):
         """Path of a picture or log of this test."""
         return RESULTS / f"{type(self).__name__}-{self._testMethodName}-{name}"
 
-    def run_program(self, command, timeout):
-        done = subprocess.run([*map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              errors="replace", env=dict(self.environment, DISPLAY=Display.name()), cwd=self.folder,
-                              timeout=timeout)
-        self.result("log.txt").write_text(done.stdout)
-        return Run(done.returncode, done.stdout)
+    def script(self, commands):
+        """A file with commands for the driver, in the test's folder."""
+        path = self.folder / "script.txt"
+        path.write_text(f"folder {self.folder}\nfailure-picture {self.result('failure.png')}\n{commands}\n")
+        return path
 
-    def gui(self, script, *arguments, timeout=240):
-        """Runs MeshLab; the driver plays the script."""
-        (self.folder / "script.txt").write_text(script)
-        self.environment["PCM_TEST_SCRIPT"] = str(self.folder / "script.txt")
-        self.environment["PCM_TEST_FAILURE_PICTURE"] = str(self.result("failure.png"))
-        return self.run_program([self.prefix / "bin" / "meshlab", *arguments], timeout)
+    def kept(self, run, timeout):
+        """Keeps what a program printed, for inspection."""
+        self.result("log.txt").write_text(run.text)
+        if run.code == -signal.SIGKILL:
+            raise AssertionError(f"killed, after {timeout} s if not by another program:\n{run.text[-3000:]}")
+        return run
+
+    def gui(self, script, timeout=240):
+        """The driver plays the script in the MeshLab that the module's tests share."""
+        settings = (self.first_view, self.scale_bar, self.smooth)
+        if MeshLabTest.shared and MeshLabTest.shared.settings != settings:
+            self.quit_shared()
+        if not MeshLabTest.shared:
+            MeshLabTest.shared = Shared(self, settings)
+        run = MeshLabTest.shared.meshlab.play(self.script(f"{script}\nstart-over"), timeout)
+        if run.code != 0:
+            self.forget_shared()
+        return self.kept(run, timeout)
+
+    def own_gui(self, script, *arguments, timeout=240):
+        """The driver plays the script, which ends with `quit`, in a MeshLab with the test's own settings and these arguments."""
+        meshlab = MeshLab([self.prefix / "bin" / "meshlab", *arguments], self.environment, self.folder)
+        self.addCleanup(meshlab.end)
+        return self.kept(meshlab.play(self.script(script), timeout, ends=True), timeout)
+
+    @staticmethod
+    def forget_shared():
+        if MeshLabTest.shared:
+            MeshLabTest.shared.end()
+        MeshLabTest.shared = None
+
+    @staticmethod
+    def quit_shared():
+        """As the user does it, after the last test of a module."""
+        if not MeshLabTest.shared:
+            return
+        try:
+            MeshLabTest.shared.quit()
+        finally:
+            MeshLabTest.forget_shared()
 
     def server(self, filters, *arguments, timeout=240, started_by=()):
         """Runs meshlabserver with a script of filters: [(name, {parameter: (type, value)})], or
@@ -255,13 +358,16 @@ class MeshLabTest(unittest.TestCase):
         lines.append("</FilterScript>")
         script = self.folder / "script.mlx"
         script.write_text("\n".join(lines) + "\n")
-        self.environment.pop("PCM_TEST_SCRIPT", None)
-        return self.run_program([*started_by, self.prefix / "bin" / "meshlabserver", *arguments, "-s", script], timeout)
+        command = [*started_by, self.prefix / "bin" / "meshlabserver", *arguments, "-s", script]
+        done = subprocess.run([*map(str, command)], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              errors="replace", env=dict(self.environment, DISPLAY=Display.name()), cwd=self.folder,
+                              timeout=timeout)
+        return self.kept(Run(done.returncode, done.stdout), timeout)
 
     def assertDriven(self, run):
-        """The script was completed and MeshLab quit by itself."""
+        """The script was completed, and MeshLab closed its documents, or quit by itself."""
         self.assertNotIn("driver: FAILED", run.text)
-        self.assertIn("driver: quit", run.text)
+        self.assertIn("driver: played", run.text, run.text[-3000:])
         self.assertEqual(run.code, 0, run.text[-3000:])
 
     def generate_file(self, name, points, *options):

@@ -98,6 +98,7 @@ class Attributes(MeshLabTest):
         before, radii_alone, discs, copy = (self.result(f"{name}.png") for name in ("before", "radii", "discs", "copy"))
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             wheel -2
@@ -135,8 +136,7 @@ class Attributes(MeshLabTest):
             wait-status full resolution
             print-camera second
             screen {self.result("end.png")}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertGreater(different(before, radii_alone), 0.02)
         self.assertGreater(different(radii_alone, discs), 0.02)

@@ -100,6 +100,7 @@ class Clouds(MeshLabTest):
         before = pcmlab("info", tree)
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             wait-status complete
             trigger Transform: Translate, Center, set Origin
@@ -135,8 +136,7 @@ class Clouds(MeshLabTest):
             press Close
             wait-status complete
             screen {self.result("results.png")}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertEqual([layer["matrix"][3] for layer in run.layers()], [50, 50, 0])
         self.assertAlmostEqual(pcmlab("info", moved)["bounds"]["min"][0], before["bounds"]["min"][0] + 50, 3)

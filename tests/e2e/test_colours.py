@@ -54,7 +54,6 @@ class Colours(MeshLabTest):
             {script}
             screen {self.result("screen.png")}
             print-log
-            quit
             """)
         self.assertDriven(run)
         legends = run.legends()
@@ -101,7 +100,6 @@ class Colours(MeshLabTest):
             release-at 0.93 0.105
             wait-status full resolution
             print-legend again
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(run.legends()["clicked"][1], "2  ground (hidden)")

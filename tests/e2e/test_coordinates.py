@@ -34,7 +34,6 @@ class Coordinates(MeshLabTest):
                 pan-from 0 0
                 {slow}
                 pan-end {STEPS} {STEPS // 2}
-                quit
                 """)
             self.assertDriven(run)
             pictures[name] = shots

@@ -151,7 +151,6 @@ class Fitting(MeshLabTest):
             trigger Save Project As...
             pick {project}
             wait-file {project}
-            quit
             """)
         self.assertDriven(run)
         found = run.labels(FOUND)
@@ -198,7 +197,8 @@ class Fitting(MeshLabTest):
     def check_reopened(self, project, pictures):
         kept = kept_in(project)
         self.assertEqual([p["name"] for p in kept], ["Cylinder 1", "Table <top>"])
-        run = self.gui(f"""
+        # In a MeshLab of its own: another session.
+        run = self.own_gui(f"""
             wait-view
             {NO_TIME_LIMIT}
             view-size 800 600
@@ -242,7 +242,8 @@ class Fitting(MeshLabTest):
     def test_what_is_refused_changes_nothing(self):
         self.tree = self.pipe_on_a_floor()
         floor, pipe = "-2 1 0", "3 0.5 1.5"
-        run = self.gui(f"""
+        # In a MeshLab of its own: what it keeps is for its next start.
+        run = self.own_gui(f"""
             {self.start()}
             {self.click("0.05 0.05")}
             print-label {MESSAGE}
@@ -304,7 +305,7 @@ class Fitting(MeshLabTest):
         self.assertEqual(run.text.count("driver: escape taken"), 1)
         self.assertEqual(run.text.count("driver: escape not taken"), 1)
         self.assertNotEqual(run.cameras()["before"]["eye"], run.cameras()["turned"]["eye"])
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             {self.start()}
             print-field Shape
             print-field Threshold
@@ -338,7 +339,6 @@ class Fitting(MeshLabTest):
             print-label {FOUND}
             escape-in-view
             wait-label {MESSAGE} discarded
-            quit
             """)
         self.assertDriven(run)
         states, found = run.properties("pcm_fit_tool"), run.labels(FOUND)
@@ -374,7 +374,6 @@ class Fitting(MeshLabTest):
             trigger Its points to a layer...
             pick {part}
             wait-layers 2
-            quit
             """)
         self.assertDriven(run)
         points = self.points_of(part)
@@ -416,7 +415,6 @@ class Fitting(MeshLabTest):
             pick {part}
             wait-label {MESSAGE} extracted
             print-table {LIST}
-            quit
             """)
         self.assertDriven(run)
         row = run.tables(LIST)[0][0]
@@ -450,7 +448,6 @@ class Fitting(MeshLabTest):
                 trigger Save Project As...
                 pick {project}
                 wait-file {project}
-                quit
                 """)
             self.assertDriven(run)
             shapes[name] = kept_in(project)[0]

@@ -85,7 +85,6 @@ class FittingList(FittingTest):
             choose-row {LIST} 1
             key Delete
             wait-rows {LIST} 1
-            quit
             """)
         self.assertDriven(run)
         self.assertLessEqual(run.docks()["PointCloudFitDock"], 300)
@@ -117,7 +116,6 @@ class FittingList(FittingTest):
             {self.click_place("3 -1 1.5", "Shift")}
             wait-label {FOUND} taken away
             print-label {FOUND}
-            quit
             """)
         self.assertDriven(run)
         by_alt, by_shift = run.labels(FOUND)
@@ -139,7 +137,6 @@ class FittingList(FittingTest):
                 trigger Its points to a file...
                 pick {out}
                 wait-label {MESSAGE} extracted
-                quit
                 """)
             self.assertDriven(run)
             with open(out, newline="", encoding="utf-8") as file:
@@ -216,7 +213,6 @@ class MovedClouds(FittingTest):
             press Export
             pick {self.folder / "scaled.csv"}
             wait-label {MESSAGE} scales, shears or mirrors Cylinder 2
-            quit
             """)
         self.assertDriven(run)
         self.check_places(json.loads((self.folder / "moved.json").read_text())["primitives"])
@@ -230,7 +226,8 @@ class MovedClouds(FittingTest):
         self.assertLess(before[1], 5000, "two neighbourhoods")
         self.assertLess(before[2], before[0] - 300, "a place was taken away")
         table = self.folder / "again.csv"
-        run = self.gui(f"""
+        # In a MeshLab of its own: another session.
+        run = self.own_gui(f"""
             {self.start(pipe, other, project=project)}
             print-table {LIST}
             choose-row {LIST} 0
@@ -297,7 +294,6 @@ class MovedClouds(FittingTest):
             escape-in-view
             wait-label {MESSAGE} discarded
             {show}
-            quit
             """)
         self.assertDriven(run)
         selected = [int(re.search(r"([0-9,]+) points selected", box["text"])[1].replace(",", "")) for box in run.boxes()
@@ -333,7 +329,6 @@ class LayersAndWork(FittingTest):
             print-property pcm_fit_tool
             key Return
             wait-rows {LIST} 1
-            quit
             """)
         self.assertDriven(run)
         before, after = run.labels(FOUND)
@@ -359,7 +354,6 @@ class LayersAndWork(FittingTest):
             field PointCloudFitNeighbourhood =
             click-place {PIPE}
             wait-label {FOUND} Cylinder
-            quit
             """)
         self.assertDriven(run)
         self.assertIn("Click a point", run.labels(FOUND)[0])
@@ -395,14 +389,14 @@ class LayersAndWork(FittingTest):
             pause 200
             wait-status complete
             screen {self.result("removed.png")}
-            quit
             """)
         self.assertDriven(run)
         self.assertIn("Click a point", run.labels(FOUND)[0])
         self.assertIn("pipe.pct", run.labels(MESSAGE)[-1])
 
     def test_meshlab_is_closed_while_it_fits(self):
-        run = self.gui(f"""
+        # In a MeshLab of its own: it is quit while it fits.
+        run = self.own_gui(f"""
             {self.start(self.tree)}
             {self.LONG}
             click-place {FLOOR}
@@ -425,7 +419,6 @@ class LayersAndWork(FittingTest):
             click-place {PIPE}
             wait-label {FOUND} Cylinder
             print-label {FOUND}
-            quit
             """)
         self.assertDriven(run)
         self.assertAlmostEqual(number(run.labels(FOUND)[0]), 0.5, delta=0.001)
@@ -444,14 +437,14 @@ class LayersAndWork(FittingTest):
             quit
             pause 300
             escape
-            pause 1000
+            press OK
+            expect-message Cancelled
             press Close
             print-layers
             print-log
             trigger Fit Primitives
             pause 300
             print-table {LIST}
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(run.tables(LIST), [[]])

@@ -73,7 +73,6 @@ class Formats(MeshLabTest):
                     pause 300
                     picture {picture}
                     print-layers
-                    quit
                     """)
                 self.assertDriven(run)
                 self.assertEqual(len(run.layers()), 1)
@@ -108,7 +107,6 @@ class Formats(MeshLabTest):
             expect-message none
             expect-message folder for trees does not exist
             wait-layers 3
-            quit
             """)
         self.assertDriven(run)
         layer = run.layers()[0]
@@ -144,7 +142,6 @@ class Formats(MeshLabTest):
             press OK
             wait-layers 2
             wait-log Built {self.folder / "columns.pct"}
-            quit
             """)
         self.assertDriven(run)
         layer = run.layers()[0]
@@ -168,7 +165,6 @@ class Formats(MeshLabTest):
             wait-log 2 points
             wait-log 1 bad line was skipped
             print-layers
-            quit
             """)
         self.assertDriven(run)
         layer = run.layers()[0]
@@ -197,7 +193,6 @@ class Formats(MeshLabTest):
             wait-log 2 points, PLY
             export {back}
             wait-log 2 points of the layer
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual((run.layers()[0]["vertices"], run.layers()[0]["faces"]), (3, 1))
@@ -228,7 +223,6 @@ class Formats(MeshLabTest):
             wait-log {part:,} points, BPC
             expect-no-dialog
             print-layers
-            quit
             """)
         self.assertDriven(run)
         trees = run.layers()[:3]
@@ -246,7 +240,7 @@ class Formats(MeshLabTest):
             file = self.folder / pathlib.Path(name).name
             shutil.copy(sample(name), file)
             lines += f"open {file}\npress OK\nexpect-message {file.name}\nwait-layers 0\nexpect-no-dialog\n"
-        run = self.gui(f"wait-view\n{lines}\nopen {good}\nwait-layers 1\nwait-log 1,000 points\nquit\n")
+        run = self.gui(f"wait-view\n{lines}\nopen {good}\nwait-layers 1\nwait-log 1,000 points")
         self.assertDriven(run)
 
 
@@ -284,7 +278,6 @@ class Export(MeshLabTest):
             set Float positions = on
             press OK
             wait-log to {floats}
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(old.read_bytes()[24:26], b"\1\1")
@@ -301,14 +294,14 @@ class Export(MeshLabTest):
         las, tree = self.generate("cloud", 60000, "--origin", "500000,4800000,100")
         truth = pcmlab("info", tree)
         for given in (tree, las):
-            for extension in ("las", "ply", "pcd", "xyz"):
-                out = self.folder / f"{given.suffix[1:]}.{extension}"
-                run = self.server([], "-i", given, "-o", out)
-                self.assertEqual(run.code, 0, run.text)
-                self.assertIn("60,000 points of the", run.text)
+            written = [self.folder / f"{given.suffix[1:]}.{extension}" for extension in ("las", "ply", "pcd", "xyz")]
+            run = self.server([], "-i", given, *(argument for out in written for argument in ("-o", out)))
+            self.assertEqual(run.code, 0, run.text)
+            self.assertEqual(run.text.count("60,000 points of the"), len(written), run.text)
+            for out in written:
                 found = self.tree_of(out)
                 self.assertEqual((found["points"], found["bounds"]), (60000, truth["bounds"]), out)
-                if extension != "las":  # it adds the fields that every record has
+                if out.suffix != ".las":  # it adds the fields that every record has
                     self.assertEqual(sorted(a["name"] for a in found["attributes"]),
                                      sorted(a["name"] for a in truth["attributes"]), out)
         broken = self.folder / "broken.las"
@@ -326,14 +319,12 @@ class Export(MeshLabTest):
             wait-view
             open {tree}
             wait-layers 1
-            wait-status complete
             export {out}
             wait-building
             escape
             press OK
             expect-message cancelled
             expect-no-dialog
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(list(self.folder.glob("out*")), [])

@@ -2,13 +2,13 @@
 
 import unittest
 
-from meshlab import FIXED_VIEW, MeshLabTest, different, pcmlab
+from meshlab import FIXED_VIEW, NO_TIME_LIMIT, MeshLabTest, different, pcmlab
 
 
 class DrawnCopies(MeshLabTest):
-    def cached(self):
-        """The trees in the cache folder."""
-        return sorted((self.folder / "cache" / "pcm-meshlab").glob("session-*/*.pct"))
+    def cached(self, folder):
+        """The trees in the cache of the MeshLab whose folder this is."""
+        return sorted((folder / "cache" / "pcm-meshlab").glob("session-*/*.pct"))
 
     def test_a_small_cloud_is_drawn_like_a_large_one_and_stays_an_ordinary_layer(self):
         las, tree = self.generate("small", 60000, "--seed", 6)
@@ -31,12 +31,11 @@ class DrawnCopies(MeshLabTest):
             print-layers
             export {saved}
             wait-log Wrote 60,000 points of the layer
-            quit
             """)
         self.assertDriven(run)
         self.assertLess(different(large, small), 0.001)
         self.assertEqual([(layer["vertices"], layer["label"]) for layer in run.layers()], [(60000, "small.las")])
-        self.assertEqual(self.cached(), [], "the temporary tree is left")
+        self.assertEqual(self.cached(self.shared.folder), [], "the temporary tree is left")
 
     def test_the_picture_follows_the_vertices(self):
         las = self.generate_file("small", 60000, "--seed", 6)
@@ -66,14 +65,13 @@ class DrawnCopies(MeshLabTest):
             picture {moved}
             trigger Delete Current Mesh
             wait-layers 0
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual([layer["vertices"] for layer in run.layers()], [30000])
         self.assertGreater(different(whole, selected), 0.05, "the selection is covered by our points")
         self.assertGreater(different(whole, half), 0.05)
         self.assertGreater(different(half, moved), 0.05)
-        self.assertEqual(self.cached(), [])
+        self.assertEqual(self.cached(self.shared.folder), [])
 
     def test_the_picture_follows_edit_tools_and_reload(self):
         las = self.generate_file("small", 60000, "--seed", 6)
@@ -97,7 +95,6 @@ class DrawnCopies(MeshLabTest):
             wait-layers 1
             wait-status complete
             picture {again}
-            quit
             """)
         self.assertDriven(run)
         self.assertGreater(different(whole, one), 0)
@@ -106,9 +103,10 @@ class DrawnCopies(MeshLabTest):
 
     def test_a_killed_meshlab_leaves_trees_until_the_next_start(self):
         las = self.generate_file("small", 60000, "--seed", 6)
-        self.gui(f"wait-view\nopen {las}\nwait-layers 1\nwait-status complete\nno such command\n")
-        self.assertEqual(len(self.cached()), 1)  # the driver ended MeshLab without any cleaning up
-        self.assertDriven(self.gui("wait-view\nquit\n"))
+        # In a MeshLab of its own: it is killed.
+        self.own_gui(f"wait-view\nopen {las}\nwait-layers 1\nwait-status complete\nno such command\n")
+        self.assertEqual(len(self.cached(self.folder)), 1)  # the driver ended MeshLab without any cleaning up
+        self.assertDriven(self.own_gui("wait-view\nquit\n"))
         self.assertEqual(list((self.folder / "cache" / "pcm-meshlab").iterdir()), [])
 
     def test_one_click_draws_any_layer_of_points(self):
@@ -128,7 +126,6 @@ class DrawnCopies(MeshLabTest):
             wait-no-status complete
             trigger Show Point Cloud
             wait-status complete
-            quit
             """)
         self.assertDriven(run)
 
@@ -162,7 +159,6 @@ class Samples(MeshLabTest):
             wait-status complete
             picture {after}
             print-layers
-            quit
             """)
         self.assertDriven(run)
         self.assertGreater(different(before, after), 0.05)
@@ -198,7 +194,6 @@ class Samples(MeshLabTest):
             wait-status complete
             picture {restored}
             print-layers
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(different(before, restored), 0)
@@ -232,7 +227,6 @@ class Samples(MeshLabTest):
             wait-notice none
             wait-status complete
             picture {after}
-            quit
             """)
         self.assertDriven(run)
         self.assertGreater(different(before, after), 0.01)
@@ -258,7 +252,6 @@ class Samples(MeshLabTest):
             wait-status complete
             picture {moved}
             print-layers
-            quit
             """)
         self.assertDriven(run)
         first, second = run.layers()
@@ -284,15 +277,17 @@ class Samples(MeshLabTest):
         project = self.folder / "saved.mlp"
         project.write_text(f"<!DOCTYPE MeshLabDocument><MeshLabProject><MeshGroup>{layers}</MeshGroup><RasterGroup/>"
                            "</MeshLabProject>")
-        run = self.gui("wait-view\nwait-layers 3\nwait-status complete\nwait-status 3 clouds\nprint-layers\nquit\n", project)
+        run = self.gui(f"wait-view\nopen-project {project}\nwait-layers 3\nwait-status complete\nwait-status 3 clouds\nprint-layers")
         self.assertDriven(run)
         self.assertEqual([layer["label"] for layer in run.layers()], names)
         self.assertEqual([layer["matrix"][3] for layer in run.layers()], [5, 5, 5])
 
     def test_closing_a_cloud_gives_its_memory_back(self):
         _, tree = self.generate("large", 6000000, "--seed", 9)
-        run = self.gui(f"""
+        # In a MeshLab of its own: its memory is measured.
+        run = self.own_gui(f"""
             wait-view
+            {NO_TIME_LIMIT}
             pause 500
             memory empty
             open {tree}

@@ -16,6 +16,7 @@ class Looks(MeshLabTest):
         project, before, after = self.folder / "site.mlp", self.result("before.png"), self.result("after.png")
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             wait-status complete
@@ -28,10 +29,10 @@ class Looks(MeshLabTest):
             trigger Save Project As...
             pick {project}
             wait-file {project}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
-        again = self.gui(f"""
+        # In a MeshLab of its own: another session, with the project on its command line.
+        again = self.own_gui(f"""
             wait-view
             wait-layers 1
             pause 500
@@ -53,6 +54,7 @@ class Looks(MeshLabTest):
         pictures = {name: self.result(f"{name}.png") for name in ("neutral", "bright", "gamma", "again")}
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             wait-status full resolution
@@ -67,8 +69,7 @@ class Looks(MeshLabTest):
             panel Gamma = 1
             wait-status full resolution
             picture {pictures["again"]}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertGreater(different(pictures["neutral"], pictures["bright"]), 0.05)
         self.assertGreater(different(pictures["neutral"], pictures["gamma"]), 0.05)
@@ -78,6 +79,7 @@ class Looks(MeshLabTest):
         _, tree = self.generate("site", 40000, "--seed", 2, "--extent", 20)
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             parameter {NAME}Colour = 2
@@ -99,8 +101,7 @@ class Looks(MeshLabTest):
             wait-status full resolution
             print-legend typed
             print-camera after
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         legends = run.legends()
         ends = {name: [float(value) for value in lines[1:]] for name, lines in legends.items()}
@@ -112,15 +113,15 @@ class Looks(MeshLabTest):
 
     def test_one_menu_for_point_clouds(self):
         _, tree = self.generate("site", 3000)
-        run = self.gui("""
+        run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             print-menu Point Clouds
             trigger Remove Outliers...
             print-field Output folder
             press Close
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         entries = re.findall(r"driver: menu (.*)", run.text)
         groups = list(dict.fromkeys(entry.split(" > ")[0] for entry in entries))
@@ -136,6 +137,7 @@ class Looks(MeshLabTest):
         las, ply = self.folder / "all.las", self.folder / "vertices.ply"
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             export-asking {las}
             pause 300
@@ -143,13 +145,13 @@ class Looks(MeshLabTest):
             print-ticks
             press OK
             wait-log to {las}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertNotIn("check_iom", re.search(r"driver: ticks (.*)", run.text)[1])
         self.assertEqual(pcmlab("info", las)["points"], 3000)
         run = self.gui(f"""
             wait-view
+            open {las}
             wait-layers 1
             export-asking {ply}
             pause 300
@@ -157,8 +159,7 @@ class Looks(MeshLabTest):
             print-ticks
             press OK
             wait-log to {ply}
-            quit
-            """, las)
+            """)
         self.assertDriven(run)
         ticks = set(re.findall(r"check_iom_(\w+)", re.search(r"driver: ticks (.*)", run.text)[1]))
         self.assertTrue(ticks and ticks <= {"vertcolor", "vertnormal", "vertquality", "vertradius"}, ticks)
@@ -171,11 +172,11 @@ class Looks(MeshLabTest):
         data.write_bytes(content)
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {NO_TIME_LIMIT}
             wait-status pcmlab repair {tree}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
 
 

@@ -171,12 +171,12 @@ class Measuring(MeshLabTest):
             trigger Save Project As...
             pick {project}
             wait-file {project}
-            quit
             """)
         self.assertDriven(run)
         self.check_numbers(run, project, out)
         self.check_pictures(pictures)
-        run = self.gui(f"""
+        # In a MeshLab of its own: another session.
+        run = self.own_gui(f"""
             wait-view
             view-size 800 600
             open-project {project}
@@ -286,7 +286,6 @@ class Measuring(MeshLabTest):
             trigger Measure
             pause 200
             print-layers
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(run.tables(LIST), [[], [], []])
@@ -330,7 +329,6 @@ class Measuring(MeshLabTest):
             key Return
             wait-rows {LIST} 2
             print-table {VALUES}
-            quit
             """)
         self.assertDriven(run)
         (measure,) = kept_in(project)
@@ -381,7 +379,6 @@ class Measuring(MeshLabTest):
             trigger Save Project As...
             pick {project}
             wait-file {project}
-            quit
             """)
         self.assertDriven(run)
         (measure,) = kept_in(project)

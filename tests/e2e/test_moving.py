@@ -120,7 +120,6 @@ class AlignByPicks(MeshLabTest):
             wait-layers 3
             wait-status complete
             print-layers
-            quit
             """, timeout=400)
         self.assertDriven(run)
         result = pcmlab("align", moving, left, "--pairs", pairs)
@@ -176,7 +175,6 @@ class AlignByPicks(MeshLabTest):
             press Delete Pair
             wait-rows PointCloudAlignPairs 2
             print-label PointCloudAlignSummary
-            quit
             """)
         self.assertDriven(run)
         first, second, third = run.labels("PointCloudAlignSummary")
@@ -218,7 +216,6 @@ class MovedByMeshLab(MeshLabTest):
             wait-log points of 1 trees
             wait-layers 2
             press Close
-            quit
             """, timeout=400)
         self.assertDriven(run)
         matrix = run.layers()[0]["matrix"]
@@ -251,7 +248,6 @@ class MovedByMeshLab(MeshLabTest):
             wait-status complete
             picture {moved}
             print-layers
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(run.layers()[0]["matrix"][3], 12)
@@ -331,10 +327,10 @@ class PointCloudsPanel(MeshLabTest):
             trigger Save Project As...
             pick {project}
             wait-file {project}
-            quit
             """, timeout=400)
         self.assertDriven(run)
-        again = self.gui(f"""
+        # In a MeshLab of its own: another session, with the project on its command line.
+        again = self.own_gui(f"""
             wait-view
             wait-layers 2
             wait-rows PointCloudLayers 2
@@ -404,7 +400,6 @@ class PointCloudsPanel(MeshLabTest):
             trigger Save Project As...
             pick {project}
             wait-file {project}
-            quit
             """, timeout=400)
         self.assertDriven(run)
         cameras = run.cameras()
@@ -421,7 +416,8 @@ class PointCloudsPanel(MeshLabTest):
         self.assertTrue(all(a - 200 < x < b + 200 for a, x, b in zip(low, written["frames"][0]["target"], high)))
         pcmlab("render", tree, "-o", self.folder / "frame%02d.png", "--path", path, "--size", "64x48")
         self.assertIn("PointCloudBookmarks", project.read_text())
-        again = self.gui("wait-view\nwait-layers 1\nwait-rows PointCloudBookmarks 3\nprint-table PointCloudBookmarks\nquit\n",
+        # In a MeshLab of its own: another session, with the project on its command line.
+        again = self.own_gui("wait-view\nwait-layers 1\nwait-rows PointCloudBookmarks 3\nprint-table PointCloudBookmarks\nquit\n",
                          project)
         self.assertDriven(again)
         self.assertEqual(self.tables(again, "PointCloudBookmarks")[-1], [["View"], ["View 2"], ["View 3"]])

@@ -31,6 +31,7 @@ class Navigation(MeshLabTest):
                     ("before", "inside", "walked", "looked", "outside", "orbited", "ortho", "ortho-walked")}
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             drag 0.5 0.5 0.5 0.2
@@ -108,8 +109,7 @@ class Navigation(MeshLabTest):
             wait-standing
             print-camera below-ground
             print-property pcm_first_person
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         c = run.cameras()
         # Starting and ending the tool leaves the camera unchanged to the last bit.
@@ -166,6 +166,7 @@ class Navigation(MeshLabTest):
         ortho, walked, perspective = (self.result(f"{name}.png") for name in ("ortho", "ortho-walked", "perspective"))
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             drag 0.5 0.5 0.5 0.2
@@ -225,8 +226,7 @@ class Navigation(MeshLabTest):
             print-camera resumed
             trigger First Person Navigation
             pause 100
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         c = run.cameras()
         self.assertEqual([c[name]["orthographic"] for name in ("perspective", "ortho", "zoomed", "turned", "full")],
@@ -291,7 +291,6 @@ class Navigation(MeshLabTest):
             key-up W
             trigger First Person Navigation
             pause 50
-            quit
             """)
         self.assertDriven(run)
         c = run.cameras()
@@ -332,7 +331,6 @@ class Navigation(MeshLabTest):
                 print-camera orbited
                 picture {self.result(f"{name}-orbited.png")}
                 print-log
-                quit
                 """)
             self.assertDriven(run)
             c = run.cameras()

@@ -103,7 +103,6 @@ class Picking(MeshLabTest):
             wait-status complete
             screen {self.result("screen.png")}
             picture {self.result("picked.png")}
-            quit
             """)
         self.assertDriven(run)
         origin = [float(v) for v in re.search(r"document's origin (\S+) (\S+) (\S+?)\.?\s", run.text).groups()]
@@ -177,7 +176,6 @@ class Picking(MeshLabTest):
             escape
             click 0.4 0.5
             wait-label PickPointMessage ,
-            quit
             """)
         self.assertDriven(run)
         left, covered, shown, beside = run.properties("pcm_pick")
@@ -205,7 +203,6 @@ class Picking(MeshLabTest):
                 trigger Pick Point
                 wait-log Pick Point: click a point
                 {"".join(self.answered(0.3 + 0.05 * i, 0.5) for i in range(8))}
-                quit
                 """)
             self.assertDriven(run)
             classes[hidden] = [answer["point"]["classification"] for answer in run.properties("pcm_pick")

@@ -37,7 +37,7 @@ class Results(MeshLabTest):
             press Close
             print-layers
             """ for number, (name, _, _) in enumerate(filters))
-        run = self.gui(f"wait-view\nwait-layers 1\nwait-status complete\n{script}\nwait-status complete\nquit", tree)
+        run = self.gui(f"wait-view\nopen {tree}\nwait-layers 1\nwait-status complete\n{script}\nwait-status complete")
         self.assertDriven(run)
         self.assertEqual(run.fields(), [str(tree.parent / f"{name}.pct") for _, _, name in filters])
         layers, first = run.layers(), 0
@@ -53,6 +53,7 @@ class Results(MeshLabTest):
         made.rename(other)
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             wait-status complete
             trigger Remove Outliers of Point Cloud Tree
@@ -82,8 +83,7 @@ class Results(MeshLabTest):
             pick {tree / "index.pct"}
             print-field Other trees
             press Close
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertEqual(run.fields(), [str(path) for path in (
             self.folder / "site-clean.pct", other.parent / "other-clean.pct", self.folder / "site-clean.pct",
@@ -95,6 +95,7 @@ class Results(MeshLabTest):
         before, after = self.result("before.png"), self.result("after.png")
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             move-layer 0 3 1 2
@@ -110,8 +111,7 @@ class Results(MeshLabTest):
             picture {after}
             print-layers
             print-property pcm_state
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertShownAlone(run.layers(), "site-without")
         self.assertGreater(different(before, after), 0.02)
@@ -126,6 +126,7 @@ class Results(MeshLabTest):
         shown, ended = self.result("shown.png"), self.result("ended.png")
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             wait-status complete
@@ -160,8 +161,7 @@ class Results(MeshLabTest):
             pause 500
             wait-status complete
             picture {ended}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertShownAlone(run.layers(), "site-without")
         part, rest = (pcmlab("info", self.folder / f"site-{name}.pct")["points"] for name in ("part", "without"))
@@ -185,6 +185,7 @@ class Results(MeshLabTest):
             """ for name, keys in (("enter", ""), ("number", "type 6"), ("list", "dialog-key Down"), ("other", "type 77")))
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {NO_TIME_LIMIT}
             wait-status complete
@@ -197,8 +198,7 @@ class Results(MeshLabTest):
             type 256
             dialog-key Return
             wait-label PointCloudSelectMessage '256' is not a class
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         for name, number in (("enter", 2), ("number", 6), ("list", 3), ("other", 77)):
             found = self.folder / f"{name}.csv"

@@ -31,6 +31,7 @@ class SeeingTools(MeshLabTest):
         written = self.folder / "clipped.las"
         run = self.gui(f"""
             wait-view
+            open {tree}
             {FIXED_VIEW}
             wait-layers 1
             wait-status full resolution
@@ -58,8 +59,7 @@ class SeeingTools(MeshLabTest):
             press Close
             wait-status full resolution
             picture {pictures["off"]}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertEqual(different(pictures["all"], pictures["off"]), 0)
         for name in ("inside", "outside"):
@@ -95,6 +95,7 @@ class SeeingTools(MeshLabTest):
         names = ["plain", "bar", "north", "grid", "legend", "label", "again"]
         run = self.gui(f"""
             wait-view
+            open {tree}
             {FIXED_VIEW}
             wait-layers 1
             trigger Toggle Orthographic Camera
@@ -122,8 +123,7 @@ class SeeingTools(MeshLabTest):
             press Delete measure
             wait-rows PointCloudMeasureList 0
             {self.snapshot(6, "again")}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         pictures = {name: self.result(name + ".png") for name in names}
         large = {name: self.folder / f"snapshot{i:02}.png" for i, name in enumerate(names)}

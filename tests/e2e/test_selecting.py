@@ -82,6 +82,7 @@ class Selecting(MeshLabTest):
             """
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {VIEW}
             trigger Select Points
@@ -127,8 +128,7 @@ class Selecting(MeshLabTest):
             press By condition
             wait-label PointCloudSelectMessage subtracted
             {done}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         camera = Camera(run.properties("pcm_camera")[0])
         seen = [(camera.device(p), p, c) for p, c in points]
@@ -155,6 +155,7 @@ class Selecting(MeshLabTest):
         tree, points = self.scan()
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {VIEW}
             trigger Select Points
@@ -221,8 +222,7 @@ class Selecting(MeshLabTest):
             draw 0.02 0.02 0.05 0.05
             wait-label PointCloudSelectMessage met no point
             print-label PointCloudSelectCount
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         camera = Camera(run.properties("pcm_camera")[0])
         through, front, brush, grown, near, plain, unchanged = self.counts(run)
@@ -257,6 +257,7 @@ class Selecting(MeshLabTest):
         shown = "".join(f"\nprint-field {name}" for name in wanted)
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {VIEW}
             trigger Clip Box
@@ -287,8 +288,7 @@ class Selecting(MeshLabTest):
             wait-label PointCloudSelectMessage all shown
             print-label PointCloudSelectCount
             screen {self.result("selected.png")}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         fields = run.fields()
         count = len(wanted)
@@ -316,7 +316,8 @@ class Selecting(MeshLabTest):
         face = [centre[0] + c * half[0], centre[1] + s * half[0], centre[2]]
         goal = [centre[0] + c * half[0] * 5 / 3, centre[1] + s * half[0] * 5 / 3, centre[2]]
         places = [((x + 1) / 2 + 1e-4, (1 - y) / 2 + 1e-4) for x, y in map(camera.device, (face, goal))]
-        run = self.gui(f"""
+        # In a MeshLab of its own: another session, with the project on its command line.
+        run = self.own_gui(f"""
             wait-view
             wait-layers 1
             {VIEW}
@@ -360,6 +361,7 @@ class Selecting(MeshLabTest):
         layer, file, copy, classified = (self.folder / name for name in ("part.pct", "part.las", "rest.pct", "class.pct"))
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {VIEW}
             trigger Select Points
@@ -399,8 +401,7 @@ class Selecting(MeshLabTest):
             wait-label PointCloudSelectMessage saved
             wait-layers 4
             wait-status complete
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         high = sum(p[2] >= 450 for p, _ in points)
         self.assertGreater(high, 1000)

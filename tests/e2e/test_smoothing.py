@@ -17,7 +17,8 @@ class Smoothing(MeshLabTest):
         names = ("smooth", "plain", "again", "large", "turned", "back")
         p = {name: self.result(f"{name}.png") for name in names}
         setting = "parameter MeshLab::PointCloud::"
-        run = self.gui(f"""
+        # In a MeshLab of its own: the module has no other test.
+        run = self.own_gui(f"""
             wait-view
             view-size 320 240
             {setting}Details = 1

@@ -78,7 +78,6 @@ class Splats(MeshLabTest):
             wait-layers 1
             {script}
             screen {self.result("screen.png")}
-            quit
             """)
         self.assertDriven(run)
         for (mode, view), picture in pictures.items():
@@ -142,7 +141,6 @@ class Splats(MeshLabTest):
             {setting}Splats = 3
             wait-status full resolution
             print-log
-            quit
             """)
         self.assertDriven(run)
         for name in names[1:-1]:
@@ -189,7 +187,6 @@ class Splats(MeshLabTest):
             trigger Delete Current Mesh
             wait-layers 1
             wait-status of 1 clouds, complete, full resolution
-            quit
             """)
         self.assertDriven(run)
         self.assertGreater(different(p["both"], p["left"]), 0.05)
@@ -223,7 +220,6 @@ class Splats(MeshLabTest):
             drag 0.55 0.5 0.5 0.5
             wait-status complete, full resolution
             picture {moved}
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(different(free, tight), 0)
@@ -264,7 +260,6 @@ class Splats(MeshLabTest):
             view-size 640 480
             wait-status complete, full resolution
             picture {large}
-            quit
             """)
         self.assertDriven(run)
         for name, picture in (("snapshot00.png", shown), ("snapshot01.png", large)):
@@ -305,7 +300,6 @@ class Splats(MeshLabTest):
             wait-log Started Mode Measuring Tool
             {script}
             print-log
-            quit
             """)
         self.assertDriven(run)
         found = [float(v) for v in re.findall(r"Distance M\d: (\S+)", re.search(r"driver: log (.*)", run.text)[1])]

@@ -57,7 +57,6 @@ class Systems(MeshLabTest):
             press OK
             wait-layers 4
             print-layers
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual([layer["vertices"] for layer in run.layers()], [1000] * 4)

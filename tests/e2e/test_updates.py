@@ -116,6 +116,7 @@ class Updates(MeshLabTest):
         before, after, compacted = (self.result(f"{name}.png") for name in ("before", "after", "compacted"))
         run = self.gui(f"""
             wait-view
+            open {tree}
             wait-layers 1
             {FIXED_VIEW}
             wait-status complete
@@ -144,8 +145,7 @@ class Updates(MeshLabTest):
             wait-layers 1
             wait-status complete
             screen {self.result("appended.png")}
-            quit
-            """, tree)
+            """)
         self.assertDriven(run)
         self.assertGreater(different(before, after), 0.05)
         self.assertLess(different(after, compacted), 0.05)

@@ -25,7 +25,6 @@ class Words(MeshLabTest):
             wait-status full resolution
             print-boxes
             screen {self.result("details.png")}
-            quit
             """)
         self.assertDriven(run)
         plain, detailed = run.boxes()
@@ -49,7 +48,6 @@ class Words(MeshLabTest):
             pause 300
             wait-status complete
             print-paints
-            quit
             """)
         self.assertDriven(run)
         for paints in run.paints():
@@ -98,7 +96,6 @@ class Words(MeshLabTest):
             wait-layers 1
             wait-status complete
             print-camera above
-            quit
             """)
         self.assertDriven(run)
         cameras = run.cameras()
@@ -141,7 +138,6 @@ class Words(MeshLabTest):
             wait-status full resolution
             print-camera other
             picture {other}
-            quit
             """)
         self.assertDriven(run)
         self.assertLess(different(one, other), 0.02)
@@ -151,7 +147,8 @@ class Words(MeshLabTest):
         _, tree = self.generate("first", 60000, "--seed", 6)
         names = ("plain", "lit", "unlit", "large", "height", "black")
         pictures = {name: self.result(f"{name}.png") for name in names}
-        run = self.gui(f"""
+        # In a MeshLab of its own: what it keeps is for its next start.
+        run = self.own_gui(f"""
             wait-view
             {NO_TIME_LIMIT}
             open {tree}
@@ -198,7 +195,7 @@ class Words(MeshLabTest):
         self.assertEqual((reset["SplatSize"], reset["Background"]), (2, 0))
         self.assertEqual(changed["without_default"], [])
         # What was kept is there at the next start, and the panel stays hidden.
-        run = self.gui(f"""
+        run = self.own_gui(f"""
             wait-view
             open {tree}
             wait-layers 1
@@ -214,7 +211,8 @@ class Words(MeshLabTest):
         first, second = (self.generate_file(name, 30000, "--seed", 6) for name in ("first", "second file"))
         _, tree = self.generate("t", 30000, "--seed", 6)
         made = self.folder / "made.pct"
-        run = self.gui(f"""
+        # In a MeshLab of its own: the dialog keeps what was typed before.
+        run = self.own_gui(f"""
             wait-view
             trigger Build Point Cloud Tree
             field-button Input files = Add files
@@ -275,7 +273,6 @@ class Words(MeshLabTest):
             trigger Delete Points of Point Cloud Tree
             field-button Box = Box of the selected vertices
             print-field Box
-            quit
             """)
         self.assertDriven(run)
         whole, part, selected = ([float(n) for n in text.split()] for text in run.fields())
@@ -291,11 +288,12 @@ class Words(MeshLabTest):
     def test_new_defaults_replace_stored_ones(self):
         """MeshLab stores defaults at its first start: former ones give way, what the user chose or kept stays."""
         for name, value in (("SplatSize", 3.5), ("RadiusScale", 3.5), ("EyeDomeLighting", 3.5)):
-            self.setting(name, "RichFloat", value)
+            self.store(self.folder, name, "RichFloat", value)
         with open(self.folder / "config" / "VCG" / "MeshLab_64bit_fp.conf", "a", encoding="utf-8") as file:
             file.write("\n[PointCloud]\ndefaults\\SplatSize=3.5\ndefaults\\RadiusScale=1\ndefaults\\EyeDomeLighting=kept\n")
         for session in ("first", "second"):
-            run = self.gui("wait-view\nprint-parameters now\nquit\n")
+            # In a MeshLab of its own: its settings are stored before it starts.
+            run = self.own_gui("wait-view\nprint-parameters now\nquit\n")
             self.assertDriven(run)
             now = run.parameters()["now"]
             self.assertEqual((now["SplatSize"], now["RadiusScale"], now["EyeDomeLighting"]), (2, 3.5, 3.5), session)
@@ -327,14 +325,14 @@ class Words(MeshLabTest):
             trigger Save Project As...
             press Cancel
             pause 300
-            quit
             """)
         self.assertDriven(run)
         saved = project.read_text()
         self.assertEqual(saved.count("<PointCloudSettings>"), 1)
         self.assertLess(saved.index("city.pct"), saved.index("<PointCloudSettings>"))
         shutil.rmtree(self.folder / "config" / "VCG")
-        run = self.gui(f"""
+        # In a MeshLab of its own: another session.
+        run = self.own_gui(f"""
             wait-view
             view-size 480 360
             open-project {project}
@@ -384,7 +382,6 @@ class Words(MeshLabTest):
             trigger Export Mesh...
             press Cancel
             expect-no-dialog
-            quit
             """)
         self.assertDriven(run)
         self.assertEqual(len(run.fields()[0].split()), 6)
@@ -421,7 +418,6 @@ class Words(MeshLabTest):
             expect-message Cancelled: Saving {self.folder / "out.laz"} was cancelled.
             expect-no-dialog
             print-log
-            quit
             """)
         self.assertDriven(run)
         for word in ("Cannot", "Failure", "warning"):
@@ -437,7 +433,6 @@ class Words(MeshLabTest):
             press OK
             expect-message pcmlab repair '{tree}'
             wait-log pcmlab repair '{tree}'
-            quit
             """)
         self.assertDriven(run)
         pcmlab("repair", tree)

@@ -121,6 +121,33 @@ TEST(RestingView, AdaptiveSplatsBecomeTheSamePictureWhateverTheBudgets)
     }
 }
 
+// However few points a moving view can draw in time, a resting one may draw all.
+TEST(RestingView, IsAllowedTheWholeBudget)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "plane", grid_at({0, 0, 0}), random_plane(20000), 1500);
+    const Framebuffer framebuffer(wide, high);
+    Drawing drawing(cloud);
+    drawing.style = adaptive();
+    RenderOptions options = everything();
+    options.target_spacing_px = 4;
+    options.frame_budget_ms = 1e-3;
+    Camera view;
+    FrameReport report;
+    for (int frame = 0; frame < 20; ++frame) {
+        view = view_of(translation(0.01 * frame, 0, -40), perspective(0.9, 4.0 / 3, 0.1, 1000), wide, high);
+        framebuffer.clear();
+        report = drawing.draw(view, {0, 0, 0}, options);
+        ASSERT_EQ(report.error, "");
+    }
+    EXPECT_LT(report.effective_point_budget, options.point_budget);
+    report = draw_until_done(drawing, framebuffer, view, {0, 0, 0}, options);
+    EXPECT_TRUE(report.full_resolution);
+    EXPECT_EQ(report.effective_point_budget, options.point_budget);
+    drawing.release();
+}
+
 // While its splats are added a few at a time, the picture of the moving view stays, whose splats fill the gaps.
 TEST(RestingView, APartOfItIsNotShown)
 {

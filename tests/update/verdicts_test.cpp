@@ -114,7 +114,8 @@ TEST_F(Verdicts, PCM_NOT_UNDER_THREAD(OfASingleByteAnywhere))
     std::map<std::string, int> damaged;
     int tried = 0;
     for (const auto& [name, bytes] : files_)
-        for (std::size_t at = 0; at < bytes.size(); at += tries(1, 7) + (at > 200 ? bytes.size() / tries(300, 40) : 0)) {
+        for (std::size_t at = 0; at < bytes.size();
+             at += tries(1, 7) + (at > 200 ? bytes.size() / tries(300, 40) : 0)) {
             std::string changed = bytes;
             changed[at] = static_cast<char>(changed[at] ^ (at % 2 ? 0x01 : 0x80));
             put(name, changed);

@@ -2,6 +2,7 @@
 
 #include "tests/e2e/driver/commands.h"
 #include "tests/e2e/driver/paint_witness.h"
+#include "tests/e2e/driver/start_over.h"
 
 #include <common/GLLogStream.h>
 #include <common/interfaces.h>
@@ -12,6 +13,7 @@
 #include <QMainWindow>
 #include <QMessageBox>
 #include <QScreen>
+#include <QSocketNotifier>
 #include <QTimer>
 #include <QVariantMap>
 
@@ -42,14 +44,12 @@ void say(const QString& text)
 
 TestDriver::TestDriver()
 {
-    const QByteArray name = qgetenv("PCM_TEST_SCRIPT");
-    if (name.isEmpty()) return;
-    QFile file(QString::fromLocal8Bit(name));
-    if (!file.open(QIODevice::ReadOnly)) fail("cannot read the script " + QString(name));
-    for (const QString& line : QString::fromUtf8(file.readAll()).split('\n'))
-        if (!line.trimmed().isEmpty() && !line.startsWith('#')) script_ << line.trimmed();
+    if (qEnvironmentVariableIsEmpty("PCM_TEST_DRIVER")) return;
+    // With native siblings of the view, MeshLab crashes in Qt's window system when it closes a second document.
+    if (qgetenv("PCM_TEST_DRIVER") == "shared") qApp->setAttribute(Qt::AA_DontCreateNativeWidgetSiblings);
     started.start();
-    QTimer::singleShot(step_ms, this, SLOT(step()));
+    auto* input = new QSocketNotifier(STDIN_FILENO, QSocketNotifier::Read, this);
+    connect(input, SIGNAL(activated(int)), this, SLOT(read_input()));
 }
 
 TestDriver::~TestDriver() = default;
@@ -61,8 +61,7 @@ void TestDriver::fail(const QString& why)
         const auto* message_box = qobject_cast<const QMessageBox*>(box);
         say("open dialog: " + box->windowTitle() + (message_box ? ": " + message_box->text() : QString()));
     }
-    const QByteArray picture = qgetenv("PCM_TEST_FAILURE_PICTURE");
-    if (!picture.isEmpty()) QGuiApplication::primaryScreen()->grabWindow(0).save(QString::fromLocal8Bit(picture));
+    if (!failure_picture.isEmpty()) QGuiApplication::primaryScreen()->grabWindow(0).save(failure_picture);
     ::_exit(3);
 }
 
@@ -120,15 +119,40 @@ Done TestDriver::until(bool condition, const QString& what)
     return Done::not_yet;
 }
 
+void TestDriver::read_input()
+{
+    char bytes[4096];
+    const auto count = ::read(STDIN_FILENO, bytes, sizeof(bytes));
+    if (count <= 0) ::_exit(4);  // the tests have ended
+    input_.append(bytes, int(count));
+    const int end = input_.indexOf('\n');
+    if (end < 0) return;
+    play(QString::fromLocal8Bit(input_.left(end)));
+    input_.remove(0, end + 1);
+}
+
+void TestDriver::play(const QString& script)
+{
+    QFile file(script);
+    if (!file.open(QIODevice::ReadOnly)) fail("cannot read the script " + script);
+    script_.clear();
+    for (const QString& line : QString::fromUtf8(file.readAll()).split('\n'))
+        if (!line.trimmed().isEmpty() && !line.startsWith('#')) script_ << line.trimmed();
+    next_ = 0;
+    waiting.invalidate();
+    QTimer::singleShot(step_ms, this, SLOT(step()));
+}
+
 // Modal dialogs run their own event loop inside the command that opened them. So the next step is scheduled before a
 // command is run, and a command that waits is run again.
 void TestDriver::step()
 {
     if (next_ >= script_.size()) return;
-    if (!window()) {
+    if (!beginning && !StartOver::has_begun(*this)) {
         QTimer::singleShot(step_ms, this, SLOT(step()));
         return;
     }
+    if (!beginning) beginning = std::make_unique<StartOver>(*this);
     const int mine = next_;
     const QString line = script_[mine];
     first_try = !waiting.isValid();
@@ -139,11 +163,15 @@ void TestDriver::step()
     next_ = mine + 1;
     QTimer::singleShot(step_ms, this, SLOT(step()));
     const auto since_first_try = waiting;
-    if (run(line.section(' ', 0, 0), line.section(' ', 1).trimmed()) == Done::not_yet) {
+    nested = depth_++ > 0;
+    const Done done = run(line.section(' ', 0, 0), line.section(' ', 1).trimmed());
+    --depth_;
+    if (done == Done::not_yet) {
         next_ = mine;
         waiting = since_first_try;
     } else if (next_ == mine + 1) {
         waiting.invalidate();
+        if (next_ == script_.size()) say("played");
     }
 }
 

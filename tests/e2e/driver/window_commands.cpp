@@ -1,4 +1,5 @@
 #include "tests/e2e/driver/commands.h"
+#include "tests/e2e/driver/start_over.h"
 
 #include <meshlab/glarea.h>
 
@@ -8,6 +9,7 @@
 #include <QCheckBox>
 #include <QColorDialog>
 #include <QComboBox>
+#include <QDir>
 #include <QDockWidget>
 #include <QDoubleSpinBox>
 #include <QFileDialog>
@@ -284,6 +286,13 @@ Done escape(TestDriver& driver, const QString&)
     return Done::yes;
 }
 
+// folder PATH: where MeshLab writes snapshots
+Done folder(TestDriver& driver, const QString& path)
+{
+    if (!QDir::setCurrent(path)) driver.fail("no folder '" + path + "'");
+    return Done::yes;
+}
+
 // As the user does it, by closing the window.
 Done quit(TestDriver& driver, const QString&)
 {
@@ -314,6 +323,10 @@ std::vector<Command> window_commands()
         {"print-ticks", print_ticks},
         {"unfold", unfold},
         {"escape", escape},
+        {"folder", folder},
+        {"failure-picture",
+         [](TestDriver& driver, const QString& file) { return driver.failure_picture = file, Done::yes; }},
+        {"start-over", [](TestDriver& driver, const QString&) { return driver.beginning->run(driver); }},
         {"quit", quit},
     };
 }

@@ -298,6 +298,18 @@ TEST(LasTarget, IntensitiesAndColoursFillTheirFields)
     }
 }
 
+TEST(LasTarget, ColoursOf8BitsAreTimes257)
+{
+    TemporaryFolder folder;
+    const Whole cloud = gridded_cloud(schema_of({{"rgb", ScalarType::u8, 3, 1, 0, {}}}), 500, 1);
+    write_cloud(folder / "a.las", cloud, surveyed(cloud));
+    const std::string bytes = read_bytes(folder / "a.las");
+    for (std::size_t i = 0; i < cloud.points.size; ++i)
+        for (std::size_t c = 0; c < 3; ++c)
+            ASSERT_EQ(raw_field<std::uint16_t>(bytes, i, 20 + 2 * c), 257 * cloud.points.attributes[0].value(i, c))
+                << i;
+}
+
 TEST(LasTarget, ScaledAttributesGoToFieldsAsTheirValues)
 {
     TemporaryFolder folder;

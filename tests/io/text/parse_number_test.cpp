@@ -11,7 +11,7 @@
 
 namespace {
 
-using namespace pcm::text;
+using pcm::text::parse_number;
 
 // Every multiple of a quarter near zero and near both ends of the type's range, in three ways.
 template <class T>
