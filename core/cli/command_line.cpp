@@ -46,12 +46,6 @@ Option Option::one_value_each() const
     return *this;
 }
 
-Option Option::separated_by(char separator) const
-{
-    option_->delimiter(separator);
-    return *this;
-}
-
 Option Option::show_default() const
 {
     option_->capture_default_str();
@@ -67,12 +61,6 @@ Option Option::excludes(Option other) const
 Option Option::needs(Option other) const
 {
     option_->needs(other.option_);
-    return *this;
-}
-
-Option Option::shown_as(const char* type) const
-{
-    option_->type_name(type);
     return *this;
 }
 
@@ -130,7 +118,6 @@ Option Option::between(int least, int most) const
 
 Option Option::between(double least, double most) const { return restrict_numbers(option_, {least, most}); }
 Option Option::positive() const { return restrict_numbers(option_, {0.0, std::nullopt, true}); }
-Option Option::not_negative() const { return restrict_numbers(option_, {0.0, std::nullopt}); }
 
 Option Option::bytes() const
 {
@@ -235,12 +222,6 @@ Option Options::argument(ops::Argument& argument)
     }
     if (!argument.group().empty()) option->group(argument.group());
     return Option(option).shown_if(argument.is_shown());
-}
-
-Option Options::off_flag(const std::string& names, bool& variable, const std::string& help)
-{
-    return Option(command_.add_flag_callback(
-        names, [&variable] { variable = false; }, help));
 }
 
 namespace {

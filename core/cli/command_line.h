@@ -31,10 +31,8 @@ public:
     Option values(int count) const { return values(count, count); }
     Option values(int least, int most) const;  // that follow the option's name
     Option one_value_each() const;             // of a list: "--new a --new b", never "--new a b"
-    Option separated_by(char separator) const;
-    Option shown_as(const char* type) const;  // what its values are called in the help
-    Option shown_if(bool shown) const;        // else the help does not mention it; after group()
-    Option show_default() const;              // the help shows the variable's present value
+    Option shown_if(bool shown) const;         // else the help does not mention it; after group()
+    Option show_default() const;               // the help shows the variable's present value
 
     Option excludes(Option other) const;
     Option needs(Option other) const;
@@ -44,7 +42,6 @@ public:
     Option between(int least, int most) const;
     Option between(double least, double most) const;
     Option positive() const;
-    Option not_negative() const;
     Option bytes() const;  // a number with a unit, powers of 1024: 512M, 2G
 
 private:
@@ -64,9 +61,8 @@ public:
     // Given by its place, not by a name.
     template <class T>
     Option positional(const std::string& name, T& variable, const std::string& help);
-    // Sets the variable to true, or, off_flag(), to false.
+    // Sets the variable to true.
     Option flag(const std::string& names, bool& variable, const std::string& help);
-    Option off_flag(const std::string& names, bool& variable, const std::string& help);
     // An argument of the table of operations, which gets its value.
     Option argument(ops::Argument& argument);
 

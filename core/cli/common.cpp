@@ -1,5 +1,4 @@
 #include "pcm/cli/common.h"
-#include "pcm/system/peak_memory.h"
 
 #include <unistd.h>
 
@@ -57,20 +56,6 @@ void leave_progress_line()
 std::string text_of(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
 
 void print_json(const Json& json) { std::fputs(text_of(json).c_str(), stdout); }
-
-double points_per_second(const Outcome& outcome)
-{
-    return outcome.seconds > 0 ? static_cast<double>(outcome.points_out) / outcome.seconds : 0;
-}
-
-void put_outcome(Json& json, const Outcome& outcome)
-{
-    json["points"] = outcome.points_out;
-    json["seconds"] = outcome.seconds;
-    json["points_per_second"] = points_per_second(outcome);
-    json["peak_rss_bytes"] = peak_memory_bytes();
-    json["warnings"] = outcome.warnings;
-}
 
 int finished(const Outcome& outcome)
 {

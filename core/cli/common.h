@@ -34,9 +34,6 @@ void leave_progress_line();
 void print_json(const Json& json);
 std::string text_of(const Json& json);  // what it prints
 
-double points_per_second(const Outcome& outcome);
-// points, seconds, points_per_second, peak_rss_bytes, warnings: printed by every command that processes points.
-void put_outcome(Json& json, const Outcome& outcome);
 // Ends a command that has done its work: prints the outcome's warnings on stderr and returns the exit code.
 int finished(const Outcome& outcome);
 

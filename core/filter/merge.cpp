@@ -182,7 +182,7 @@ MergeReport merge_trees(const std::vector<MergeInput>& inputs, const MergeOption
     build.threads = result.threads;
     build.chunk_points = result.chunk_points;
     build.sampling = result.sampling.value_or(Sampling::poisson);
-    build.overwrite = result.overwrite;
+    build.overwrite = result.target.overwrite;
     build.progress = result.progress;
     check_build_options(build);
     MergeOptions own = options;

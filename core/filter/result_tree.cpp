@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <optional>
 #include <string>
-#include <system_error>
 #include <utility>
 
 namespace pcm {
@@ -74,19 +73,12 @@ BuildReport build_result(const fs::path& path, const ResultOptions& options,
                          const std::function<std::shared_ptr<PointReader>(std::shared_ptr<const Tree>)>& filter)
 {
     const bool in_place = options.target.in_place;
-    if (in_place != options.target.copy.empty())
-        throw Error(ErrorCode::invalid_argument, path,
-                    in_place ? "both a new tree and a change in place were asked for"
-                             : "neither a new tree nor a change in place was asked for",
-                    "name a new tree, or change the tree in place");
+    check_choice(path, options.target);
     // In place, changes that others make meanwhile would be lost. Into another tree, the snapshot opened here is read.
     std::optional<TreeLock> held;
     if (in_place) held.emplace(Tree::open(path)->folder());
     const std::shared_ptr<const Tree> tree = Tree::open(path);
-    std::error_code ignored;
-    if (!in_place && fs::equivalent(tree->folder(), options.target.copy, ignored))
-        throw Error(ErrorCode::invalid_argument, options.target.copy, "the output is the input tree",
-                    "give the new tree another name, or change the tree in place");
+    if (!in_place) refuse_own_copy(tree->folder(), options.target);
     BuildOptions build;
     build.memory_bytes = options.memory_bytes < least_build_memory
                              ? options.memory_bytes
@@ -94,7 +86,7 @@ BuildReport build_result(const fs::path& path, const ResultOptions& options,
     build.threads = options.threads;
     build.chunk_points = options.chunk_points;
     build.sampling = options.sampling.value_or(tree->info().sampling);
-    build.overwrite = in_place || options.overwrite;
+    build.overwrite = in_place || options.target.overwrite;
     build.progress = options.progress;
     check_build_options(build);  // before the filter begins
     const fs::path output = in_place ? tree->folder() : options.target.copy;

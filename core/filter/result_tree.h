@@ -20,7 +20,6 @@ namespace pcm {
 struct ResultOptions {
     // `copy` names the new tree, which has its own data files; or a file, by its extension (.laz, .ply, ...).
     TargetChoice target;
-    bool overwrite = false;                               // replace `copy` if it is a tree, or a file
     std::uint64_t memory_bytes = std::uint64_t(1) << 30;  // memory of filter and build; least_build_memory or more
     unsigned threads = 0;                                 // 0: one per processor
     std::uint32_t chunk_points = default_chunk_points;

@@ -201,6 +201,4 @@ Image Offscreen::read() const
 
 std::string Offscreen::renderer() const { return text_of(GL_RENDERER) + ", OpenGL " + text_of(GL_VERSION); }
 
-bool Offscreen::is_software() const { return gl_is_software(); }
-
 }  // namespace pcm

@@ -32,7 +32,6 @@ public:
     void clear(const std::array<float, 4>& colour = {0, 0, 0, 1}) const;
     Image read() const;            // the framebuffer's colours
     std::string renderer() const;  // the driver's name and version
-    bool is_software() const;
 
 private:
     struct Impl;

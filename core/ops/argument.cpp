@@ -135,6 +135,10 @@ Argument& Argument::count(std::size_t least, std::size_t most)
 {
     return least_count_ = least, most_count_ = most, *this;
 }
+Argument& Argument::points(std::size_t dimensions, std::size_t least, std::size_t most)
+{
+    return dimensions_ = dimensions, count(dimensions * least, dimensions * most);
+}
 Argument& Argument::one_of(std::vector<Choice> choices) { return choices_ = std::move(choices), *this; }
 
 Argument& Argument::between(double least, double most)
@@ -300,13 +304,28 @@ void Argument::set(const std::vector<std::string>& words, const std::string& nam
     }
     for (std::string& word : checked)
         if (const std::string what = fault(word); !what.empty()) throw ArgumentError(name + ": " + what);
-    if (most_count_ > 0 && (checked.size() < least_count_ || checked.size() > most_count_))
-        throw ArgumentError(name + " takes " + std::to_string(least_count_) +
-                            (most_count_ > least_count_ ? " to " + std::to_string(most_count_) : "") +
-                            " numbers, and got " + std::to_string(checked.size()));
+    if (const std::string what = count_fault(checked.size()); !what.empty()) throw ArgumentError(name + what);
     if (!is_list() && kind_ != ValueKind::numbers && words.size() > 1) throw ArgumentError(name + " takes one value");
     given_ = true;
     write(checked);
+}
+
+std::string Argument::count_fault(std::size_t numbers) const
+{
+    const bool few = numbers<least_count_, many = most_count_> 0 && numbers > most_count_;
+    if (dimensions_ == 0) {
+        if (!few && !many) return {};
+        return " takes " + std::to_string(least_count_) +
+               (most_count_ > least_count_ ? " to " + std::to_string(most_count_) : "") + " numbers, and got " +
+               std::to_string(numbers);
+    }
+    if (!few && !many && numbers % dimensions_ == 0) return {};
+    const std::size_t least = least_count_ / dimensions_;
+    const std::string points = many        ? "at most " + std::to_string(most_count_ / dimensions_) + " points"
+                               : least > 1 ? "at least " + std::to_string(least) + " points"
+                                           : "each point";
+    return std::string(" takes ") + (dimensions_ == 2 ? "x y" : "x y z") + " of " + points + ", not " +
+           std::to_string(numbers) + " numbers";
 }
 
 void Argument::write(const std::vector<std::string>& words)

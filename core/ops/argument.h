@@ -95,6 +95,8 @@ public:
     Argument& not_negative();
     Argument& count(std::size_t numbers);  // of ValueKind::numbers
     Argument& count(std::size_t least, std::size_t most);
+    // Of ValueKind::numbers: the coordinates of points, two (in plan) or three of each.
+    Argument& points(std::size_t dimensions, std::size_t least, std::size_t most);
     Argument& degrees();                            // the variable holds radians
     Argument& one_of(std::vector<Choice> choices);  // of a text or words
 
@@ -140,6 +142,7 @@ public:
     bool is_given() const { return given_; }
 
 private:
+    std::string count_fault(std::size_t numbers) const;
     void write(const std::vector<std::string>& words);
 
     std::string key_, label_, help_, unit_, group_, script_, without_, dialog_default_, also_, off_option_, off_help_;
@@ -150,7 +153,7 @@ private:
     std::optional<Face> only_;
     AllowedNumbers allowed_;
     std::vector<Choice> choices_;
-    std::size_t least_count_ = 0, most_count_ = 0;
+    std::size_t least_count_ = 0, most_count_ = 0, dimensions_ = 0;
     double scale_ = 1;  // variable = value * scale
     Variable variable_;
 };

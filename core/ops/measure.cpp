@@ -47,7 +47,7 @@ public:
                 "distance to a shape that is given)");
         arguments_.add("points", points_)
             .letter('p')
-            .count(3, 1 << 20)
+            .points(3, 1, (1 << 20) / 3)
             .label("Points")
             .help("Points x0 y0 z0 x1 y1 z1 ..., source coordinates: 0 0 0 3 4 0");
         arguments_.add("snap", snap_)

@@ -42,7 +42,7 @@ public:
         arguments_.add("ignore_crs", options_.ignore_crs)
             .label("Ignore coordinate systems")
             .help("Merge trees of different coordinate systems or GPS times, which is an error otherwise");
-        arguments_.add("overwrite", to_.overwrite)
+        arguments_.add("overwrite", to_.target.overwrite)
             .label("Overwrite")
             .help("Replace an existing tree of the output's name");
         work_.memory = to_.memory_bytes;

@@ -31,7 +31,7 @@ public:
             .label("Tree folder")
             .help("Tree folder, or any file of it");
         arguments_.add("line", line_)
-            .count(4, 1 << 20)
+            .points(2, 2, 1 << 19)
             .required()
             .label("Line")
             .help("Points of the line in plan, x0 y0 x1 y1 ..., source coordinates: 0 0 25 10");

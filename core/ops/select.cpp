@@ -97,7 +97,7 @@ private:
             .without("all levels")
             .advanced();
         arguments_.add("brush", brush_)
-            .count(3, 300000)
+            .points(3, 1, 100000)
             .group(group)
             .label("Brush")
             .help(
@@ -185,7 +185,6 @@ private:
         const auto refuse = [](const std::string& what) { throw ArgumentError(what); };
         if (context.face == Face::command) actions_.check(tree_, true);
         if (brush_.empty() != !radius_) refuse(name("brush") + " X Y Z ... and " + name("radius") + " need each other");
-        if (brush_.size() % 3 != 0) refuse(name("brush") + " takes three numbers for each point of the stroke");
         const bool grows = grow_ || !grow_from_.empty();
         if (grows != distance_.has_value())
             refuse(grows ? name("grow") + " and " + name("grow_from") + " need " + name("distance") +

@@ -83,7 +83,7 @@ public:
             .label("Tree folder")
             .help("The tree, whose points are the surface");
         arguments_.add("polygon", polygon_)
-            .count(6, 1 << 20)
+            .points(2, 3, 1 << 19)
             .label("Polygon")
             .help("Corners in plan, x0 y0 x1 y1 x2 y2 ..., source coordinates: 0 0 9 0 9 9")
             .without("the tree's box");

@@ -20,37 +20,47 @@ bool concerns_copy(ErrorCode code)
 }
 
 // The folder of the tree that is copied; empty for a change in place.
-fs::path check_choice(const fs::path& tree, const TargetChoice& choice)
+fs::path original_of(const fs::path& tree, const TargetChoice& choice)
 {
-    if (choice.in_place && !choice.copy.empty())
-        throw Error(ErrorCode::invalid_argument, tree,
-                    "is to be changed in place, and an output (" + choice.copy.string() + ") is given too",
-                    "choose one of the two");
+    check_choice(tree, choice);
     if (choice.in_place) return {};
-    if (choice.copy.empty())
-        throw Error(ErrorCode::invalid_argument, tree, "no output is given, and the tree is not to be changed in place",
-                    "name the tree to write, or choose to change this one in place");
     output_tree(choice.copy);
-    const fs::path original = Tree::open(tree)->folder();  // what is wrong with the original comes first
-    std::error_code ignored;
-    if (fs::equivalent(original, choice.copy, ignored))
-        throw Error(ErrorCode::invalid_argument, choice.copy, "the output is the input tree",
-                    "give the new tree another name, or change the tree in place");
+    fs::path original = Tree::open(tree)->folder();  // what is wrong with the original comes first
+    refuse_own_copy(original, choice);
     return original;
 }
 
 }  // namespace
 
+void check_choice(const fs::path& tree, const TargetChoice& choice)
+{
+    if (choice.in_place && !choice.copy.empty())
+        throw Error(ErrorCode::invalid_argument, tree,
+                    "is to be changed in place, and an output (" + choice.copy.string() + ") is given too",
+                    "choose one of the two");
+    if (!choice.in_place && choice.copy.empty())
+        throw Error(ErrorCode::invalid_argument, tree, "no output is given, and the tree is not to be changed in place",
+                    "name the tree to write, or choose to change this one in place");
+}
+
+void refuse_own_copy(const fs::path& folder, const TargetChoice& choice)
+{
+    std::error_code ignored;
+    if (fs::equivalent(folder, choice.copy, ignored))
+        throw Error(ErrorCode::invalid_argument, choice.copy, "the output is the input tree",
+                    "give the new tree another name, or change the tree in place");
+}
+
 void check_target(const fs::path& tree, const TargetChoice& choice)
 {
-    check_choice(tree, choice);
+    original_of(tree, choice);
     if (!choice.in_place) check_place_of_tree(choice.copy, choice.overwrite);
 }
 
 UpdateTarget::UpdateTarget(const fs::path& tree, const TargetChoice& choice)
     : tree_(tree), path_(choice.in_place ? tree : choice.copy), is_copy_(!choice.in_place)
 {
-    const fs::path original = check_choice(tree, choice);
+    const fs::path original = original_of(tree, choice);
     if (!is_copy_) return;
     tree_ = original;
     made_ = std::make_unique<BuildFolder>(path_, choice.overwrite);

@@ -17,8 +17,13 @@ class BuildFolder;
 struct TargetChoice {
     std::filesystem::path copy;  // folder of the tree to write; empty: no copy
     bool in_place = false;       // change the tree itself
-    bool overwrite = false;      // replace `copy` if it is a tree
+    bool overwrite = false;      // replace `copy` if it is a tree, or a file where one can be written
 };
+
+// Throws Error(invalid_argument) unless exactly one of the two is chosen.
+void check_choice(const std::filesystem::path& tree, const TargetChoice& choice);
+// Throws Error(invalid_argument) where the copy is the tree itself, `folder`.
+void refuse_own_copy(const std::filesystem::path& folder, const TargetChoice& choice);
 
 // Throws what UpdateTarget() would throw: for what refuses a target before the work that leads to the update.
 void check_target(const std::filesystem::path& tree, const TargetChoice& choice);

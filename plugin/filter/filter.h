@@ -1,9 +1,12 @@
-// One filter of MeshLab's menu Filters.
+// One filter of the program's menu.
 //
-// A filter is one file, which defines a function that returns it, and one row of the table in filters.cpp.
+// A filter is a row of the table of operations (operation_filter.h), or one file which defines a function that returns
+// it; filters.cpp lists them all. The program's plugin shows them (meshlab/2020/filter).
 #pragma once
 
-#include <common/interfaces.h>
+#include "plugin/panels/operation.h"
+#include "plugin/scene/parameters.h"
+#include "plugin/scene/scene.h"
 
 #include <functional>
 #include <string>
@@ -13,24 +16,26 @@ namespace pcm::host {
 
 // What a filter works on and reports to. GUI thread.
 struct FilterRun {
-    MeshDocument& document;
-    const RichParameterList& parameters;
-    vcg::CallBackPos* callback;                        // for panels/operation.h
-    std::function<void(const std::string& line)> log;  // writes a line to MeshLab's log
+    Scene& scene;
+    const Parameters& parameters;
+    ProgressCallback* callback;                        // for panels/operation.h
+    std::function<void(const std::string& line)> log;  // writes a line to the program's log
     // The same for what went wrong after the filter had done its work.
     std::function<void(const std::string& line)> warn;
 };
 
+// The menus that list a filter: bits of ops::menu, and this one.
+inline constexpr unsigned camera_menu = 1u << 16;
+
 struct Filter {
     const char* name;  // in the menu and in scripts
     QString info;      // the help text, HTML
-    // The menus that list it. After a filter the view is reset where the layers have outgrown what it showed.
-    MeshFilterInterface::FilterClass menus;
-    std::function<void(RichParameterList& parameters)> add_parameters;
+    unsigned menus;
+    std::function<void(Parameters& parameters)> add_parameters;
     // Anything thrown is reported to the user as the reason why the filter failed.
     std::function<void(const FilterRun& run)> run;
-    // The end of the name that dialogs propose for the result, as in NAME-normals.pct (meshlab/2020/proposed_output.h);
-    // null: none is needed. Scripts name their outputs.
+    // The end of the name that dialogs propose for the result, as in NAME-normals.pct (proposed_output.h); null: none
+    // is needed. Scripts name their outputs.
     const char* output = nullptr;
 };
 

@@ -1,20 +1,28 @@
 #include "plugin/filter/moved_results.h"
 
-#include "plugin/filter/tree_target.h"
-#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/scene/result_layer.h"
 
 #include <utility>
 
 namespace pcm::host {
 
+namespace {
+
+// The result takes the place of these layers, and has their matrices applied.
+void show_moved(const FilterRun& run, const ops::Result& result, std::vector<SceneLayer*> replaced)
+{
+    show_afterwards(run, [&] { return show_result(run.scene, TreeResult{result.output, std::move(replaced), false}); });
+}
+
+}  // namespace
+
 OperationHooks shown_as_moved()
 {
     OperationHooks hooks;
     hooks.after = [](const FilterRun& run, const ops::Operation&, const ops::Result& result) {
         if (result.output.empty()) return;  // a matrix was set
-        SceneLayer* const former = layer_showing(scene_of(run.document), result.input.front());
-        show_moved_result(run, result.output, former ? std::vector<SceneLayer*>{former} : std::vector<SceneLayer*>());
+        SceneLayer* const former = layer_showing(run.scene, result.input.front());
+        show_moved(run, result, former ? std::vector<SceneLayer*>{former} : std::vector<SceneLayer*>());
     };
     return hooks;
 }
@@ -25,10 +33,10 @@ OperationHooks shown_as_merged()
     hooks.after = [](const FilterRun& run, const ops::Operation&, const ops::Result& result) {
         std::vector<SceneLayer*> merged;
         const char* const name = "VisibleLayers";
-        if (!run.parameters.hasParameter(name) || run.parameters.getBool(name))
-            for (SceneLayer* layer : scene_of(run.document).layers())
+        if (!run.parameters.has(name) || run.parameters.flag(name))
+            for (SceneLayer* layer : run.scene.layers())
                 if (layer->is_visible() && layer->tree()) merged.push_back(layer);
-        show_moved_result(run, result.output, std::move(merged));
+        show_moved(run, result, std::move(merged));
     };
     return hooks;
 }

@@ -2,11 +2,9 @@
 
 #include "pcm/system/error.h"
 #include "plugin/filter/operation_parameters.h"
-#include "plugin/filter/parameters.h"
-#include "plugin/filter/tree_target.h"
-#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/panels/operation.h"
 #include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/result_layer.h"
 #include "plugin/scene/text.h"
 
 #include <utility>
@@ -14,20 +12,6 @@
 namespace pcm::host {
 
 namespace {
-
-MeshFilterInterface::FilterClass class_of(unsigned menus)
-{
-    using F = MeshFilterInterface;
-    unsigned bits = F::MeshCreation;
-    static constexpr std::pair<unsigned, unsigned> table[] = {
-        {ops::menu::points, F::PointSet}, {ops::menu::sampling, F::Sampling}, {ops::menu::layers, F::Layer},
-        {ops::menu::measure, F::Measure}, {ops::menu::select, F::Selection},  {ops::menu::quality, F::Quality},
-        {ops::menu::normals, F::Normal},  {ops::menu::clean, F::Cleaning},
-    };
-    for (const auto& [menu, filter_class] : table)
-        if (menus & menu) bits |= filter_class;
-    return F::FilterClass(bits);
-}
 
 // The layers that show trees.
 std::vector<ops::Layer> layers_of(const Scene& scene)
@@ -62,14 +46,14 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
     ops::Context context;
     context.face = ops::Face::dialog;
     context.progress = guard.progress();
-    context.layers = [&] { return layers_of(scene_of(run.document)); };
+    context.layers = [&] { return layers_of(run.scene); };
     context.set_matrix = [&](const std::filesystem::path& tree, const Affine& motion, const std::string& step) {
-        return set_matrix(scene_of(run.document), tree, motion, step);
+        return set_matrix(run.scene, tree, motion, step);
     };
     if (hooks.before) hooks.before(run, *operation, context.window);
     const ops::Result result = operation->run(context);
-    log_warnings(run, result.outcome.warnings);
-    log_notes(run, result.notes);
+    for (const std::string& warning : result.outcome.warnings) run.warn(warning);
+    for (const std::string& note : result.notes) run.log("Note: " + note);
     for (const std::string& line : result.lines) run.log(line);
     if (hooks.after)
         hooks.after(run, *operation, result);
@@ -79,14 +63,24 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
 
 }  // namespace
 
+void show_afterwards(const FilterRun& run, const std::function<std::vector<std::string>()>& show)
+{
+    try {
+        for (const std::string& line : show()) run.log(line);
+    } catch (...) {
+        run.warn("the tree was written, but its layer cannot be shown: " + current_error() +
+                 " (do not apply the filter again; open the tree)");
+    }
+}
+
 void show_made(const FilterRun& run, const ops::Result& result)
 {
     if (result.makes == ops::Makes::nothing || result.makes == ops::Makes::file) return;
-    TargetChoice target;
-    target.in_place = result.makes == ops::Makes::changed;
-    if (!target.in_place) target.copy = result.output;
-    show_result(run, result.input.empty() ? std::filesystem::path() : std::filesystem::path(result.input.front()),
-                target);
+    const std::filesystem::path input = result.input.empty() ? std::string() : result.input.front();
+    show_afterwards(run, [&] {
+        return show_result(run.scene,
+                           result.makes == ops::Makes::changed ? input : std::filesystem::path(result.output), input);
+    });
 }
 
 Filter operation_filter(const std::string& name, OperationHooks hooks)
@@ -95,8 +89,8 @@ Filter operation_filter(const std::string& name, OperationHooks hooks)
     if (!row || !row->title) throw std::logic_error("there is no operation " + name + " with a title");
     return {row->title,
             QString(row->details) + " Esc cancels it.",
-            class_of(row->menus),
-            [row](RichParameterList& parameters) {
+            row->menus,
+            [row](Parameters& parameters) {
                 const auto operation = row->make();
                 add_parameters(operation->arguments(), parameters);
             },

@@ -16,8 +16,11 @@ struct OperationHooks {
     std::function<void(const FilterRun& run, const ops::Operation& operation, const ops::Result& result)> after;
 };
 
-// Shows the tree that was made, or loads the layers again that show one changed in place.
+// Shows the tree that was made in place of the layer that shows its input, or loads the layers again that show one
+// changed in place.
 void show_made(const FilterRun& run, const ops::Result& result);
+// Runs `show`, which returns lines for the log, after the filter has changed a tree: what fails then is a warning.
+void show_afterwards(const FilterRun& run, const std::function<std::vector<std::string>()>& show);
 
 // Throws std::logic_error where the table has no such operation.
 Filter operation_filter(const std::string& name, OperationHooks hooks = {});

@@ -1,8 +1,7 @@
 #include "plugin/filter/operation_parameters.h"
 
 #include "pcm/system/text.h"
-#include "plugin/filter/parameters.h"
-#include "plugin/filter/result_parameters.h"
+#include "plugin/filter/filter_paths.h"
 #include "plugin/filter/server_script.h"
 #include "plugin/scene/text.h"
 
@@ -85,28 +84,27 @@ int megabytes_of(const std::string& size)
     return static_cast<int>(std::stoull(word) >> megabyte_bits);
 }
 
-void add_parameter(const Argument& argument, RichParameterList& parameters)
+void add_parameter(const Argument& argument, Parameters& parameters)
 {
     const QString name = QString::fromStdString(argument.script_name()),
                   label = QString::fromStdString(label_of(argument)), tip = tooltip_of(argument),
                   value = dialog_value(argument);
     if (argument.is_text_in_dialogs()) {
-        parameters.addParam(RichString(name, value, label, tip));
+        parameters.add({name, value, label, tip});
         return;
     }
     switch (argument.kind()) {
         case ValueKind::flag:
-            parameters.addParam(RichBool(name, value == "on", label, tip));
+            parameters.add({name, value == "on", label, tip});
             return;
         case ValueKind::whole:
-            parameters.addParam(
-                RichInt(name, has_none_value(argument) ? none_value(argument) : value.toInt(), label, tip));
+            parameters.add({name, has_none_value(argument) ? none_value(argument) : value.toInt(), label, tip});
             return;
         case ValueKind::real:
-            parameters.addParam(RichFloat(name, has_none_value(argument) ? 0 : value.toFloat(), label, tip));
+            parameters.add({name, has_none_value(argument) ? 0.0f : value.toFloat(), label, tip});
             return;
         case ValueKind::bytes:
-            parameters.addParam(RichInt(name, megabytes_of(argument.default_text()), label, tip));
+            parameters.add({name, megabytes_of(argument.default_text()), label, tip});
             return;
         case ValueKind::choice: {
             QStringList labels;
@@ -115,11 +113,11 @@ void add_parameter(const Argument& argument, RichParameterList& parameters)
                 if (choice.name == value.toStdString()) at = labels.size();
                 labels << QString::fromStdString(choice.label);
             }
-            parameters.addParam(RichEnum(name, at, labels, label, tip));
+            parameters.add({name, at, label, tip, labels});
             return;
         }
         default:
-            parameters.addParam(RichString(name, value, label, tip));
+            parameters.add({name, value, label, tip});
     }
 }
 
@@ -187,52 +185,52 @@ bool is_in_dialogs(const Argument& argument)
 
 void set(Argument& argument, const FilterRun& run)
 {
-    const RichParameterList& parameters = run.parameters;
+    const Parameters& parameters = run.parameters;
     const QString name = QString::fromStdString(argument.script_name());
     const std::string called = "'" + argument.label() + "'";
     if (is_tree(argument)) {
-        argument.set({tree_of(parameters, run.document).string()}, called);
+        argument.set({tree_of(parameters, run.scene).string()}, called);
         return;
     }
-    if (!parameters.hasParameter(name)) {
+    if (!parameters.has(name)) {
         set_dialog_default(argument, called);
         return;
     }
     if (argument.is_text_in_dialogs()) {
-        argument.set(words_of(argument, parameters.getString(name)), called);
+        argument.set(words_of(argument, parameters.text(name)), called);
         return;
     }
     switch (argument.kind()) {
         case ValueKind::flag:
-            argument.set(parameters.getBool(name));
+            argument.set(parameters.flag(name));
             return;
         case ValueKind::whole: {
-            const int value = parameters.getInt(name);
+            const int value = parameters.whole(name);
             if (has_none_value(argument) && (value == none_value(argument) || (value < 0 && !argument.is_automatic())))
                 return;
             argument.set({std::to_string(value)}, called);
             return;
         }
         case ValueKind::real: {
-            const double value = decimal_of(parameters, argument.script_name().c_str());
+            const double value = decimal_of(parameters.real(name));
             if (value == 0 && has_none_value(argument)) return;
             argument.set({exact(value)}, called);
             return;
         }
         case ValueKind::bytes:
-            argument.set({std::to_string(parameters.getInt(name)) + "M"}, called);
+            argument.set({std::to_string(parameters.whole(name)) + "M"}, called);
             return;
         case ValueKind::choice:
-            argument.set(choice_of(argument, parameters.getEnum(name)), called);
+            argument.set(choice_of(argument, parameters.whole(name)), called);
             return;
         default:
-            argument.set(words_of(argument, parameters.getString(name)), called);
+            argument.set(words_of(argument, parameters.text(name)), called);
     }
 }
 
 }  // namespace
 
-void add_parameters(const ops::Arguments& arguments, RichParameterList& parameters)
+void add_parameters(const ops::Arguments& arguments, Parameters& parameters)
 {
     for (const bool advanced : {false, true})
         for (const Argument& argument : arguments.list())
@@ -245,7 +243,7 @@ void set_arguments(ops::Arguments& arguments, const FilterRun& run)
     for (Argument& argument : arguments.list()) {
         if (!is_in_dialogs(argument)) continue;
         set(argument, run);
-        if (!run.parameters.hasParameter(QString::fromStdString(argument.script_name())))
+        if (!run.parameters.has(QString::fromStdString(argument.script_name())))
             missing += (missing.empty() ? "" : ", ") + argument.script_name();
     }
     if (!missing.empty())

@@ -7,6 +7,7 @@
 #include <QXmlStreamReader>
 
 #include <map>
+#include <utility>
 
 namespace pcm::host {
 
@@ -51,17 +52,17 @@ bool is_server()
     return !words.isEmpty() && QFileInfo(words.first()).baseName() == "meshlabserver";
 }
 
-void keep_those_of_script(const QString& name, RichParameterList& parameters)
+void keep_those_of_script(const QString& name, Parameters& parameters)
 {
     static const std::map<QString, QList<Names>> filters = filters_of(script_of_process());
     static std::map<QString, int> runs;
     const auto found = filters.find(name);
     const int run = runs[name]++;
     if (found == filters.end() || run >= found->second.size()) return;
-    const RichParameterList all = parameters;
-    parameters.clear();
-    for (const RichParameter& parameter : all)
-        if (found->second[run].contains(parameter.name())) parameters.addParam(parameter);
+    Parameters kept;
+    for (const Parameter& parameter : parameters)
+        if (found->second[run].contains(parameter.name)) kept.add(parameter);
+    parameters = std::move(kept);
 }
 
 }  // namespace pcm::host

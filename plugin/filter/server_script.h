@@ -4,7 +4,7 @@
 // those that the script lacks: they keep their defaults (operation_parameters.h), and the log says so.
 #pragma once
 
-#include <common/interfaces.h>
+#include "plugin/scene/parameters.h"
 
 namespace pcm::host {
 
@@ -14,6 +14,6 @@ bool is_server();
 // Leaves out the parameters that the script does not have, where the process runs one (meshlabserver -s SCRIPT) with
 // the filter `name`. Called once for each time that the filter runs; calls are counted, as a script may run a filter
 // several times. Does nothing in a window, and where the script cannot be read.
-void keep_those_of_script(const QString& name, RichParameterList& parameters);
+void keep_those_of_script(const QString& name, Parameters& parameters);
 
 }  // namespace pcm::host

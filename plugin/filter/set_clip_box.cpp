@@ -1,9 +1,9 @@
 // Set Clip Box: what is shown of all point clouds of the document.
 #include "pcm/cloud/vector.h"
+#include "pcm/ops/operation.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "plugin/filter/filter.h"
-#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/scene/scene_state.h"
 #include "plugin/scene/selection_text.h"
 
@@ -15,24 +15,25 @@ namespace {
 
 enum Mode { inside, outside, off };
 
-void add_parameters(RichParameterList& parameters)
+void add_parameters(Parameters& parameters)
 {
-    parameters.addParam(RichEnum("Mode", inside, {"Show what is in it", "Hide what is in it", "Off"}, "Mode",
-                                 "Whether the points in the box are shown alone, or hidden, or the box is switched "
-                                 "off. Default: shown alone."));
-    parameters.addParam(
-        RichString("Box", "", "Box",
-                   "Its smallest x y z and its largest x y z, six numbers separated by blanks, in source coordinates "
-                   "and units, bounds included. Empty, the default: the clip box that the document has."));
-    parameters.addParam(RichFloat("Turn", 0, "Turn (degrees)",
-                                  "Turns that box about its centre, counter-clockwise seen from above, in degrees. "
-                                  "Default 0."));
+    parameters.add({"Mode",
+                    int(inside),
+                    "Mode",
+                    "Whether the points in the box are shown alone, or hidden, or the box is switched off. Default: "
+                    "shown alone.",
+                    {"Show what is in it", "Hide what is in it", "Off"}});
+    parameters.add({"Box", QString(), "Box",
+                    "Its smallest x y z and its largest x y z, six numbers separated by blanks, in source coordinates "
+                    "and units, bounds included. Empty, the default: the clip box that the document has."});
+    parameters.add({"Turn", 0.0f, "Turn (degrees)",
+                    "Turns that box about its centre, counter-clockwise seen from above, in degrees. Default 0."});
 }
 
 // Throws Error(invalid_argument).
-ClipBox box_of(const RichParameterList& parameters)
+ClipBox box_of(const Parameters& parameters)
 {
-    const auto box = *parse_selection(parameters.getString("Box"), "").box;
+    const auto box = *parse_selection(parameters.text("Box"), "").box;
     ClipBox clip;
     for (std::size_t a = 0; a < 3; ++a) {
         if (!(box.max[a] > box.min[a]) || !std::isfinite(box.max[a] - box.min[a]))
@@ -43,7 +44,7 @@ ClipBox box_of(const RichParameterList& parameters)
         clip.half[a] = (box.max[a] - box.min[a]) / 2;
         clip.centre[a] = box.min[a] + clip.half[a];
     }
-    const double turn = static_cast<double>(parameters.getFloat("Turn")) * pi / 180;
+    const double turn = static_cast<double>(parameters.real("Turn")) * pi / 180;
     if (turn != 0)
         clip.axes = {Vec3d{std::cos(turn), std::sin(turn), 0}, Vec3d{-std::sin(turn), std::cos(turn), 0},
                      Vec3d{0, 0, 1}};
@@ -52,9 +53,9 @@ ClipBox box_of(const RichParameterList& parameters)
 
 void run(const FilterRun& run)
 {
-    SceneState& scene = scene_of(run.document).part<SceneState>();
-    const auto mode = static_cast<Mode>(run.parameters.getEnum("Mode"));
-    const bool has_box = !run.parameters.getString("Box").trimmed().isEmpty();
+    SceneState& scene = run.scene.part<SceneState>();
+    const auto mode = static_cast<Mode>(run.parameters.whole("Mode"));
+    const bool has_box = !run.parameters.text("Box").trimmed().isEmpty();
     std::optional<ClipBox> clip = scene.clip();
     if (has_box) clip = box_of(run.parameters);
     if (!clip && mode != off)
@@ -75,12 +76,11 @@ void run(const FilterRun& run)
 
 Filter set_clip_box()
 {
-    using F = MeshFilterInterface;
     return {"Set Clip Box",
             "Shows only a part of all <b>point clouds</b> of the project: what is in a box, or what is not. No point "
             "is changed; filters and exports take all points unless they say otherwise. The tool <i>Clip Box</i> does "
             "the same with the mouse.",
-            F::FilterClass(F::PointSet | F::Camera), add_parameters, run};
+            ops::menu::points | camera_menu, add_parameters, run};
 }
 
 }  // namespace pcm::host

@@ -4,15 +4,14 @@
 #include "pcm/measure/measure_export.h"
 #include "pcm/place/fit_at.h"
 #include "pcm/system/error.h"
-#include "plugin/filter/parameters.h"
-#include "plugin/filter/tree_target.h"
-#include "plugin/meshlab/2020/document_scene.h"
-#include "plugin/meshlab/2020/open_tool.h"
-#include "plugin/meshlab/2020/registry.h"
+#include "plugin/filter/filter_paths.h"
+#include "plugin/panels/open_tool.h"
 #include "plugin/scene/drawn_primitives.h"
 #include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/open_clouds.h"
 #include "plugin/scene/primitive_book.h"
 #include "plugin/scene/project_unit.h"
+#include "plugin/scene/result_layer.h"
 #include "plugin/scene/scene_state.h"
 #include "plugin/scene/text.h"
 
@@ -25,30 +24,34 @@ namespace {
 
 constexpr const char* fit_tool = "Fit Primitives";  // its panel has the list
 
-// ---- Layers.
+// Scripts of earlier versions lack parameters.
+bool is_empty(const FilterRun& run, const char* name)
+{
+    return !run.parameters.has(name) || run.parameters.text(name).trimmed().isEmpty();
+}
 
-Scene& scene_of(const FilterRun& run) { return host::scene_of(run.document); }
+// ---- Layers.
 
 // The current layer, where it is the one that shows the tree of the parameters; null: another one does, or none.
 SceneLayer* shown_layer(const FilterRun& run)
 {
-    SceneLayer* const layer = scene_of(run).current();
+    SceneLayer* const layer = run.scene.current();
     const auto shown = layer ? layer->tree() : std::nullopt;
-    return shown && shown->cloud->tree()->folder() == tree_of(run.parameters, run.document) ? layer : nullptr;
+    return shown && shown->cloud->tree()->folder() == tree_of(run.parameters, run.scene) ? layer : nullptr;
 }
 
 // Clouds as the window has them, so that points that are found are points of the layers.
 void give_clouds(const FilterRun& run, ops::Window& window)
 {
     const SceneLayer* const layer = shown_layer(run);
-    window.open = [](const std::string& tree) { return Registry::instance().open(tree); };
+    window.open = [](const std::string& tree) { return open_cloud(tree); };
     if (layer) window.clip = clip_of(*layer);
-    window.refuse_change = [&run](const std::string& tree) { refuse_locked(scene_of(run), tree); };
+    window.refuse_change = [&run](const std::string& tree) { refuse_locked(run.scene, tree); };
 }
 
 std::pair<SceneLayer*, LayerCloud> layer_with_tree(const FilterRun& run)
 {
-    SceneLayer* const layer = scene_of(run).current();
+    SceneLayer* const layer = run.scene.current();
     auto shown = layer ? layer->tree() : std::nullopt;
     if (!shown)
         throw Error(ErrorCode::invalid_argument, {}, "the current layer shows no point cloud tree",
@@ -59,7 +62,8 @@ std::pair<SceneLayer*, LayerCloud> layer_with_tree(const FilterRun& run)
 // A tree that points were extracted to; the layer's matrix holds for it, too.
 void show_extracted(const FilterRun& run, const ops::Result& result, const SceneLayer* layer)
 {
-    if (result.makes == ops::Makes::cloud) show_afterwards(run, [&] { add_tree_layer(run, result.output, layer); });
+    if (result.makes == ops::Makes::cloud)
+        show_afterwards(run, [&] { return add_layer_of(run.scene, result.output, layer); });
 }
 
 // ---- Primitives.
@@ -69,14 +73,14 @@ std::string length_unit(const PointCloud& cloud) { return length_unit_of(coordin
 std::string name_of_cloud(const FilterRun& run)
 {
     const SceneLayer* const layer = shown_layer(run);
-    return layer ? cloud_name(*layer) : tree_of(run.parameters, run.document).string();
+    return layer ? cloud_name(*layer) : tree_of(run.parameters, run.scene).string();
 }
 
 // Drawings have the coordinates of the cloud.
 void note_matrix(const FilterRun& run)
 {
     const SceneLayer* const layer = shown_layer(run);
-    if (run.parameters.getString("OutputFile").trimmed().isEmpty() || !layer || !layer->placement()) return;
+    if (is_empty(run, "OutputFile") || !layer || !layer->placement()) return;
     run.log("The file has the cloud's own coordinates, without the matrix of its layer; Export Primitives applies it.");
 }
 
@@ -89,13 +93,13 @@ void keep_found(const FilterRun& run, std::vector<Primitive>& found)
         primitive.cloud = name;
         primitive.colour = colours[static_cast<std::size_t>(primitive.fit.shape.kind) % colours.size()];
     }
-    scene_of(run).part<PrimitiveBook>().change([&](PrimitiveList& list) { list.add_all(found); });
-    open_tool(run.document, fit_tool);
+    run.scene.part<PrimitiveBook>().change([&](PrimitiveList& list) { list.add_all(found); });
+    open_tool(run.scene, fit_tool);
 }
 
 void keep_fitted(const FilterRun& run, FittedPrimitive& fitted)
 {
-    PrimitiveBook& book = scene_of(run).part<PrimitiveBook>();
+    PrimitiveBook& book = run.scene.part<PrimitiveBook>();
     Primitive& primitive = fitted.primitive;
     primitive.cloud = name_of_cloud(run);
     primitive.colour = next_colour(book.list());
@@ -103,12 +107,12 @@ void keep_fitted(const FilterRun& run, FittedPrimitive& fitted)
     book.change([&](PrimitiveList& list) { index = list.add(primitive); });
     const auto points = std::make_shared<const PointSet>(fitted.points);
     book.keep_points(book.list()[index], points, fitted.reached);
-    open_tool(run.document, fit_tool);
+    open_tool(run.scene, fit_tool);
     primitive = book.list()[index];
     if (primitive.fit.verdict == FitVerdict::doubtful)
         run.warn(primitive.name + " is doubtful: " + primitive.fit.message);
     if (const SceneLayer* const layer = shown_layer(run))
-        scene_of(run).part<SceneState>().select(
+        run.scene.part<SceneState>().select(
             *layer, points,
             QString("%1, %2 points")
                 .arg(QString::fromStdString(primitive.name), QString::fromStdString(grouped(points->size()))));
@@ -149,8 +153,8 @@ ops::WindowPrimitives primitives_of(Scene& scene, bool applied, bool hidden_too)
 OperationHooks at_points_of_layer()
 {
     return {[](const FilterRun& run, ops::Operation& operation, ops::Window&) {
-                if (run.parameters.getBool("Snap") && run.parameters.getString("Tree").trimmed().isEmpty())
-                    operation.arguments().find("from")->set({tree_of(run.parameters, run.document).string()}, "Tree");
+                if (run.parameters.has("Snap") && run.parameters.flag("Snap") && is_empty(run, "Tree"))
+                    operation.arguments().find("from")->set({tree_of(run.parameters, run.scene).string()}, "Tree");
             },
             {}};
 }
@@ -159,7 +163,7 @@ OperationHooks on_selection()
 {
     return {[](const FilterRun& run, ops::Operation&, ops::Window& window) {
                 auto [layer, shown] = layer_with_tree(run);
-                SceneState& scene = scene_of(run).part<SceneState>();
+                SceneState& scene = run.scene.part<SceneState>();
                 window.cloud = shown.cloud;
                 window.clip = clip_of(*layer);
                 window.selected = scene.selection(*layer);
@@ -170,7 +174,7 @@ OperationHooks on_selection()
             },
             [](const FilterRun& run, const ops::Operation& operation, const ops::Result& result) {
                 if (operation.arguments().find("add_layer"))
-                    show_extracted(run, result, scene_of(run).current());
+                    show_extracted(run, result, run.scene.current());
                 else
                     show_made(run, result);
             }};
@@ -204,7 +208,7 @@ OperationHooks exporting_primitives()
 {
     return {[](const FilterRun& run, ops::Operation&, ops::Window& window) {
                 window.primitives = [&run](bool moved, bool hidden_too) {
-                    return primitives_of(scene_of(run), moved, hidden_too);
+                    return primitives_of(run.scene, moved, hidden_too);
                 };
             },
             {}};

@@ -9,6 +9,7 @@
 #include <QString>
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -32,6 +33,7 @@ public:
     virtual int id() const = 0;  // no other layer of the scene has it, later ones included
     virtual QString label() const = 0;
     virtual QString file() const = 0;  // the path that it was opened from; empty: none
+    virtual void set_file(const QString& path) = 0;
 
     virtual bool is_visible() const = 0;
     virtual void show(bool on) = 0;  // or hides it, in all views of the scene
@@ -51,6 +53,9 @@ public:
     virtual const std::vector<Metadata>* metadata() const = 0;
     // Around the vertices of an ordinary layer, in the views' coordinates before the matrix; empty without any.
     virtual Box3d vertex_box() const = 0;
+    // Calls `visit` with each vertex, of the sample where the layer shows a tree: its position in the views'
+    // coordinates before the matrix, and whether the program's own tools have selected it.
+    virtual void visit_vertices(const std::function<void(const Vec3d& position, bool is_selected)>& visit) const = 0;
 
 protected:
     SceneLayer() = default;

@@ -6,15 +6,18 @@
 #include "pcm/view/camera.h"
 #include "pcm/view/first_person.h"
 #include "plugin/scene/scene.h"
+#include "plugin/scene/setting_store.h"
 
 #include <QObject>
 #include <QSize>
 #include <QString>
 
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
+class QAction;
 class QEvent;
 class QMainWindow;
 class QWidget;
@@ -64,15 +67,20 @@ public:
     virtual void look_at(const Vec3d& place, double zoom) = 0;
     // The box, in source coordinates, around what the view shows of the layer: about as close as the size of a chunk.
     // Nothing if it shows none.
-    virtual std::optional<Box3d> seen_box(const SceneLayer& layer) const = 0;
+    virtual std::optional<Box3d> seen_box(const SceneLayer& layer) const;
     // The nearest face that the ray (the views' coordinates) meets between its begin and its end. Exact, from both
     // sides; about 10 ms per million faces.
     virtual Occluder find_occluder(const PickRay& ray) const = 0;
 
+    // The action of the tool that is on in the view; null: none is.
+    virtual QAction* tool() const = 0;
+    virtual void end_tool() = 0;
     // Esc has given the events of the view back to the camera, and a tool gets none.
     virtual bool is_suspended() const = 0;
     // The camera handles a mouse or wheel event as if no tool was on.
     virtual void give_to_camera(const QEvent& event) = 0;
+    // The program's settings, for all views of the window: they may be kept longer than the view.
+    virtual std::unique_ptr<SettingStore> settings() const = 0;
     // A line about what happens at the moment, in the view, until the next picture. Not where the view shows no lines.
     virtual void show_line(const QString& title, const QString& text) = 0;
 

@@ -19,7 +19,7 @@ namespace {
 
 struct Given {
     std::string word, mode = "fast";
-    std::vector<std::string> files, names, keys;
+    std::vector<std::string> files, names;
     std::vector<double> box, place;
     float size = 2;
     double factor = 1;
@@ -29,7 +29,7 @@ struct Given {
     std::optional<std::uint32_t> decimals;
     std::optional<std::uint64_t> lines;
     std::optional<double> angle, height;
-    bool overwrite = false, resume = true;
+    bool overwrite = false;
 };
 Given given;
 Run work = [] { return 0; };
@@ -40,14 +40,13 @@ Run add_all(Options& options)
     options.positional("word", given.word, "A word").required();
     options.positional("files", given.files, "Files");
     options.option("--names", given.names, "Names").one_value_each();
-    options.option("--keys", given.keys, "Keys").separated_by(',').one_value_each();
     options.option("--box", given.box, "Box").values(2, 4);
     options.option("--place", given.place, "Place").values(3);
     options.option("--size", given.size, "Size").between(0.5, 10.0).show_default();
     options.option("--factor", given.factor, "Factor").positive();
     options.option("-t,--threads", given.threads, "Threads").between(1, 8);
     options.option("-m,--memory", given.memory, "Memory").bytes();
-    options.option("--points", given.points, "Points").not_negative();
+    options.option("--points", given.points, "Points");
     options.option("--level", given.level, "Level").group("Which points");
     options.option("--decimals", given.decimals, "Decimals");
     options.option("--lines", given.lines, "Lines");
@@ -55,7 +54,6 @@ Run add_all(Options& options)
     options.option("--height", given.height, "Height").excludes(angle);
     options.option("--mode", given.mode, "Mode").one_of({"fast", "even"}).needs(angle);
     options.flag("--overwrite", given.overwrite, "Overwrite");
-    options.off_flag("--no-resume", given.resume, "Do not resume");
     return work;
 }
 
@@ -109,16 +107,14 @@ Result many(const std::vector<std::string>& words)
 
 TEST(CommandLine, VariablesTakeWhatIsGiven)
 {
-    const Result result =
-        one({"w",      "a",        "b",           "--names",     "x",       "--names", "y",          "--keys",  "k,l",
-             "--box",  "1",        "2.5",         "-3",          "--size",  "0.5",     "--factor",   "1e-3",    "-t",
-             "8",      "--memory", "2K",          "--points",    "0",       "--level", "65535",      "--angle", "-1",
-             "--mode", "even",     "--overwrite", "--no-resume", "--lines", "0",       "--decimals", "4"});
+    const Result result = one({"w",  "a",        "b",    "--names",     "x",       "--names",  "y",          "--box",
+                               "1",  "2.5",      "-3",   "--size",      "0.5",     "--factor", "1e-3",       "-t",
+                               "8",  "--memory", "2K",   "--points",    "0",       "--level",  "65535",      "--angle",
+                               "-1", "--mode",   "even", "--overwrite", "--lines", "0",        "--decimals", "4"});
     EXPECT_EQ(result.code, 0) << result.err;
     EXPECT_EQ(given.word, "w");
     EXPECT_EQ(given.files, (std::vector<std::string>{"a", "b"}));
     EXPECT_EQ(given.names, (std::vector<std::string>{"x", "y"}));
-    EXPECT_EQ(given.keys, (std::vector<std::string>{"k", "l"}));
     EXPECT_EQ(given.box, (std::vector<double>{1, 2.5, -3}));
     EXPECT_EQ(given.size, 0.5f);
     EXPECT_EQ(given.factor, 1e-3);
@@ -131,7 +127,6 @@ TEST(CommandLine, VariablesTakeWhatIsGiven)
     EXPECT_EQ(given.angle, -1.0);
     EXPECT_EQ(given.mode, "even");
     EXPECT_TRUE(given.overwrite);
-    EXPECT_FALSE(given.resume);
 }
 
 // Files may stand behind numbers, however many these are.
@@ -172,7 +167,6 @@ TEST(CommandLine, WhatIsNotGivenKeepsItsValue)
     EXPECT_EQ(given.memory, 7u);
     EXPECT_TRUE(given.files.empty() && given.box.empty());
     EXPECT_FALSE(given.level || given.lines || given.decimals || given.angle || given.overwrite);
-    EXPECT_TRUE(given.resume);
 }
 
 TEST(CommandLine, UsageErrorsAreExitCodeTwoAndNameTheOption)
@@ -192,7 +186,6 @@ TEST(CommandLine, UsageErrorsAreExitCodeTwoAndNameTheOption)
         {{"w", "--factor", "0"}, "one: --factor: '0' is not a number greater than 0\n"},
         {{"w", "--threads", "9"}, "one: --threads: '9' is not a whole number from 1 to 8\n"},
         {{"w", "--memory", "2Q"}, "one: --memory: '2Q' is not a size"},
-        {{"w", "--points", "-1"}, "one: --points: '-1' is not a number that is 0 or more\n"},
         {{"w", "--points", "1.5"}, "one: --points: '1.5' is not a whole number\n"},
         {{"w", "--level", "65536"}, "one: --level: '65536' is too large; 65535 is the largest\n"},
         {{"w", "--angle", "x"}, "one: --angle: 'x' is not a number\n"},

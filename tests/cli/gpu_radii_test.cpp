@@ -55,7 +55,12 @@ TEST_F(GpuRadiiCommand, WritesACopyWithTheRadiiOfTheProcessor)
     PCM_REQUIRE_COMPUTE(result);
     ASSERT_EQ(result.code, 0) << result.err;
     const Json json = Json::parse(result.out);
-    EXPECT_EQ(json["tree"], (folder_ / "-o.pct").string());
+    EXPECT_EQ(json["command"], "radii");
+    EXPECT_EQ(json["output"], (folder_ / "-o.pct").string());
+    // The keys of the row, as the processor's answer has them, and one more.
+    const Json usual = Json::parse(pcmlab("radii -k 6 --json " + path("in.pct") + " -o " + path("same.pct")).out);
+    for (const auto& [key, value] : usual.items()) EXPECT_TRUE(json.contains(key)) << key;
+    EXPECT_EQ(json.size(), usual.size() + 1);
     EXPECT_EQ(json["points"], 3000);
     EXPECT_EQ(json["points_in"], 3000);
     EXPECT_EQ(json["used_known_normals"], false);

@@ -47,7 +47,7 @@ protected:
     {
         ResultOptions result;
         result.target.copy = folder_ / "merged.pct";
-        result.overwrite = true;
+        result.target.overwrite = true;
         result.memory_bytes = 64 << 20;
         return merge_trees(inputs, options, result);
     }
@@ -353,7 +353,7 @@ TEST_F(Merge, RefusesWhatMakesNoSense)
     EXPECT_NE(message_of({}).find("no trees"), std::string::npos);
     ResultOptions result;
     result.target.copy = a;
-    result.overwrite = true;
+    result.target.overwrite = true;
     EXPECT_THROW(merge_trees({{a, {}}}, {}, result), Error);
     EXPECT_EQ(Tree::open(a)->info().points, 100u);
     result.target = {"", true};

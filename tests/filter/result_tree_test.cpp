@@ -70,7 +70,7 @@ TEST_F(ResultTree, ANewTreeLeavesTheOldOne)
     EXPECT_TRUE(verify_levels(*made, 1).faults.empty());
     EXPECT_EQ(Tree::open(tree())->info().content_hash, before);
     EXPECT_EQ(code_of_grid(), ErrorCode::exists);
-    to_.overwrite = true;
+    to_.target.overwrite = true;
     voxels_.voxels.size = 2;
     EXPECT_EQ(voxel_grid(tree(), voxels_, to_).build.outcome.points_out, expected());
 }
@@ -91,12 +91,12 @@ TEST_F(ResultTree, InPlaceReplacesTheTreeAndKeepsOpenOnesReadable)
 TEST_F(ResultTree, TheTargetMustBeClear)
 {
     EXPECT_EQ(code_of_grid(), ErrorCode::invalid_argument);
-    EXPECT_NE(message_.find("neither"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("no output is given"), std::string::npos) << message_;
     to_.target = {folder_ / "grid.pct", true};
     EXPECT_EQ(code_of_grid(), ErrorCode::invalid_argument);
-    EXPECT_NE(message_.find("both"), std::string::npos) << message_;
+    EXPECT_NE(message_.find("choose one of the two"), std::string::npos) << message_;
     to_.target = {tree(), false};
-    to_.overwrite = true;
+    to_.target.overwrite = true;
     EXPECT_EQ(code_of_grid(), ErrorCode::invalid_argument);
     EXPECT_NE(message_.find("the output is the input tree"), std::string::npos) << message_;
     to_.target = {"", true};

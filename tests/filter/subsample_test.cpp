@@ -265,7 +265,7 @@ TEST_F(Subsample, SaysWhatLevelsDoNotPromise)
     ASSERT_TRUE(report.level);
     EXPECT_EQ(report.level->points, report.build.outcome.points_out);
     EXPECT_EQ(report.build.outcome.points_in, Tree::open(path())->info().points);
-    to.overwrite = true;
+    to.target.overwrite = true;
     report = subsample(path(), spacing_of(1), to);
     EXPECT_EQ(report.caveat, "");
     EXPECT_FALSE(report.level);

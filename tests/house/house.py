@@ -35,8 +35,8 @@ PACKAGES = {
     r"<dxflib/": {"cad"},
     r"<CLI/": {"cli", "bench"},
     r"<Q[A-Za-z]+": {"plugin/scene", "plugin/panels", "plugin/overlay", "plugin/tools", *("plugin/tools/" + tool for tool in TOOLS),
-                      "plugin/meshlab/2020", *("plugin/meshlab/2020/" + part for part in ("io", "render", "edit")),
-                      "plugin/filter", "tests", "bench"},
+                      "plugin/meshlab/2020", *("plugin/meshlab/2020/" + part for part in ("io", "render", "filter", "edit")),
+                      "plugin/filter", "plugin/settings", "tests", "bench"},
     r"<pcl/": {"fit", "bench"},
     r"<flann/": {"knn", "bench"},
     r"<nanoflann": {"tests", "bench"},
@@ -134,14 +134,14 @@ def check_arrows(tree):
     return complaints
 
 
-# MeshLab's and VCG's headers and types, and the folders that may name them: one for each generation of MeshLab, the filters,
+# MeshLab's and VCG's headers and types, and the folders that may name them: one for each generation of MeshLab,
 # the tests of these, and the benchmarks, which measure MeshLab. All else is compiled without MeshLab's headers (plugin/CMakeLists.txt); this finds what such a source only
 # mentions, as a forward declaration.
 MESHLAB_HEADER = r"[<\"](common|meshlab|vcg|wrap)/"
 MESHLAB_TYPE = (r"\b(MeshDocument|MeshModel|GLArea|RasterModel|CMeshO|C(?:Vertex|Face)O|MLSceneGLSharedDataContext|GLLogStream|"
                 r"Rich[A-Z]\w+|Mesh(?:Lab)?(?:Common|IO|Filter|Render|Decorate|Edit)Interface(?:Factory)?|(?:Matrix44|Point3|Box3)m|"
                 r"Scalarm)\b|\bvcg::")
-MESHLAB_FOLDERS = ("plugin/meshlab/", "plugin/filter/", "tests/plugin/", "tests/e2e/", "bench/")
+MESHLAB_FOLDERS = ("plugin/meshlab/", "tests/plugin/", "tests/e2e/", "bench/")
 
 
 def without_comments_and_texts(text):

@@ -133,6 +133,14 @@ TEST(Argument, WhatIsNotAllowedIsNamed)
     Argument three("at", &numbers);
     three.count(3);
     EXPECT_EQ(fault_of(three, {"1", "2"}), "--it takes 3 numbers, and got 2");
+    Argument line("line", &numbers), places("points", &numbers);
+    line.points(2, 2, 3);
+    EXPECT_EQ(fault_of(line, {"1", "2"}), "--it takes x y of at least 2 points, not 2 numbers");
+    EXPECT_EQ(fault_of(line, {"1 2 3 4 5"}), "--it takes x y of at least 2 points, not 5 numbers");
+    EXPECT_EQ(fault_of(line, {"1 2 3 4 5 6 7 8"}), "--it takes x y of at most 3 points, not 8 numbers");
+    EXPECT_EQ(fault_of(line, {"1 2 3 4 5 6"}), "");
+    places.points(3, 1, 1000);
+    EXPECT_EQ(fault_of(places, {"1 2 3 4"}), "--it takes x y z of each point, not 4 numbers");
     std::optional<std::uint16_t> level;
     Argument small("level", &level);
     EXPECT_NE(fault_of(small, {"65536"}), "");

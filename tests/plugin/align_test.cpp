@@ -10,6 +10,7 @@
 #include "plugin/scene/bookmarks.h"
 #include "plugin/scene/layer_matrix.h"
 #include "plugin/scene/layer_visibility.h"
+#include "plugin/scene/open_clouds.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
 
@@ -23,7 +24,7 @@ const char* const align_name = "Align Point Clouds by Pairs";
 MeshModel* add_layer(MeshDocument& document, const fs::path& tree)
 {
     MeshModel* layer = document.addNewMesh(QString::fromStdString(tree.string()), "tree");
-    show_tree(*layer, Registry::instance().open(tree));
+    show_tree(*layer, open_cloud(tree));
     document.setCurrentMesh(layer->id());
     return layer;
 }

@@ -2,6 +2,7 @@
 #include "plugin/meshlab/2020/layer.h"
 
 #include "plugin/meshlab/2020/points_layer.h"
+#include "plugin/scene/open_clouds.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {
@@ -24,8 +25,8 @@ TEST(Layers, LiveAndDieWithTheirDocument)
         MeshDocument document;
         MeshModel* one = document.addNewMesh("one", "one");
         MeshModel* two = document.addNewMesh("two", "two");
-        show_tree(*one, registry.open(tree));
-        show_tree(*two, registry.open(tree / index_file_name));
+        show_tree(*one, open_cloud(tree));
+        show_tree(*two, open_cloud(tree / index_file_name));
         const auto first = registry.find(*one), second = registry.find(*two);
         ASSERT_TRUE(first && second);
         EXPECT_EQ(first->cloud, second->cloud);  // one L2 a tree
@@ -52,7 +53,7 @@ TEST(Layers, LiveAndDieWithTheirDocument)
         EXPECT_FALSE(registry.origin_of(document));  // an empty document may start anew
 
         MeshModel* three = document.addNewMesh("three", "three");
-        show_tree(*three, registry.open(tree));
+        show_tree(*three, open_cloud(tree));
     }
     EXPECT_TRUE(watched.expired());
 }
@@ -65,8 +66,8 @@ TEST(Layers, TreesOfOneDocumentShareItsOrigin)
     MeshDocument document;
     MeshModel* first = document.addNewMesh("here", "here");
     MeshModel* second = document.addNewMesh("there", "there");
-    show_tree(*first, Registry::instance().open(here));
-    show_tree(*second, Registry::instance().open(there));
+    show_tree(*first, open_cloud(here));
+    show_tree(*second, open_cloud(there));
     EXPECT_EQ(Registry::instance().find(*first)->origin, Registry::instance().find(*second)->origin);
     EXPECT_NEAR(box_of(*second).min[0] - box_of(*first).min[0], 1000, 5);
 }
@@ -76,10 +77,10 @@ TEST(Layers, ATreeThatIsBuiltAnewIsOpenedAnew)
     const test::TemporaryFolder folder;
     const fs::path las = scene(folder, "a.las", 30000, far_away);
     const fs::path tree = tree_of(las);
-    const auto before = Registry::instance().open(tree);
-    EXPECT_EQ(before, Registry::instance().open(tree));
+    const auto before = open_cloud(tree);
+    EXPECT_EQ(before, open_cloud(tree));
     tree_of(las, 5000);
-    const auto after = Registry::instance().open(tree);
+    const auto after = open_cloud(tree);
     EXPECT_NE(before, after);
     EXPECT_GT(after->tree()->nodes().size(), before->tree()->nodes().size());
 }

@@ -2,8 +2,9 @@
 
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/crs/height_unit.h"
-#include "plugin/meshlab/2020/render/colour_settings.h"
 #include "plugin/overlay/legend_edit.h"
+#include "plugin/settings/colour_settings.h"
+#include "tests/scene/fake_settings.h"
 
 #include <gtest/gtest.h>
 
@@ -155,7 +156,8 @@ TEST(Legend, DraggingAnEndSetsIt)
 
 TEST(ColourSettings, AreReadAndWrongOnesReported)
 {
-    RichParameterList parameters;
+    const auto kept = std::make_shared<Parameters>();
+    Parameters& parameters = *kept;
     add_colour_settings(parameters);
     CloudStyle style;
     ColourSettings settings = read_colour_settings(parameters, style);
@@ -166,13 +168,13 @@ TEST(ColourSettings, AreReadAndWrongOnesReported)
     EXPECT_EQ(settings.problem, "");
 
     const auto set = [&](const char* name, const QString& text) {
-        parameters.setValue(QString("MeshLab::PointCloud::") + name, StringValue(text));
+        parameters.set(QString("MeshLab::PointCloud::") + name, text);
     };
     set("Attribute", " gps_time ");
     set("Range", "-1 : 2.5");
     set("Conditions", "classification=2,6; z>3 ;");
     set("HiddenClasses", "18 7,7");
-    parameters.setValue("MeshLab::PointCloud::Ramp", EnumValue(3));
+    parameters.set("MeshLab::PointCloud::Ramp", 3);
     settings = read_colour_settings(parameters, style);
     EXPECT_EQ(style.attribute, "gps_time");
     EXPECT_EQ(*style.range, (ValueRange{-1, 2.5, 1}));
@@ -183,8 +185,9 @@ TEST(ColourSettings, AreReadAndWrongOnesReported)
     EXPECT_EQ(settings.hidden_classes, (std::set<unsigned>{7, 18}));
     EXPECT_EQ(settings.problem, "");
 
-    toggle_class(parameters, 7);
-    toggle_class(parameters, 3);
+    FakeSettings store(kept);
+    toggle_class(store, 7);
+    toggle_class(store, 3);
     style = {};
     EXPECT_EQ(read_colour_settings(parameters, style).hidden_classes, (std::set<unsigned>{3, 18}));
 

@@ -10,6 +10,7 @@
 #include "plugin/scene/annotations.h"
 #include "plugin/scene/drawn_primitives.h"
 #include "plugin/scene/layer_matrix.h"
+#include "plugin/scene/open_clouds.h"
 #include "plugin/scene/primitive_book.h"
 #include "plugin/scene/project_parts.h"
 #include "plugin/scene/scene_state.h"
@@ -105,7 +106,7 @@ protected:
         keep_primitives_in_projects();
         tree_ = tree_of(scene(folder_, "a.las", 3000, far_away), 1000);
         layer_ = document_.addNewMesh(QString::fromStdString(tree_.string()), "tree");
-        show_tree(*layer_, Registry::instance().open(tree_));
+        show_tree(*layer_, open_cloud(tree_));
         document_.setCurrentMesh(layer_->id());
     }
     PrimitiveBook& book() { return scene_of(document_).part<PrimitiveBook>(); }

@@ -2,10 +2,11 @@
 #include "pcm/io/pipe/transformed_reader.h"
 #include "pcm/system/text.h"
 #include "pcm/tree/tree_reader.h"
+#include "plugin/filter/proposed_output.h"
 #include "plugin/meshlab/2020/layer.h"
 #include "plugin/meshlab/2020/placement.h"
-#include "plugin/meshlab/2020/proposed_output.h"
 #include "plugin/scene/free_path.h"
+#include "plugin/scene/open_clouds.h"
 #include "tests/memory_reader.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
@@ -25,7 +26,7 @@ std::uint64_t points_in(const fs::path& tree) { return Tree::open(tree)->info().
 MeshModel* add_layer(MeshDocument& document, const fs::path& tree)
 {
     MeshModel* layer = document.addNewMesh(QString::fromStdString(tree.string()), "tree");
-    show_tree(*layer, Registry::instance().open(tree));
+    show_tree(*layer, open_cloud(tree));
     return layer;
 }
 

@@ -2,6 +2,7 @@
 #include "plugin/meshlab/2020/sample_change.h"
 
 #include "plugin/meshlab/2020/layer.h"
+#include "plugin/scene/open_clouds.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {
@@ -14,7 +15,7 @@ protected:
     void SetUp() override
     {
         layer_ = document_.addNewMesh("a", "a");
-        show_tree(*layer_, Registry::instance().open(tree_of(scene(folder_, "a.las", 80000, far_away))));
+        show_tree(*layer_, open_cloud(tree_of(scene(folder_, "a.las", 80000, far_away))));
         sample_ = Registry::instance().find(*layer_)->sample;
     }
 

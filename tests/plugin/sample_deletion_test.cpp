@@ -1,7 +1,9 @@
-#include "plugin/meshlab/2020/sample_deletion.h"
+#include "plugin/panels/sample_deletion.h"
 
+#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/layer.h"
 #include "plugin/meshlab/2020/sample_change.h"
+#include "plugin/scene/open_clouds.h"
 #include "plugin/scene/sample_region.h"
 #include "tests/plugin/scenes.h"
 
@@ -13,7 +15,7 @@ TEST(SampleDeletion, DeletesThePointsThatTheVerticesStoodFor)
     const test::TemporaryFolder folder;
     MeshDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
-    show_tree(*layer, Registry::instance().open(tree_of(scene(folder, "a.las", 80000, far_away))));
+    show_tree(*layer, open_cloud(tree_of(scene(folder, "a.las", 80000, far_away))));
     layer->cm.Tr.SetTranslate(1, 2, 3);
     const auto tree = *Registry::instance().find(*layer);
     const double middle = tree.cloud->info().bounds().centre()[0];
@@ -26,7 +28,7 @@ TEST(SampleDeletion, DeletesThePointsThatTheVerticesStoodFor)
     ASSERT_TRUE(region);
     const std::string counted = points_in(tree, region->region);
     Operation operation(nullptr);
-    const auto lines = delete_points_in(document, tree, region->region, operation);
+    const auto lines = delete_points_in(scene_of(document), tree, region->region, operation);
     EXPECT_NE(lines.front().find("Deleted " + counted + " of the 80,000 points"), std::string::npos) << lines.front();
 
     const auto now = Registry::instance().find(*layer);

@@ -6,7 +6,7 @@
 
 #include "pcm/build/builder.h"
 #include "pcm/generate/scene.h"
-#include "plugin/meshlab/2020/io/tree_beside.h"
+#include "plugin/scene/tree_beside.h"
 
 #include <string>
 #include <vector>

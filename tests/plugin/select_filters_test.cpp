@@ -4,6 +4,7 @@
 #include "pcm/tree/verify.h"
 #include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/layer.h"
+#include "plugin/scene/open_clouds.h"
 #include "plugin/scene/scene_state.h"
 #include "tests/plugin/filter_call.h"
 #include "tests/plugin/scenes.h"
@@ -19,7 +20,7 @@ protected:
     {
         tree_ = tree_of(scene(folder_, "a.las", 8000, far_away), 1000);
         layer_ = document_.addNewMesh(QString::fromStdString(tree_.string()), "tree");
-        show_tree(*layer_, Registry::instance().open(tree_));
+        show_tree(*layer_, open_cloud(tree_));
         document_.setCurrentMesh(layer_->id());
         const auto cloud = PointCloud::open(tree_);
         const Vec3d middle = cloud->info().bounds().centre();

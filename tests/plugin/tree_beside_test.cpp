@@ -1,4 +1,4 @@
-#include "plugin/meshlab/2020/io/tree_beside.h"
+#include "plugin/scene/tree_beside.h"
 
 #include "tests/plugin/scenes.h"
 

@@ -1,6 +1,7 @@
 // A scene of lists: what MeshLab's documents, layers and views are to the plugins, without MeshLab.
 #pragma once
 
+#include "tests/scene/fake_settings.h"
 #include "tests/support.h"
 
 #include "pcm/build/builder.h"
@@ -46,7 +47,8 @@ public:
     Scene& scene() const override { return scene_; }
     int id() const override { return id_; }
     QString label() const override { return label_; }
-    QString file() const override { return label_ + ".pct"; }
+    QString file() const override { return file_; }
+    void set_file(const QString& file) override { file_ = file; }
     bool is_visible() const override { return visible; }
     void show(bool on) override { visible = on; }
     LayerMatrix matrix() const override { return matrix_; }
@@ -67,14 +69,20 @@ public:
     }
     const std::vector<Metadata>* metadata() const override { return cloud ? &cloud->cloud->info().metadata : nullptr; }
     Box3d vertex_box() const override { return {}; }
+    void visit_vertices(const std::function<void(const Vec3d& position, bool is_selected)>& visit) const override
+    {
+        for (const auto& [position, is_selected] : vertices) visit(position, is_selected);
+    }
 
     std::optional<LayerCloud> cloud;
+    std::vector<std::pair<Vec3d, bool>> vertices;  // and whether they are selected
     bool visible = true, modified = false;
 
 private:
     Scene& scene_;
     const int id_;
     const QString label_;
+    QString file_ = label_ + ".pct";
     LayerMatrix matrix_ = identity_matrix;
 };
 
@@ -95,11 +103,16 @@ public:
         return nullptr;
     }
     SceneLayer* current() const override { return layer(current_); }
-    void make_current(int id) override { current_ = id; }
+    void make_current(int id) override
+    {
+        current_ = id;
+        emit current_changed(id);
+    }
     std::vector<SceneView*> views() const override { return views_; }
     std::optional<Vec3d> origin() const override { return far_away; }
     double diagonal() const override { return 100; }
     bool is_busy() const override { return busy; }
+    QString project_file() const override { return {}; }
     void log(LogLevel, const QString& text) override { lines << text; }
     void refresh_layer_lists() override { ++refreshed; }
     SceneLayer* add_tree(const std::filesystem::path& folder, const SceneLayer* like,
@@ -170,8 +183,11 @@ public:
         return layer.drawn() ? std::optional(layer.drawn()->cloud->info().bounds()) : std::nullopt;
     }
     Occluder find_occluder(const PickRay&) const override { return occluder; }
+    QAction* tool() const override { return nullptr; }
+    void end_tool() override {}
     bool is_suspended() const override { return suspended; }
     void give_to_camera(const QEvent&) override { ++camera_events; }
+    std::unique_ptr<SettingStore> settings() const override { return std::make_unique<FakeSettings>(kept); }
     void show_line(const QString& title, const QString& text) override { line = title + ": " + text; }
 
     // A picture of these layers; `centre` is in its middle.
@@ -190,6 +206,7 @@ public:
         keep(camera, shown);
     }
 
+    std::shared_ptr<Parameters> kept = std::make_shared<Parameters>();  // the settings
     int updates = 0, camera_events = 0;
     bool suspended = false;
     Occluder occluder;

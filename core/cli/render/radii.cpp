@@ -1,10 +1,10 @@
 #include "pcm/cli/render/radii.h"
 
 #include "pcm/cli/render.h"
-#include "pcm/cli/target_options.h"
 #include "pcm/gl/compute/gpu_cursor.h"
 #include "pcm/gl/compute/gpu_radii.h"
 #include "pcm/offscreen/offscreen.h"
+#include "pcm/ops/result.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/peak_memory.h"
 #include "pcm/update/target.h"
@@ -18,8 +18,8 @@ namespace {
 
 struct Arguments {
     Common common;
-    TargetOptions target;
     GpuRadii radii;
+    std::string output;
 };
 
 GpuRadiiReport compute(const Arguments& arguments, const std::filesystem::path& tree, bool& normals)
@@ -50,20 +50,28 @@ int run(Arguments& arguments)
 {
     const Offscreen context;
     require_compute_shaders();  // before a copy is made
-    UpdateTarget target(arguments.radii.tree, arguments.radii.target = arguments.target.get());
+    TargetChoice& choice = arguments.radii.target;
+    choice.copy = arguments.output;
+    UpdateTarget target(arguments.radii.tree, choice);
     bool normals = false;
     const GpuRadiiReport report =
         target.update([&](const std::filesystem::path& folder) { return compute(arguments, folder, normals); });
     end_progress(arguments.common);
     if (arguments.common.json) {
-        Json json;
-        json["tree"] = target.path().string();
-        put_outcome(json, report.outcome);
-        json["points_in"] = report.outcome.points_in;
-        json["points_computed"] = report.outcome.points_out;
-        json["used_known_normals"] = normals;
-        json["computed_with"] = context.renderer();
-        print_json(json);
+        ops::Result result;
+        result.input = {arguments.radii.tree};
+        result.output = target.path().string();
+        result.outcome = report.outcome;
+        result.values["level"] = nullptr;
+        result.values["points_checked"] = 0;
+        result.values["errors"] = ops::Json::array();
+        result.values["points_computed"] = report.outcome.points_out;
+        result.values["used_known_normals"] = normals;
+        result.values["radii_limited"] = nullptr;
+        result.values["confidence"] = nullptr;
+        result.values["flipped"] = nullptr;
+        result.values["computed_with"] = context.renderer();
+        print_json(ops::json_of("radii", result));
         return finished(report.outcome);
     }
     std::printf("%s: radii: %.1f s, exact\n%s points, computed with %s, peak memory %s\n", target.path().c_str(),
@@ -79,8 +87,9 @@ Run add_gpu_radii(Options& options)
 {
     auto arguments = std::make_shared<Arguments>();
     options.positional("tree", arguments->radii.tree, "Tree folder, or any file of it").required();
-    arguments->target.add_to(options);
-    arguments->target.add_overwrite(options, "");
+    options.option("-o,--output", arguments->output, "Tree folder to write");
+    options.flag("--in-place", arguments->radii.target.in_place, "Change the tree itself");
+    options.flag("--overwrite", arguments->radii.target.overwrite, "Replace an existing tree of the output's name");
     options.option("-k,--neighbours", arguments->radii.neighbours, "Number of nearest neighbours (default 16)")
         .between(1, static_cast<int>(GpuRadiiOptions::most_neighbours));
     options.option("-m,--memory", arguments->radii.memory, "Cache for chunks (default 512M)").bytes();

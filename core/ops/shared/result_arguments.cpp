@@ -12,6 +12,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t usual_memory = std::uint64_t(1) << 30;
+const char* const output_help =
+    "The new tree's folder, by convention NAME.pct; on the command line also a file, by the extension: NAME.laz or "
+    "NAME.ply";
 
 }  // namespace
 
@@ -32,9 +35,7 @@ void ResultArguments::declare_target(Arguments& arguments)
 {
     const char* const group = "Output";
     target.declare_target(arguments, "");
-    arguments.find("output")->group(group).help(
-        "The new tree's folder, by convention NAME.pct; on the command line also a file, by the extension: NAME.laz or "
-        "NAME.ply");
+    arguments.find("output")->group(group).help(output_help);
     arguments.find("in_place")->group(group).help("Replace the tree by the result, atomically");
     arguments.find("overwrite")->group(group);
     chunk_points_argument(arguments, chunk_points);
@@ -52,12 +53,7 @@ NewCloudArguments::NewCloudArguments() { work.memory = usual_memory; }
 
 Argument& NewCloudArguments::declare_output(Arguments& arguments)
 {
-    return arguments.add("output", output)
-        .as(ValueKind::output_tree)
-        .label("Output folder")
-        .help(
-            "The new tree's folder, by convention NAME.pct; on the command line also a file, by the extension: "
-            "NAME.laz or NAME.ply");
+    return arguments.add("output", output).as(ValueKind::output_tree).label("Output folder").help(output_help);
 }
 
 void NewCloudArguments::declare_work(Arguments& arguments)
@@ -118,8 +114,7 @@ Error Sources::about_inputs(const Error& error) const { return scratch_ ? rename
 ResultOptions Sources::result_options() const
 {
     ResultOptions options;
-    options.target = {choice_.copy, choice_.in_place};
-    options.overwrite = choice_.overwrite;
+    options.target = choice_;
     options.memory_bytes = arguments_.work.memory;
     options.threads = arguments_.work.threads;
     options.chunk_points = arguments_.chunk_points;

@@ -5,11 +5,13 @@
 #include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/placement.h"
 #include "plugin/meshlab/2020/registry.h"
+#include "plugin/meshlab/2020/rich_parameters.h"
 #include "plugin/meshlab/2020/trackball_pose.h"
-#include "plugin/meshlab/2020/view_box.h"
 #include "plugin/scene/misfit.h"
+#include "plugin/scene/open_clouds.h"
 
 #include <QCoreApplication>
+#include <QFileInfo>
 #include <QMainWindow>
 #include <QMdiArea>
 #include <QMdiSubWindow>
@@ -43,6 +45,7 @@ public:
     int id() const override { return model_.id(); }
     QString label() const override { return model_.label(); }
     QString file() const override { return model_.fullName(); }
+    void set_file(const QString& path) override { model_.setFileName(path); }
 
     bool is_visible() const override { return model_.visible; }
     void show(bool on) override
@@ -84,6 +87,13 @@ public:
         }
         return box;
     }
+    void visit_vertices(const std::function<void(const Vec3d& position, bool is_selected)>& visit) const override
+    {
+        for (const CVertexO& vertex : model_.cm.vert) {
+            const Point3m& p = vertex.cP();
+            if (!vertex.IsD()) visit({double(p[0]), double(p[1]), double(p[2])}, vertex.IsS());
+        }
+    }
 
 private:
     MeshModel& model_;
@@ -109,6 +119,7 @@ public:
             emit layer_removed(id);
             layers_.erase(id);
         });
+        connect(&document, &MeshDocument::currentMeshChanged, this, &Scene::current_changed);
         const Registry& registry = Registry::instance();
         connect(&registry, &Registry::attached, this, [this](MeshDocument* changed, int id) {
             if (changed == &document_) emit cloud_attached(id);
@@ -142,6 +153,13 @@ public:
     std::optional<Vec3d> origin() const override { return Registry::instance().origin_of(document_); }
     double diagonal() const override { return double(document_.bbox().Diag()); }
     bool is_busy() const override { return document_.isBusy(); }
+    QString project_file() const override
+    {
+        // MeshLab's name of a project that was opened or saved is its path.
+        const QFileInfo file(document_.docLabel());
+        const QString type = file.suffix().toLower();
+        return (type == "mlp" || type == "mlb") && file.isFile() ? file.absoluteFilePath() : QString();
+    }
     void log(LogLevel level, const QString& text) override { document_.Log.Log(number_of(level), text); }
     void refresh_layer_lists() override
     {
@@ -174,7 +192,7 @@ private:
 SceneLayer* DocumentScene::add_tree(const std::filesystem::path& folder, const SceneLayer* like,
                                     std::vector<std::string>& lines)
 {
-    const auto cloud = Registry::instance().open(folder);
+    const auto cloud = open_cloud(folder);
     if (cloud->info().points == 0) {
         lines.push_back(folder.string() + " has no points, so no layer shows it.");
         return nullptr;
@@ -236,15 +254,21 @@ public:
         track.tra = vcg::Point3f(float(-place[0]), float(-place[1]), float(-place[2]));
         area_.update();
     }
-    std::optional<Box3d> seen_box(const SceneLayer& layer) const override
-    {
-        const double aspect = double(area_.width()) / std::max(1, area_.height());
-        return box_in_view(model_of(layer), pose().pose, area_.fov, aspect);
-    }
-    Occluder find_occluder(const PickRay& ray) const override { return host::find_occluder(area_, ray); }
+    Occluder find_occluder(const PickRay& ray) const override { return host::find_occluder(*this, ray); }
 
+    QAction* tool() const override { return area_.getCurrentEditAction(); }
+    void end_tool() override
+    {
+        area_.suspendedEditor = false;  // MeshLab would start the next tool suspended
+        if (QMainWindow* const window = window_of(area_))
+            QMetaObject::invokeMethod(window, "endEdit", Qt::DirectConnection);
+    }
     bool is_suspended() const override { return area_.suspendedEditor; }
     void give_to_camera(const QEvent& event) override;
+    std::unique_ptr<SettingStore> settings() const override
+    {
+        return setting_store(const_cast<RichParameterList*>(area_.glas.currentGlobalParamSet));
+    }
     void show_line(const QString& title, const QString& text) override
     {
         // MeshLab clears these lines only when it shows them.

@@ -2,8 +2,11 @@
 
 #include "pcm/build/builder.h"
 #include "pcm/system/error.h"
+#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/layer_reader.h"
+#include "plugin/scene/open_clouds.h"
 #include "plugin/scene/proxy.h"
+#include "plugin/scene/scene.h"
 #include "plugin/scene/tree_cache.h"
 
 namespace pcm::host {
@@ -22,9 +25,10 @@ std::uint64_t bytes_needed(const FileInfo& info)
 
 std::string why_not_drawn(const MeshModel& layer)
 {
-    const std::string name = "the layer '" + layer.label().toStdString() + "'";
-    if (layer.cm.fn > 0 || layer.cm.en > 0) return name + " has faces or edges, not only points";
-    if (layer.cm.vn == 0) return name + " has no points";
+    const std::string name = "the layer '" + layer_of(layer).label().toStdString() + "'";
+    const LayerCounts counts = counts_of(layer);
+    if (counts.faces > 0 || counts.edges > 0) return name + " has faces or edges, not only points";
+    if (counts.vertices == 0) return name + " has no points";
     return {};
 }
 
@@ -43,12 +47,12 @@ void draw_as_cloud(MeshModel& layer, const ProgressFunction& progress)
             update.stage = "Preparing the picture";
             return progress(update);
         };
-    build_tree(vertices, {layer.label().toStdString()}, cached->folder(), options);
+    build_tree(vertices, {layer_of(layer).label().toStdString()}, cached->folder(), options);
 
     TreeLayer copy;
-    copy.cloud = registry.open(cached->folder());
+    copy.cloud = open_cloud(cached->folder());
     const auto source = registry.source_of(layer);
-    copy.origin = source ? source->origin : registry.origin_of(*layer.parent).value_or(Vec3d{0, 0, 0});
+    copy.origin = source ? source->origin : layer_of(layer).scene().origin().value_or(Vec3d{0, 0, 0});
     copy.state = state_of(layer, Watched::vertices);
     copy.glance = state_of(layer, Watched::vertices, glance_vertices);
     copy.cached = cached;

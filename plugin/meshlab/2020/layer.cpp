@@ -3,6 +3,7 @@
 #include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/vertex_attributes.h"
 #include "plugin/scene/layer_label.h"
+#include "plugin/scene/open_clouds.h"
 #include "plugin/scene/origin.h"
 #include "plugin/scene/proxy.h"
 #include "plugin/scene/text.h"
@@ -72,7 +73,7 @@ std::vector<std::string> reload_layers(MeshDocument& document, const std::filesy
     for (MeshModel* layer : document.meshList) {
         const auto shown = Registry::instance().find(*layer);
         if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), folder, ignored)) continue;
-        const auto cloud = Registry::instance().open(folder);
+        const auto cloud = open_cloud(folder);
         if (cloud->info().points == 0) {
             clear_layer(*layer);
             lines.push_back("The layer " + layer->label().toStdString() +

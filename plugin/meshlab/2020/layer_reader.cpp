@@ -4,6 +4,7 @@
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/unique_name.h"
 #include "pcm/system/error.h"
+#include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/registry.h"
 #include "plugin/meshlab/2020/vertex_attributes.h"
 
@@ -62,7 +63,9 @@ LayerReader::LayerReader(const MeshModel& layer, const LayerSelection& selection
 
 bool LayerReader::is_unmoved(std::size_t vertex) const
 {
-    return kept_ && local_position(kept_[vertex].position, origin_) == layer_.cm.vert[vertex].cP();
+    const Point3m& present = layer_.cm.vert[vertex].cP();
+    return kept_ &&
+           local_position(kept_[vertex].position, origin_) == std::array<float, 3>{present[0], present[1], present[2]};
 }
 
 Vec3d LayerReader::position(std::size_t vertex) const

@@ -3,12 +3,13 @@
 
 #include "pcm/io/reader.h"
 #include "plugin/meshlab/2020/layer_source.h"
-#include "plugin/meshlab/2020/meshlab.h"
 
 #include <cstddef>
 #include <functional>
 #include <memory>
 #include <vector>
+
+class MeshModel;
 
 namespace pcm::host {
 

@@ -4,8 +4,6 @@
 // next to the vertices, so that unchanged vertices are saved with the file's own digits.
 #pragma once
 
-#include "plugin/meshlab/2020/meshlab.h"
-
 #include "pcm/io/reader.h"
 #include "pcm/view/point_colours.h"
 
@@ -58,10 +56,10 @@ struct KeptVertex {
 
 // A vertex's position from a source position, and the raw number from the float that MeshLab shows. The latter is exact
 // for attributes that choose_held() holds as a value.
-inline Point3m local_position(const Vec3d& position, const Vec3d& origin)
+inline std::array<float, 3> local_position(const Vec3d& position, const Vec3d& origin)
 {
-    return {static_cast<Scalarm>(position[0] - origin[0]), static_cast<Scalarm>(position[1] - origin[1]),
-            static_cast<Scalarm>(position[2] - origin[2])};
+    return {static_cast<float>(position[0] - origin[0]), static_cast<float>(position[1] - origin[1]),
+            static_cast<float>(position[2] - origin[2])};
 }
 
 inline double raw_of(double shown, const Attribute& attribute)

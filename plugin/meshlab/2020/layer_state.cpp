@@ -1,5 +1,6 @@
 #include "plugin/meshlab/2020/layer_state.h"
 
+#include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/vertex_attributes.h"
 
 #include <algorithm>
@@ -46,6 +47,12 @@ std::vector<const float*> float_attributes(const MeshModel& layer)
 }
 
 }  // namespace
+
+LayerCounts counts_of(const MeshModel& layer)
+{
+    return {static_cast<std::size_t>(layer.cm.vn), static_cast<std::size_t>(layer.cm.fn),
+            static_cast<std::size_t>(layer.cm.en)};
+}
 
 LayerState state_of(const MeshModel& layer, Watched watched, std::size_t most)
 {

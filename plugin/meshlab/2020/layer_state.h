@@ -2,10 +2,10 @@
 // into the mesh.
 #pragma once
 
-#include "plugin/meshlab/2020/meshlab.h"
-
 #include <cstddef>
 #include <cstdint>
+
+class MeshModel;
 
 namespace pcm::host {
 
@@ -22,6 +22,11 @@ struct LayerState {
     bool operator==(const LayerState& o) const { return vertices == o.vertices && faces == o.faces && hash == o.hash; }
     bool operator!=(const LayerState& o) const { return !(*this == o); }
 };
+
+struct LayerCounts {
+    std::size_t vertices = 0, faces = 0, edges = 0;
+};
+LayerCounts counts_of(const MeshModel& layer);
 
 // Looks at `most` vertices at least, spread evenly; by default at all of them, about 10 ms per million.
 LayerState state_of(const MeshModel& layer, Watched watched, std::size_t most = ~std::size_t(0));

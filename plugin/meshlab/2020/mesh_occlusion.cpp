@@ -1,26 +1,14 @@
 #include "plugin/meshlab/2020/mesh_occlusion.h"
 
-#include "plugin/meshlab/2020/meshlab.h"
-
 #include "pcm/cloud/vector.h"
+#include "plugin/meshlab/2020/native_drawing.h"
+#include "plugin/scene/layer_matrix.h"
 
 #include <cmath>
 
 namespace pcm::host {
 
 namespace {
-
-Vec3d vector_of(const Point3m& p) { return {double(p[0]), double(p[1]), double(p[2])}; }
-
-bool is_surface(GLArea& area, const MeshModel& layer)
-{
-    if (layer.cm.fn == 0 || !area.meshVisibilityMap.value(layer.id(), true)) return false;
-    MLSceneGLSharedDataContext* const shared = area.mvc() ? area.mvc()->sharedDataContext() : nullptr;
-    if (!shared) return false;
-    MLRenderingData data;
-    shared->getRenderInfoPerMeshView(layer.id(), area.context(), data);
-    return data.isPrimitiveActive(MLRenderingData::PR_SOLID);
-}
 
 // Möller and Trumbore, Fast, Minimum Storage Ray/Triangle Intersection, 1997. Corners are relative to the ray's start.
 // Slightly larger triangles leave no gap between neighbours.
@@ -41,28 +29,21 @@ double along_to_face(const Vec3d& direction, const Vec3d& a, const Vec3d& b, con
 
 }  // namespace
 
-Occluder find_occluder(GLArea& area, const PickRay& ray)
+Occluder find_occluder(const SceneView& view, const PickRay& ray)
 {
     Occluder nearest;
-    for (const MeshModel* layer : area.md()->meshList) {
-        if (!layer || !is_surface(area, *layer)) continue;
-        Affine matrix;
-        for (int r = 0; r < 3; ++r) {
-            for (int c = 0; c < 3; ++c) matrix.linear[std::size_t(r)][std::size_t(c)] = double(layer->cm.Tr[r][c]);
-            matrix.target[std::size_t(r)] = double(layer->cm.Tr[r][3]);
-        }
-        const auto own = ray.before(matrix);
+    for (const SceneLayer* layer : view.scene().layers()) {
+        if (!draws_faces(view, *layer)) continue;
+        const auto own = ray.before(map_of(layer->matrix(), {0, 0, 0}));
         if (!own) continue;
         const Vec3d from = own->centre + own->start;
-        for (const CFaceO& face : layer->cm.face) {
-            if (face.IsD()) continue;
-            const double t = along_to_face(own->direction, vector_of(face.cP(0)) - from, vector_of(face.cP(1)) - from,
-                                           vector_of(face.cP(2)) - from);
+        visit_faces(*layer, [&](const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+            const double t = along_to_face(own->direction, a - from, b - from, c - from);
             const double along = t / own->scale * ray.scale;
-            if (!(t >= own->begin && t <= own->end) || !(along < nearest.along)) continue;
+            if (!(t >= own->begin && t <= own->end) || !(along < nearest.along)) return;
             nearest.along = along;
             nearest.layer = layer->label();
-        }
+        });
     }
     return nearest;
 }

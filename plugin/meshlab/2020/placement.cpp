@@ -1,5 +1,6 @@
 #include "plugin/meshlab/2020/placement.h"
 
+#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/sample_change.h"
 
 namespace pcm::host {
@@ -7,13 +8,14 @@ namespace pcm::host {
 std::optional<Affine> placement_of(const MeshModel& layer, const TreeLayer& tree)
 {
     // position -> linear * position + shift, in MeshLab's coordinates
+    const LayerMatrix matrix = layer_of(layer).matrix();
     std::array<Vec3d, 3> linear;
     Vec3d shift;
-    for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) linear[std::size_t(r)][std::size_t(c)] = double(layer.cm.Tr[r][c]);
-        shift[std::size_t(r)] = double(layer.cm.Tr[r][3]);
+    for (std::size_t r = 0; r < 3; ++r) {
+        for (std::size_t c = 0; c < 3; ++c) linear[r][c] = double(matrix[r][c]);
+        shift[r] = double(matrix[r][3]);
     }
-    bool moved = layer.cm.Tr != Matrix44m::Identity();
+    bool moved = matrix != identity_matrix;
     if (tree.sample && !(state_of(layer, Watched::sample) == tree.state)) {
         const SampleChange change = find_change(layer, *tree.sample);
         if (change.kind == SampleChange::Kind::moved) {

@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/vector.h"
 #include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/vertex_attributes.h"
 #include "plugin/scene/origin.h"
 #include "plugin/scene/proxy.h"
@@ -221,7 +222,8 @@ void set_vertices(MeshModel& layer, LayerSource& source, const Points& points)
         own.colour = slot ? colours[i] : grey;
         if (rgb)
             for (std::uint32_t c = 0; c < 3; ++c) own.rgb[c] = static_cast<float>(points.columns[*rgb].value(i, c));
-        vertex.P() = local_position(own.position, source.origin);
+        const std::array<float, 3> local = local_position(own.position, source.origin);
+        vertex.P() = Point3m(local[0], local[1], local[2]);
         vertex.C() = vcg::Color4b(own.colour[0], own.colour[1], own.colour[2], 255);
     }
 }

@@ -1,6 +1,5 @@
 #include "plugin/meshlab/2020/registry.h"
 
-#include "pcm/threads/thread_count.h"
 #include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/vertex_attributes.h"
 #include "plugin/scene/origin.h"
@@ -9,9 +8,6 @@
 #include <QTimer>
 
 #include <malloc.h>
-#include <sys/stat.h>
-
-#include <algorithm>
 
 namespace pcm::host {
 
@@ -19,26 +15,6 @@ Registry& Registry::instance()
 {
     static Registry* const registry = new Registry;
     return *registry;
-}
-
-std::shared_ptr<PointCloud> Registry::open(const std::filesystem::path& path)
-{
-    L2Options cache;
-    cache.threads = std::clamp(thread_count(0) / 2, 1u, 4u);
-
-    for (auto it = clouds_.begin(); it != clouds_.end();) it = it->second.expired() ? clouds_.erase(it) : std::next(it);
-    std::error_code ignored;
-    const std::string canonical = std::filesystem::canonical(tree_folder_of(path), ignored).string();
-    struct stat index {};
-    if (canonical.empty() || stat((canonical + "/" + index_file_name).c_str(), &index) != 0)
-        return PointCloud::open(path, cache);  // throws the error that fits
-    const TreeKey key(canonical, index.st_dev, index.st_ino,
-                      std::int64_t(index.st_mtim.tv_sec) * 1'000'000'000 + index.st_mtim.tv_nsec);
-    if (const auto found = clouds_.find(key); found != clouds_.end())
-        if (auto cloud = found->second.lock()) return cloud;
-    auto cloud = PointCloud::open(canonical, cache);
-    clouds_[key] = cloud;
-    return cloud;
 }
 
 Vec3d Registry::origin_for(MeshDocument& document, const Box3d& box)

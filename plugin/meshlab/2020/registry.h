@@ -10,21 +10,20 @@
 #include "pcm/point_cloud.h"
 #include "plugin/meshlab/2020/layer_source.h"
 #include "plugin/meshlab/2020/layer_state.h"
-#include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/scene/layer_cloud.h"
 
 #include <QObject>
 
-#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
-#include <string>
-#include <tuple>
+#include <utility>
 #include <vector>
 
 class GLArea;
+class MeshDocument;
+class MeshModel;
 class QMainWindow;
 
 namespace pcm::host {
@@ -44,10 +43,6 @@ class Registry : public QObject {
 public:
     // Never destroyed, as documents may be destroyed after any static object.
     static Registry& instance();
-
-    // The tree at `path` (folder or index file). Layers that show the same tree share one PointCloud and so one L2,
-    // unless the tree was replaced in between. Throws what Tree::open throws.
-    std::shared_ptr<PointCloud> open(const std::filesystem::path& path);
 
     // The document's origin; chosen for `box` if the document has none yet.
     Vec3d origin_for(MeshDocument& document, const Box3d& box);
@@ -84,13 +79,10 @@ private:
     void give_memory_back();
 
     using LayerKey = std::pair<const MeshDocument*, int>;
-    using TreeKey = std::tuple<std::string, std::uint64_t, std::uint64_t,
-                               std::int64_t>;  // folder; device, inode and time of its index
     std::map<LayerKey, TreeLayer> layers_, copies_;
     std::map<LayerKey, std::shared_ptr<const LayerSource>> sources_;
     std::map<const MeshDocument*, Vec3d> origins_;
     std::set<const MeshDocument*> watched_;
-    std::map<TreeKey, std::weak_ptr<PointCloud>> clouds_;
 };
 
 // The views that show a document; none in meshlabserver.

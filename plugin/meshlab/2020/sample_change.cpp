@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/affine.h"
 #include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/scene/text.h"
 
 #include <algorithm>
@@ -12,7 +13,7 @@ namespace pcm::host {
 
 namespace {
 
-using Kind = SampleChange::Kind;
+using ChangeKind = SampleChange::Kind;
 using Positions = std::vector<std::array<float, 3>>;
 
 struct Present {
@@ -129,10 +130,10 @@ void find_moves(const Proxy& sample, const Present& present, SampleChange& chang
     }
     if (recoloured) change.text = "the colours of " + counted(recoloured, sample.points.size(), "changed");
     if (moved) change.text = counted(moved, sample.points.size(), "moved") + (recoloured ? "; " + change.text : "");
-    change.kind = moved || recoloured ? Kind::other : Kind::none;
+    change.kind = moved || recoloured ? ChangeKind::other : ChangeKind::none;
     const auto map = moved && !recoloured ? find_map(sample, present.positions) : std::nullopt;
     if (!map) return;
-    change.kind = Kind::moved;
+    change.kind = ChangeKind::moved;
     change.linear = map->linear;
     change.shift = (*map)({0, 0, 0});
 }
@@ -145,21 +146,21 @@ SampleChange find_change(const MeshModel& layer, const Proxy& sample)
     const Present present = present_vertices(layer);
     const std::size_t now = present.positions.size(), before = sample.points.size();
     if (now > before) {
-        change.kind = Kind::other;
+        change.kind = ChangeKind::other;
         change.text = grouped(now - before) + " vertices were added";
     } else if (now == before) {
         find_moves(sample, present, change);
     } else {
         change.text = counted(before - now, before, "deleted");
         const auto missing = missing_points(sample, present.positions);
-        change.kind = missing ? Kind::deleted : Kind::other;
+        change.kind = missing ? ChangeKind::deleted : ChangeKind::other;
         if (missing)
             change.deleted = *missing;
         else
             change.text += ", and others were moved";
     }
     if (layer.cm.fn > 0 || layer.cm.en > 0) {
-        change.kind = Kind::other;
+        change.kind = ChangeKind::other;
         change.text += (change.text.empty() ? "" : "; ") + std::string("faces or edges were added");
     }
     return change;
@@ -170,10 +171,10 @@ std::string sample_warning(const MeshModel& layer)
     const auto tree = Registry::instance().find(layer);
     if (!tree || !tree->sample || state_of(layer, Watched::sample) == tree->state) return {};
     const SampleChange change = find_change(layer, *tree->sample);
-    if (change.kind == Kind::none) return {};
+    if (change.kind == ChangeKind::none) return {};
     return "The layer '" + layer.label().toStdString() + "': " + change.text + ", but only in MeshLab's sample; the " +
            grouped(tree->cloud->info().points) + " points of the cloud are unchanged. " +
-           (change.kind == Kind::deleted
+           (change.kind == ChangeKind::deleted
                 ? "Filters > Point Set > Delete Points of Point Cloud Tree deletes points of the cloud. "
                 : "Filters > Point Set has filters for the cloud. ") +
            "File > Reload restores the sample.";

@@ -194,8 +194,6 @@ QPushButton* MeasurePanel::add_button(QGridLayout& rows, int row, int column, Bu
 
 MeasureKind MeasurePanel::kind() const { return static_cast<MeasureKind>(kind_->currentData().toInt()); }
 
-void MeasurePanel::choose_kind(MeasureKind kind) { kind_->setCurrentIndex(kind_->findData(static_cast<int>(kind))); }
-
 void MeasurePanel::show_fields()
 {
     const bool profile = kind() == MeasureKind::profile, volume = kind() == MeasureKind::volume;

@@ -41,7 +41,6 @@ public:
     explicit MeasurePanel(QWidget* window);
 
     MeasureKind kind() const;
-    void choose_kind(MeasureKind kind);
     void show_list(const MeasureList& list, std::optional<std::size_t> selected, const std::string& unit);
     void show_unit(const LengthUnit& unit);
     void show_clouds(const std::vector<Cloud>& clouds);

@@ -16,6 +16,7 @@ namespace {
 const QColor paper(255, 255, 255), grid_line(225, 225, 225), ink(40, 40, 40), span_colour(200, 60, 0);
 constexpr double zoom_step = 1.2;  // of a notch of the wheel
 constexpr int wheel_notch = 120;
+constexpr int point_px = 2;                        // side of a point
 constexpr int tick_room_x = 90, tick_room_y = 45;  // pixels from tick to tick, at least
 
 }  // namespace
@@ -41,12 +42,6 @@ void ProfilePlot::set_equal_scale(bool equal)
     equal_ = equal;
     if (fitted_ || !equal) return fit();
     frame_.make_equal();
-    changed();
-}
-
-void ProfilePlot::set_point_size(int pixels)
-{
-    point_size_ = pixels;
     changed();
 }
 
@@ -93,7 +88,7 @@ void ProfilePlot::draw_points()
     picture_ = QImage(columns, rows, QImage::Format_RGB32);
     picture_.fill(paper);
     picture_.setDevicePixelRatio(ratio);
-    const int size = std::max(1, static_cast<int>(std::lround(point_size_ * ratio)));
+    const int size = std::max(1, static_cast<int>(std::lround(point_px * ratio)));
     auto* const pixels = reinterpret_cast<QRgb*>(picture_.bits());  // rows of 4-byte pixels have no gaps
     for (const PlotPoint& p : points_) {
         const double x = (frame_.pixel_x(p.station) - frame_.x) * ratio - size / 2.0 + 0.5;

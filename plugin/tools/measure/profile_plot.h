@@ -29,7 +29,6 @@ public:
     std::size_t size() const { return points_.size(); }
     bool equal_scale() const { return equal_; }
     void set_equal_scale(bool equal);
-    void set_point_size(int pixels);
     void fit();
     const PlotFrame& frame() const { return frame_; }
 
@@ -72,7 +71,6 @@ private:
     QImage picture_;  // of the points, in the pixels of the screen
     bool picture_is_old_ = true;
     bool equal_ = true;
-    int point_size_ = 2;
     bool fitted_ = true;  // the user has not moved it since
     std::optional<QPointF> mouse_, pressed_;
     std::optional<Span> span_;

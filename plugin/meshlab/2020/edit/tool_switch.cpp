@@ -1,13 +1,11 @@
 #include "plugin/meshlab/2020/edit/tool_switch.h"
 
 #include "plugin/meshlab/2020/document_scene.h"
-#include "plugin/meshlab/2020/meshlab.h"
 
 #include <QAction>
 #include <QApplication>
 #include <QMainWindow>
 #include <QMdiArea>
-#include <QMdiSubWindow>
 #include <QToolBar>
 
 namespace pcm::host {
@@ -16,41 +14,28 @@ namespace {
 
 const char* const bar_name = "PointCloudToolBar";
 
-// The view that MeshLab's menus are for, and its window; null: there is none.
-struct CurrentView {
-    QMainWindow* window = nullptr;
-    GLArea* view = nullptr;
-};
-
-CurrentView current_view()
+// The view that MeshLab's menus are for; null: there is none.
+SceneView* current_view()
 {
-    for (QWidget* top : QApplication::topLevelWidgets()) {
-        auto* const window = qobject_cast<QMainWindow*>(top);
-        const auto* const projects = window ? window->findChild<QMdiArea*>() : nullptr;
-        const QMdiSubWindow* const project = projects ? projects->currentSubWindow() : nullptr;
-        if (!project) continue;
-        for (QWidget* widget : project->findChildren<QWidget*>()) {
-            if (!widget->inherits("GLArea")) continue;
-            auto* const view = static_cast<GLArea*>(widget);
-            if (view->isCurrent()) return {window, view};
-        }
-    }
-    return {};
+    for (QWidget* top : QApplication::topLevelWidgets())
+        if (const auto* const window = qobject_cast<QMainWindow*>(top))
+            if (SceneView* const view = host::current_view(*window))
+                for (SceneView* same : view->scene().views())
+                    if (same->is_current()) return same;
+    return nullptr;
 }
 
 void end_other(const QAction& wanted)
 {
-    const auto [window, view] = current_view();
-    if (!view || !view->getCurrentEditAction() || view->getCurrentEditAction() == &wanted) return;
-    view->suspendedEditor = false;  // MeshLab would start the next tool suspended
-    QMetaObject::invokeMethod(window, "endEdit", Qt::DirectConnection);
+    SceneView* const view = current_view();
+    if (view && view->tool() && view->tool() != &wanted) view->end_tool();
 }
 
 void keep_enabled(QAction& tool)
 {
     if (tool.isEnabled()) return;
-    const GLArea* const view = current_view().view;
-    if (view && const_cast<GLArea*>(view)->getCurrentEditAction()) tool.setEnabled(true);
+    const SceneView* const view = current_view();
+    if (view && view->tool()) tool.setEnabled(true);
 }
 
 }  // namespace

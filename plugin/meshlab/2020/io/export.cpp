@@ -9,6 +9,7 @@
 #include "pcm/tree/tree_reader.h"
 #include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/layer_reader.h"
+#include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/placement.h"
 #include "plugin/meshlab/2020/registry.h"
 #include "plugin/meshlab/2020/sample_change.h"
@@ -49,18 +50,17 @@ Clip clip_for(const MeshModel& layer)
     return clip->clip(std::nullopt);
 }
 
-Selection selection_of(const MeshModel& layer, const RichParameterList& parameters)
+Selection selection_of(const MeshModel& layer, const Parameters& parameters)
 {
-    Selection selection = parse_selection(parameters.getString(box), parameters.getString(where));
-    if (parameters.hasParameter(clip_box_only) && parameters.getBool(clip_box_only))
-        selection.clips.push_back(clip_for(layer));
+    Selection selection = parse_selection(parameters.text(box), parameters.text(where));
+    if (parameters.has(clip_box_only) && parameters.flag(clip_box_only)) selection.clips.push_back(clip_for(layer));
     return selection;
 }
 
 std::unique_ptr<PointReader> reader_of_tree(const TreeLayer& layer, const Selection& selection,
-                                            const RichParameterList& parameters)
+                                            const Parameters& parameters)
 {
-    const int chosen = parameters.getInt(level);
+    const int chosen = parameters.whole(level);
     const int deepest = static_cast<int>(layer.cloud->info().levels) - 1;
     if (chosen > deepest)
         throw Error(
@@ -83,38 +83,41 @@ LayerSelection members_of(int mask, bool selected)
 }
 
 // What only some formats have.
-void add_format_settings(RichParameterList& parameters, const Format& format)
+void add_format_settings(Parameters& parameters, const Format& format)
 {
     if (format.has(takes_las_version))
-        parameters.addParam(
-            RichEnum(las_version, 0, {"As the source, or the lowest", "1.0", "1.1", "1.2", "1.3", "1.4"}, "LAS version",
-                     "By default that of the LAS file that the points came from, or the lowest one that "
-                     "holds everything. Programs that read 1.2 alone need 1.2."));
+        parameters.add({las_version,
+                        0,
+                        "LAS version",
+                        "By default that of the LAS file that the points came from, or the lowest one that "
+                        "holds everything. Programs that read 1.2 alone need 1.2.",
+                        {"As the source, or the lowest", "1.0", "1.1", "1.2", "1.3", "1.4"}});
     if (format.has(takes_colour_bits))
-        parameters.addParam(
-            RichEnum(colour_bits, 0, {"8, and the exact ones where 8 do not hold them", "8", "16"}, "Colour bits",
-                     "Other programs show colours of 8 bits. By default those of 16 bits are written with "
-                     "8, and exactly beside them unless 8 bits hold them all."));
+        parameters.add({colour_bits,
+                        0,
+                        "Colour bits",
+                        "Other programs show colours of 8 bits. By default those of 16 bits are written with "
+                        "8, and exactly beside them unless 8 bits hold them all.",
+                        {"8, and the exact ones where 8 do not hold them", "8", "16"}});
     if (format.has(takes_float_positions))
-        parameters.addParam(
-            RichBool(float_positions, false, "Float positions",
-                     "Positions as floats relative to a whole-numbered shift, which is in VIEWPOINT: PCL "
-                     "and Open3D take doubles for zeros. Default off."));
+        parameters.add({float_positions, false, "Float positions",
+                        "Positions as floats relative to a whole-numbered shift, which is in VIEWPOINT: PCL "
+                        "and Open3D take doubles for zeros. Default off."});
 }
 
-void take_format_settings(const RichParameterList& parameters, WriteOptions& options)
+void take_format_settings(const Parameters& parameters, WriteOptions& options)
 {
-    if (parameters.hasParameter(las_version) && parameters.getEnum(las_version) > 0)
-        options.las_version = static_cast<unsigned>(parameters.getEnum(las_version) - 1);
-    if (parameters.hasParameter(colour_bits) && parameters.getEnum(colour_bits) > 0)
-        options.colour_bits = parameters.getEnum(colour_bits) == 1 ? 8u : 16u;
-    if (parameters.hasParameter(float_positions)) options.float_positions = parameters.getBool(float_positions);
+    if (parameters.has(las_version) && parameters.whole(las_version) > 0)
+        options.las_version = static_cast<unsigned>(parameters.whole(las_version) - 1);
+    if (parameters.has(colour_bits) && parameters.whole(colour_bits) > 0)
+        options.colour_bits = parameters.whole(colour_bits) == 1 ? 8u : 16u;
+    if (parameters.has(float_positions)) options.float_positions = parameters.flag(float_positions);
 }
 
 // Where the layer's matrix puts the points that are written; nothing where they stay, or it is not to be applied.
-std::optional<Affine> placement_to_write(const MeshModel& layer, const RichParameterList& parameters)
+std::optional<Affine> placement_to_write(const MeshModel& layer, const Parameters& parameters)
 {
-    if (parameters.hasParameter(apply_matrix) && !parameters.getBool(apply_matrix)) return std::nullopt;
+    if (parameters.has(apply_matrix) && !parameters.flag(apply_matrix)) return std::nullopt;
     if (const auto tree = Registry::instance().find(layer)) return placement_of(layer, *tree);
     if (layer.cm.Tr == Matrix44m::Identity()) return std::nullopt;
     return map_of(layer_of(layer).matrix(), Registry::instance().origin_of(*layer.parent).value_or(Vec3d{0, 0, 0}));
@@ -162,39 +165,37 @@ bool is_ours_to_write(const MeshModel& layer)
     return registry.source_of(layer) || (origin && *origin != Vec3d{0, 0, 0});
 }
 
-void add_export_settings(RichParameterList& parameters, const std::string& extension, const MeshModel& layer)
+void add_export_settings(Parameters& parameters, const std::string& extension, const MeshModel& layer)
 {
     const Format* const format = format_of_extension(extension);
     if (format && format->has(takes_ascii))
-        parameters.addParam(RichBool(binary, true, "Binary encoding",
-                                     "Binary, which is smaller and faster, or plain text. Default on."));
+        parameters.add(
+            {binary, true, "Binary encoding", "Binary, which is smaller and faster, or plain text. Default on."});
     if (format && format->has(takes_decimals))
-        parameters.addParam(RichInt(
-            decimals, -1, "Decimals",
-            "Digits after the decimal point of a coordinate, from 0 to 30. -1, the default: as many as are needed to "
-            "read back the same number."));
+        parameters.add(
+            {decimals, -1, "Decimals",
+             "Digits after the decimal point of a coordinate, from 0 to 30. -1, the default: as many as are needed to "
+             "read back the same number."});
     if (const auto tree = Registry::instance().find(layer))
-        parameters.addParam(RichInt(level, -1, "Level",
-                                    "Write the cloud at this level of detail, from 0 to " +
-                                        QString::number(tree->cloud->info().levels - 1) +
-                                        ". -1, the default: all points."));
+        parameters.add({level, -1, "Level",
+                        "Write the cloud at this level of detail, from 0 to " +
+                            QString::number(tree->cloud->info().levels - 1) + ". -1, the default: all points."});
     else
-        parameters.addParam(RichBool(selected_only, false, "Selected vertices only",
-                                     "Write only the vertices that are selected. Default off."));
-    parameters.addParam(RichBool(apply_matrix, true, "Apply the layer's matrix",
-                                 "Write the points where the layer's matrix moves them, as the view shows them; a box "
-                                 "and conditions choose points before that. Off: where the cloud has them. Default "
-                                 "on."));
-    parameters.addParam(RichString(box, "", "Box",
-                                   "Write only points inside this box: its smallest x y z and its largest x y z, six "
-                                   "numbers separated by blanks, in source coordinates and units, bounds included. "
-                                   "Empty, the default: no box."));
-    parameters.addParam(
-        RichString(where, "", "Where",
-                   "Write only points that meet these conditions on attributes, separated by semicolons. "
-                   "Example: classification = 2,6; intensity >= 100. Empty, the default: no condition."));
-    parameters.addParam(RichBool(clip_box_only, false, "Only what the clip box shows",
-                                 "Write only points that the project's clip box shows. Default off."));
+        parameters.add({selected_only, false, "Selected vertices only",
+                        "Write only the vertices that are selected. Default off."});
+    parameters.add({apply_matrix, true, "Apply the layer's matrix",
+                    "Write the points where the layer's matrix moves them, as the view shows them; a box "
+                    "and conditions choose points before that. Off: where the cloud has them. Default "
+                    "on."});
+    parameters.add({box, QString(), "Box",
+                    "Write only points inside this box: its smallest x y z and its largest x y z, six "
+                    "numbers separated by blanks, in source coordinates and units, bounds included. "
+                    "Empty, the default: no box."});
+    parameters.add({where, QString(), "Where",
+                    "Write only points that meet these conditions on attributes, separated by semicolons. "
+                    "Example: classification = 2,6; intensity >= 100. Empty, the default: no condition."});
+    parameters.add({clip_box_only, false, "Only what the clip box shows",
+                    "Write only points that the project's clip box shows. Default off."});
     if (format) add_format_settings(parameters, *format);
 }
 
@@ -205,12 +206,12 @@ int export_mask()
 }
 
 std::vector<std::string> export_layer(const std::filesystem::path& path, const MeshModel& layer, int mask,
-                                      const RichParameterList& parameters, const ProgressFunction& progress)
+                                      const Parameters& parameters, const ProgressFunction& progress)
 {
     ConvertOptions options;
-    if (parameters.hasParameter(binary)) options.write.ascii = !parameters.getBool(binary);
-    if (parameters.hasParameter(decimals) && parameters.getInt(decimals) >= 0)
-        options.write.decimals = static_cast<unsigned>(parameters.getInt(decimals));
+    if (parameters.has(binary)) options.write.ascii = !parameters.flag(binary);
+    if (parameters.has(decimals) && parameters.whole(decimals) >= 0)
+        options.write.decimals = static_cast<unsigned>(parameters.whole(decimals));
     take_format_settings(parameters, options.write);
     options.progress = progress;
 
@@ -227,7 +228,7 @@ std::vector<std::string> export_layer(const std::filesystem::path& path, const M
         report = write_cloud(open, path, options);
         what = "of the tree " + tree->cloud->tree()->folder().string();
     } else {
-        const LayerSelection taken = members_of(mask, parameters.getBool(selected_only));
+        const LayerSelection taken = members_of(mask, parameters.flag(selected_only));
         const auto open = [&] {
             auto vertices = std::make_unique<LayerReader>(layer, taken);
             lines = layer_lines(layer, *vertices, taken);

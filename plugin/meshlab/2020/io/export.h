@@ -1,13 +1,14 @@
 // Writes a layer to a file in source coordinates: the tree that it shows, or its vertices.
 #pragma once
 
-#include "plugin/meshlab/2020/meshlab.h"
-
 #include "pcm/system/progress.h"
+#include "plugin/scene/parameters.h"
 
 #include <filesystem>
 #include <string>
 #include <vector>
+
+class MeshModel;
 
 namespace pcm::host {
 
@@ -17,7 +18,7 @@ namespace pcm::host {
 bool is_ours_to_write(const MeshModel& layer);
 
 // The parameters of the dialog for this layer and format.
-void add_export_settings(RichParameterList& parameters, const std::string& extension, const MeshModel& layer);
+void add_export_settings(Parameters& parameters, const std::string& extension, const MeshModel& layer);
 
 // The vertex members that can be written (vcg::tri::io::Mask).
 int export_mask();
@@ -25,6 +26,6 @@ int export_mask();
 // `mask` has the members that the user has ticked; it is ignored for layers that show a tree. Returns lines for the
 // log. Throws what the reader and the writer throw, and Error(cancelled). On an error no file is left.
 std::vector<std::string> export_layer(const std::filesystem::path& path, const MeshModel& layer, int mask,
-                                      const RichParameterList& parameters, const ProgressFunction& progress);
+                                      const Parameters& parameters, const ProgressFunction& progress);
 
 }  // namespace pcm::host

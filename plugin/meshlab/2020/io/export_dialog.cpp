@@ -1,15 +1,12 @@
 #include "plugin/meshlab/2020/io/export_dialog.h"
 
 #include "pcm/io/formats.h"
-#include "plugin/meshlab/2020/meshlab.h"
-#include "plugin/meshlab/2020/registry.h"
+#include "plugin/meshlab/2020/document_scene.h"
 
 #include <QAction>
 #include <QApplication>
 #include <QFileDialog>
 #include <QMainWindow>
-#include <QMdiArea>
-#include <QMdiSubWindow>
 #include <QTimer>
 
 #include <unistd.h>
@@ -40,7 +37,7 @@ QStringList name_filters(const QString& extension, QString& proposed)
 
 QString extension_of_filter(const QString& filter) { return filter.section("(*.", -1).remove(')'); }
 
-QString ask_for_file(QWidget* window, const MeshModel& layer, const std::filesystem::path& tree)
+QString ask_for_file(QWidget* window, const SceneLayer& layer, const std::filesystem::path& tree)
 {
     std::filesystem::path file = proposed_export(tree);
     if (access(file.parent_path().c_str(), W_OK) != 0) file = file.filename();  // in the current folder
@@ -63,17 +60,6 @@ QString ask_for_file(QWidget* window, const MeshModel& layer, const std::filesys
     return dialog.selectedFiles().first();
 }
 
-// The current layer of the window's current project.
-const MeshModel* current_layer(const QMainWindow& window)
-{
-    const auto* projects = window.findChild<QMdiArea*>();
-    const QMdiSubWindow* project = projects ? projects->currentSubWindow() : nullptr;
-    if (!project) return nullptr;
-    for (QWidget* widget : project->findChildren<QWidget*>())
-        if (widget->inherits("GLArea")) return static_cast<GLArea*>(widget)->mm();
-    return nullptr;
-}
-
 }  // namespace
 
 std::filesystem::path proposed_export(const std::filesystem::path& tree)
@@ -90,13 +76,10 @@ std::filesystem::path proposed_export(const std::filesystem::path& tree)
     return file;
 }
 
-void ExportDialog::take_over(const MeshDocument& document)
+void ExportDialog::take_over(const SceneView& view)
 {
-    for (const GLArea* view : views_of(document)) {
-        QMainWindow* const window = window_of(*view);
-        if (window && !window->findChild<ExportDialog*>(QString(), Qt::FindDirectChildrenOnly))
-            new ExportDialog(window);
-    }
+    QMainWindow* const window = view.window();
+    if (window && !window->findChild<ExportDialog*>(QString(), Qt::FindDirectChildrenOnly)) new ExportDialog(window);
 }
 
 ExportDialog::ExportDialog(QMainWindow* window) : QObject(window), window_(window)
@@ -117,8 +100,9 @@ void ExportDialog::take(const char* text, const char* slot)
 
 void ExportDialog::export_current(const char* slot)
 {
-    const MeshModel* const layer = current_layer(*window_);
-    const auto tree = layer ? Registry::instance().find(*layer) : std::nullopt;
+    const SceneView* const view = current_view(*window_);
+    const SceneLayer* const layer = view ? view->scene().current() : nullptr;
+    const auto tree = layer ? layer->tree() : std::nullopt;
     if (!tree) {
         QMetaObject::invokeMethod(window_, slot);
         return;
@@ -127,10 +111,10 @@ void ExportDialog::export_current(const char* slot)
     if (!file.isEmpty()) QMetaObject::invokeMethod(window_, "saveAs", Q_ARG(QString, file), Q_ARG(bool, false));
 }
 
-void hide_unread_ticks(const MeshModel& layer)
+void hide_unread_ticks(const SceneLayer& layer)
 {
     if (QApplication::topLevelWidgets().isEmpty()) return;
-    const bool is_tree = Registry::instance().find(layer).has_value();
+    const bool is_tree = layer.tree().has_value();
     QTimer::singleShot(0, qApp, [is_tree] {
         QWidget* const dialog = QApplication::activeModalWidget();
         if (!dialog || !dialog->inherits("SaveMaskExporterDialog")) return;
@@ -148,17 +132,16 @@ void hide_unread_ticks(const MeshModel& layer)
     });
 }
 
-void keep_file_of(MeshModel& layer)
+void keep_file_of(SceneLayer& layer)
 {
     // A file with the matrix applied and the layer's matrix together would move the points twice in a project.
-    if (!Registry::instance().find(layer) && layer.cm.Tr == Matrix44m::Identity()) return;
-    // The log belongs to the document: if the document is destroyed, Qt drops this call.
-    QTimer::singleShot(0, &layer.parent->Log, [document = layer.parent, mesh_id = layer.id(), file = layer.fullName()] {
-        MeshModel* const shown = document->getMesh(mesh_id);
-        if (!shown || shown->fullName() == file) return;
-        shown->setFileName(file);
-        for (const GLArea* view : views_of(*document))
-            if (QMainWindow* window = window_of(*view)) QMetaObject::invokeMethod(window, "updateLayerDialog");
+    if (!layer.tree() && layer.matrix() == identity_matrix) return;
+    Scene& scene = layer.scene();
+    QTimer::singleShot(0, &scene, [&scene, id = layer.id(), file = layer.file()] {
+        SceneLayer* const shown = scene.layer(id);
+        if (!shown || shown->file() == file) return;
+        shown->set_file(file);
+        scene.refresh_layer_lists();
     });
 }
 

@@ -4,7 +4,7 @@
 // layers are exported as MeshLab does.
 #pragma once
 
-#include "plugin/meshlab/2020/meshlab.h"
+#include "plugin/scene/scene_view.h"
 
 #include <QObject>
 
@@ -22,8 +22,8 @@ class ExportDialog : public QObject {
     Q_OBJECT
 
 public:
-    // Takes over the two entries of the windows that show the document. Called as often as one likes.
-    static void take_over(const MeshDocument& document);
+    // Takes over the two entries of the window around the view. Called as often as one likes.
+    static void take_over(const SceneView& view);
 
 private:
     ExportDialog(QMainWindow* window);
@@ -36,10 +36,10 @@ private:
 // In MeshLab's dialog about what is to be saved, which is shown afterwards: hides what our export of this layer does
 // not read. Of a tree everything is written, whatever is ticked; of vertices, these members (export.h: export_mask()).
 // Does nothing where there is no window.
-void hide_unread_ticks(const MeshModel& layer);
+void hide_unread_ticks(const SceneLayer& layer);
 
 // MeshLab makes the written file the file of the layer, and would reload it and name it in projects. The layer of a
 // tree keeps its own. Called before MeshLab does so.
-void keep_file_of(MeshModel& layer);
+void keep_file_of(SceneLayer& layer);
 
 }  // namespace pcm::host

@@ -7,29 +7,29 @@ namespace pcm::host {
 
 namespace {
 
-QList<MeshIOInterface::Format> listed(bool (*wanted)(const Format&))
+std::vector<FileType> listed(bool (*wanted)(const Format&))
 {
-    QList<MeshIOInterface::Format> list;
+    std::vector<FileType> list;
     for (const Format& format : formats())
         for (const std::string_view extension : format.extensions) {
             if (extension.empty() || !wanted(format)) continue;
             const QString upper = QString::fromStdString(std::string(extension)).toUpper();
             const QString label = QString::fromStdString(std::string(format.label));
-            list << MeshIOInterface::Format(upper + " " + label, upper);
+            list.push_back({upper + " " + label, upper});
         }
     return list;
 }
 
 }  // namespace
 
-QList<MeshIOInterface::Format> import_formats()
+std::vector<FileType> import_formats()
 {
-    QList<MeshIOInterface::Format> list = listed([](const Format&) { return true; });
-    list.push_front(MeshIOInterface::Format("Point cloud tree", QString(tree_extension).toUpper()));
+    std::vector<FileType> list = listed([](const Format&) { return true; });
+    list.insert(list.begin(), {"Point cloud tree", QString(tree_extension).toUpper()});
     return list;
 }
 
-QList<MeshIOInterface::Format> export_formats()
+std::vector<FileType> export_formats()
 {
     return listed([](const Format& format) { return format.create != nullptr; });
 }

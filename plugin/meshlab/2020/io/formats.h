@@ -1,11 +1,17 @@
-// The formats of point clouds as MeshLab lists them: those of the table in pcm/io/formats.h, and trees.
+// The formats of point clouds as the program lists them: those of the table in pcm/io/formats.h, and trees.
 #pragma once
 
-#include "plugin/meshlab/2020/meshlab.h"
+#include <QString>
+
+#include <vector>
 
 namespace pcm::host {
 
-QList<MeshIOInterface::Format> import_formats();
-QList<MeshIOInterface::Format> export_formats();
+struct FileType {
+    QString label;      // "LAZ compressed LAS"
+    QString extension;  // "LAZ"
+};
+std::vector<FileType> import_formats();
+std::vector<FileType> export_formats();
 
 }  // namespace pcm::host

@@ -3,10 +3,11 @@
 #include "pcm/io/file_text.h"
 #include "pcm/tree/tree.h"
 #include "plugin/meshlab/2020/document_scene.h"
-#include "plugin/meshlab/2020/io/tree_beside.h"
 #include "plugin/meshlab/2020/layer.h"
 #include "plugin/meshlab/2020/points_layer.h"
 #include "plugin/scene/misfit.h"
+#include "plugin/scene/open_clouds.h"
+#include "plugin/scene/tree_beside.h"
 
 #include <set>
 
@@ -35,7 +36,7 @@ private:
 
 std::vector<std::string> open_tree(const std::filesystem::path& path, MeshModel& layer, MisfitCheck& check)
 {
-    const auto cloud = Registry::instance().open(path);
+    const auto cloud = open_cloud(path);
     const TreeInfo& info = cloud->info();
     check(info.metadata, info.points ? std::optional<Box3d>(info.bounds()) : std::nullopt);
     return show_tree(layer, cloud);

@@ -2,12 +2,14 @@
 #pragma once
 
 #include "pcm/system/progress.h"
-#include "plugin/meshlab/2020/io/import_settings.h"
+#include "plugin/scene/import_settings.h"
 
 #include <filesystem>
 #include <functional>
 #include <string>
 #include <vector>
+
+class MeshModel;
 
 namespace pcm::host {
 

@@ -4,16 +4,19 @@
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/tree_folder.h"
+#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/drawn_copy.h"
-#include "plugin/meshlab/2020/field_buttons.h"
 #include "plugin/meshlab/2020/io/export.h"
 #include "plugin/meshlab/2020/io/export_dialog.h"
 #include "plugin/meshlab/2020/io/formats.h"
 #include "plugin/meshlab/2020/io/import.h"
 #include "plugin/meshlab/2020/io/stock.h"
 #include "plugin/meshlab/2020/layer.h"
-#include "plugin/meshlab/2020/shading.h"
+#include "plugin/meshlab/2020/native_drawing.h"
+#include "plugin/meshlab/2020/registry.h"
+#include "plugin/meshlab/2020/rich_parameters.h"
 #include "plugin/panels/cancelled.h"
+#include "plugin/panels/field_buttons.h"
 #include "plugin/panels/operation.h"
 #include "plugin/scene/text.h"
 
@@ -46,6 +49,25 @@ int mask_of(const MeshModel& layer)
     return mask;
 }
 
+QList<MeshIOInterface::Format> formats_of(const std::vector<FileType>& types)
+{
+    QList<MeshIOInterface::Format> list;
+    for (const FileType& type : types) list << MeshIOInterface::Format(type.label, type.extension);
+    return list;
+}
+
+// MeshLab's dialog asks for these, where it has a window.
+void add_file_parameters(const std::filesystem::path& path, RichParameterList& parameters)
+{
+    for (QWidget* widget : QApplication::allWidgets()) {
+        if (!widget->inherits("GLArea")) continue;
+        Parameters asked;
+        add_file_settings(asked, path, parameters_of(*static_cast<GLArea*>(widget)->glas.currentGlobalParamSet));
+        add_to(parameters, asked);
+        return;
+    }
+}
+
 // Most errors of the core name their path; it is added to the others.
 std::string error_about(const std::filesystem::path& path)
 {
@@ -57,23 +79,29 @@ std::string error_about(const std::filesystem::path& path)
 
 PointCloudIo::PointCloudIo()
 {
-    connect(&Registry::instance(), &Registry::attached, this,
-            [](const MeshDocument* document) { ExportDialog::take_over(*document); });
+    connect(&Registry::instance(), &Registry::attached, this, [](const MeshDocument* document) {
+        for (const SceneView* view : scene_of(*document).views()) ExportDialog::take_over(*view);
+    });
 }
 
-QList<MeshIOInterface::Format> PointCloudIo::importFormats() const { return import_formats(); }
+QList<MeshIOInterface::Format> PointCloudIo::importFormats() const { return formats_of(import_formats()); }
 
-void PointCloudIo::initGlobalParameterSet(QAction*, RichParameterList& parameters) { add_global_settings(parameters); }
+void PointCloudIo::initGlobalParameterSet(QAction*, RichParameterList& parameters)
+{
+    Parameters defaults;
+    add_global_settings(defaults);
+    add_to(parameters, defaults);
+}
 
 void PointCloudIo::initPreOpenParameter(const QString& format, const QString& file_name, RichParameterList& parameters)
 {
     const std::filesystem::path path = absolute_path(file_name);
     if (format.compare(tree_extension, Qt::CaseInsensitive) == 0 || is_file_of_tree(path)) return;
     if (is_point_cloud(path))
-        add_file_settings(parameters, path);
+        add_file_parameters(path, parameters);
     else if (auto* stock = stock_importer(format, this))
         stock->initPreOpenParameter(format, file_name, parameters);
-    add_field_buttons(parameters, nullptr);
+    add_field_buttons(parameters_of(parameters), nullptr);
 }
 
 void PointCloudIo::initOpenParameter(const QString&, MeshModel& layer, RichParameterList&)
@@ -94,7 +122,7 @@ bool PointCloudIo::open(const QString& format, const QString& file_name, MeshMod
         if (!is_point_cloud(path))
             if (auto* stock = stock_importer(format, this))
                 return hand_over_open(*stock, format, file_name, layer, mask, parameters, callback, parent);
-        const ImportSettings settings = read_import_settings(parameters);
+        const ImportSettings settings = read_import_settings(parameters_of(parameters));
         Operation operation(callback);
         const auto lines = import_cloud(
             path, layer, settings, operation.progress(),
@@ -176,7 +204,7 @@ void PointCloudIo::say(GLLogStream::Levels level, const std::string& line, const
     std::fflush(stdout);
 }
 
-QList<MeshIOInterface::Format> PointCloudIo::exportFormats() const { return export_formats(); }
+QList<MeshIOInterface::Format> PointCloudIo::exportFormats() const { return formats_of(export_formats()); }
 
 MeshIOInterface* PointCloudIo::exporter_instead(const QString& format, const MeshModel& layer) const
 {
@@ -188,10 +216,12 @@ void PointCloudIo::initSaveParameter(const QString& format, MeshModel& layer, Ri
     if (auto* stock = exporter_instead(format, layer)) {
         stock->initSaveParameter(format, layer, parameters);
     } else {
-        add_export_settings(parameters, format.toLower().toStdString(), layer);
-        hide_unread_ticks(layer);
+        Parameters asked;
+        add_export_settings(asked, format.toLower().toStdString(), layer);
+        add_to(parameters, asked);
+        hide_unread_ticks(layer_of(layer));
     }
-    add_field_buttons(parameters, layer.parent);
+    add_field_buttons(parameters_of(parameters), &scene_of(*layer.parent));
 }
 
 // MeshLab does not pass the layer, so this is what either exporter can write.
@@ -217,9 +247,10 @@ bool PointCloudIo::save(const QString& format, const QString& file_name, MeshMod
         // meshlabserver without -m passes an empty mask; then all members are written.
         const int wanted = mask == 0 && !parent ? export_mask() : mask;
         Operation operation(callback);
-        for (const std::string& line : export_layer(path, layer, wanted, parameters, operation.progress()))
+        for (const std::string& line :
+             export_layer(path, layer, wanted, parameters_of(parameters), operation.progress()))
             say(GLLogStream::FILTER, line, parent);
-        keep_file_of(layer);
+        keep_file_of(layer_of(layer));
         return true;
     } catch (...) {
         report_failure("Saving", "save", path, parent);

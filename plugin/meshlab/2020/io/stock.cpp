@@ -1,5 +1,7 @@
 #include "plugin/meshlab/2020/io/stock.h"
 
+#include "plugin/meshlab/2020/meshlab.h"
+
 #include <QDir>
 #include <QLibrary>
 #include <QPluginLoader>

@@ -4,7 +4,9 @@
 // and delegates what is not a cloud: a PLY with faces, a layer with faces.
 #pragma once
 
-#include "plugin/meshlab/2020/meshlab.h"
+#include <QString>
+
+class MeshIOInterface;
 
 namespace pcm::host {
 

@@ -1,6 +1,8 @@
 #include "plugin/meshlab/2020/render/layer_watch.h"
 
+#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/drawn_copy.h"
+#include "plugin/meshlab/2020/registry.h"
 
 #include <QApplication>
 
@@ -19,62 +21,63 @@ LayerWatch& LayerWatch::instance()
     return *watch;
 }
 
-// Entries belong to their document: its destruction drops them, and so pending calls with it.
-LayerWatch::Entry& LayerWatch::entry(const MeshModel& layer)
+// Entries belong to their scene: its destruction drops them, and so pending calls with it.
+LayerWatch::Entry& LayerWatch::entry(const SceneLayer& layer)
 {
-    MeshDocument* const document = layer.parent;
-    const int mesh_id = layer.id();
-    auto& slot = entries_[{document, mesh_id}];
+    Scene* const scene = &layer.scene();
+    const int layer_id = layer.id();
+    auto& slot = entries_[{scene, layer_id}];
     if (slot) return *slot;
     slot = std::make_unique<Entry>();
-    const auto run = [this, document, mesh_id](QTimer& timer, void (LayerWatch::*action)(MeshModel&)) {
+    const auto run = [this, scene, layer_id](QTimer& timer, void (LayerWatch::*action)(const SceneLayer&)) {
         timer.setSingleShot(true);
-        connect(&timer, &QTimer::timeout, this, [this, document, mesh_id, action] {
-            if (MeshModel* present = document->getMesh(mesh_id)) (this->*action)(*present);
+        connect(&timer, &QTimer::timeout, this, [this, scene, layer_id, action] {
+            if (const SceneLayer* const present = scene->layer(layer_id)) (this->*action)(*present);
         });
     };
     run(slot->rest, &LayerWatch::check);
     run(slot->changing, &LayerWatch::wait_for_rest);
-    connect(document, &QObject::destroyed, this, [this, document] {
+    connect(scene, &QObject::destroyed, this, [this, scene] {
         for (auto it = entries_.begin(); it != entries_.end();)
-            it = it->first.first == document ? entries_.erase(it) : std::next(it);
+            it = it->first.first == scene ? entries_.erase(it) : std::next(it);
     });
     return *slot;
 }
 
-void LayerWatch::check(MeshModel& layer)
+void LayerWatch::check(const SceneLayer& layer)
 {
-    if (layer.parent->isBusy()) {  // a filter is changing it; MeshLab restarts decorators afterwards
+    if (layer.scene().is_busy()) {  // a filter is changing it; MeshLab restarts decorators afterwards
         entry(layer).rest.start(rest_ms);
         return;
     }
-    if (!is_outdated(layer, false)) return;
+    MeshModel& model = model_of(layer);
+    if (!is_outdated(model, false)) return;
     Entry& watched = entry(layer);
     watched.last = {};
     watched.changing.start(change_ms);
-    Registry::instance().drop_copy(layer);
+    Registry::instance().drop_copy(model);
 }
 
-bool LayerWatch::may_draw(const MeshModel& layer)
+bool LayerWatch::may_draw(const SceneLayer& layer)
 {
-    const auto tree = Registry::instance().drawn(layer);
-    if (!tree) return false;
-    if (!tree->is_copy()) return true;
-    const bool outdated = is_outdated(layer, true);
+    const auto cloud = layer.drawn();
+    if (!cloud) return false;
+    if (!cloud->is_copy()) return true;
+    const bool outdated = is_outdated(model_of(layer), true);
     entry(layer).rest.start(outdated ? 0 : rest_ms);
     return !outdated;
 }
 
-void LayerWatch::wait_for_rest(MeshModel& layer)
+void LayerWatch::wait_for_rest(const SceneLayer& layer)
 {
     Entry& watched = entry(layer);
-    const LayerState now = state_of(layer, Watched::vertices);
-    if (layer.parent->isBusy() || QApplication::mouseButtons() != Qt::NoButton || now != watched.last) {
+    const LayerState now = state_of(model_of(layer), Watched::vertices);
+    if (layer.scene().is_busy() || QApplication::mouseButtons() != Qt::NoButton || now != watched.last) {
         watched.last = now;
         watched.changing.start(change_ms);
         return;
     }
-    if (!Registry::instance().drawn(layer)) emit copy_wanted(layer.parent, layer.id());
+    if (!layer.drawn()) emit copy_wanted(&layer.scene(), layer.id());
 }
 
 }  // namespace pcm::host

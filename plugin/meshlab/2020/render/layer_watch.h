@@ -4,7 +4,8 @@
 // without a word, so some of them are looked at in each paint event, and all of them when the view rests. GUI thread.
 #pragma once
 
-#include "plugin/meshlab/2020/registry.h"
+#include "plugin/meshlab/2020/layer_state.h"
+#include "plugin/scene/scene.h"
 
 #include <QElapsedTimer>
 #include <QObject>
@@ -25,14 +26,14 @@ public:
 
     // Looks at all vertices. An outdated copy is dropped: views show MeshLab's own points until a new copy is made,
     // soon after the last change.
-    void check(MeshModel& layer);
+    void check(const SceneLayer& layer);
 
     // In a paint event: whether what views draw of the layer is up to date. If not, it is dropped after the event.
-    bool may_draw(const MeshModel& layer);
+    bool may_draw(const SceneLayer& layer);
 
 signals:
     // Asks to make a new copy: the layer is at rest and has none.
-    void copy_wanted(MeshDocument* document, int mesh_id);
+    void copy_wanted(pcm::host::Scene* scene, int layer_id);
 
 private:
     struct Entry {
@@ -40,11 +41,11 @@ private:
         QTimer changing;  // since the last change
         LayerState last;
     };
-    using Key = std::pair<MeshDocument*, int>;
+    using Key = std::pair<Scene*, int>;
 
     LayerWatch() = default;
-    Entry& entry(const MeshModel& layer);
-    void wait_for_rest(MeshModel& layer);
+    Entry& entry(const SceneLayer& layer);
+    void wait_for_rest(const SceneLayer& layer);
 
     std::map<Key, std::unique_ptr<Entry>> entries_;
 };

@@ -1,9 +1,11 @@
 #include "plugin/meshlab/2020/render/opening.h"
 
+#include "pcm/view/first_view.h"
+#include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/registry.h"
-#include "plugin/meshlab/2020/render/first_view.h"
-#include "plugin/meshlab/2020/render/settings.h"
+#include "plugin/meshlab/2020/trackball_pose.h"
+#include "plugin/settings/settings.h"
 
 #include <QEvent>
 #include <QFont>
@@ -17,31 +19,29 @@ namespace pcm::host {
 
 namespace {
 
-using Track = vcg::Similarityf;
+using Track = Opening::Track;
 
-bool are_equal(const Track& a, const Track& b)
+Track track_of(const vcg::Similarityf& s)
 {
-    for (int i = 0; i < 4; ++i)
-        if (a.rot[i] != b.rot[i]) return false;
-    return a.tra == b.tra && a.sca == b.sca;
+    return {s.rot[0], s.rot[1], s.rot[2], s.rot[3], s.tra[0], s.tra[1], s.tra[2], s.sca};
 }
 
-Track identity()
+vcg::Similarityf identity()
 {
-    Track track;
+    vcg::Similarityf track;
     track.SetIdentity();
     return track;
 }
 
 // As the trackball is before MeshLab has reset it for the first layer.
-bool is_initial(const Track& track) { return are_equal(track, identity()); }
+bool is_initial(const Track& track) { return track == track_of(identity()); }
 
 // As GLArea::resetTrackBall() leaves it.
 bool is_reset(GLArea& area)
 {
-    const Track& track = area.trackball.track;
+    const vcg::Similarityf& track = area.trackball.track;
     const Box3m box = area.md()->bbox();
-    Track reset = identity();
+    vcg::Similarityf reset = identity();
     reset.sca = 3.0f / box.Diag();
     reset.tra.Import(-box.Center());
     for (int i = 0; i < 4; ++i)
@@ -68,6 +68,18 @@ struct Shown {
     std::vector<Vec3d> points;    // of samples
     std::vector<ScanPose> poses;  // of the only scan, where that is where it was taken
 };
+
+// The layer's vertices in the document's coordinates, the layer's matrix included.
+std::vector<Vec3d> placed_vertices(const MeshModel& layer)
+{
+    std::vector<Vec3d> points;
+    for (const CVertexO& vertex : layer.cm.vert) {
+        if (vertex.IsD()) continue;
+        const Point3m p = layer.cm.Tr * vertex.cP();
+        points.push_back({static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])});
+    }
+    return points;
+}
 
 // Nothing if the view shows anything but trees.
 std::optional<Shown> shown_trees(GLArea& area)
@@ -121,7 +133,7 @@ void Opening::before_paint()
 void Opening::set_background()
 {
     GLAreaSetting& view = area_->glas;
-    const auto colour = read_settings(*view.currentGlobalParamSet).background;
+    const auto colour = read_settings(view_of(*area_).settings()->all()).background;
     if (colour) {
         const vcg::Color4b bytes(static_cast<unsigned char>(colour->red()), static_cast<unsigned char>(colour->green()),
                                  static_cast<unsigned char>(colour->blue()), 255);
@@ -135,19 +147,20 @@ void Opening::set_background()
 
 void Opening::look()
 {
-    Track& track = area_->trackball.track;
-    if (looked_ && !are_equal(track, *looked_)) looked_.reset();
+    const Track track = track_of(area_->trackball.track);
+    if (looked_ && track != *looked_) looked_.reset();
     const bool resized = looked_ && looked_size_ != area_->size();
     if (!resized && (!to_look_ || is_initial(track))) return;
     const bool may_move = resized || is_reset(*area_);
     to_look_ = false;
-    if (!may_move || area_->isRaster() || !read_settings(*area_->glas.currentGlobalParamSet).oblique_first_view) return;
+    if (!may_move || area_->isRaster() || !read_settings(view_of(*area_).settings()->all()).oblique_first_view) return;
     const auto shown = shown_trees(*area_);
-    if (!shown) return;
-    if (const auto view = first_view(shown->points, area_->fov, area_->width(), area_->height(),
-                                     covered_by_info(*area_), shown->poses)) {
-        track = *view;
-        looked_ = track;
+    if (!shown || is_orthographic(area_->fov)) return;
+    const double fov = static_cast<double>(area_->fov);
+    if (const auto pose =
+            first_view(shown->points, shown->poses, {fov, area_->width(), area_->height(), covered_by_info(*area_)})) {
+        area_->trackball.track = trackball_of(*pose, area_->fov);
+        looked_ = track_of(area_->trackball.track);
         looked_size_ = area_->size();
     }
 }

@@ -3,11 +3,10 @@
 // view.
 #pragma once
 
-#include "plugin/meshlab/2020/meshlab.h"
-
 #include <QObject>
 #include <QSize>
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <set>
@@ -22,6 +21,7 @@ class Opening : public QObject {
 
 public:
     using Show = std::function<void(GLArea& area, MeshModel& layer)>;
+    using Track = std::array<float, 8>;  // MeshLab's trackball: turn, shift, scale
 
     // A tree was attached to a layer that `area` shows. `show` is called at the first paint event in which MeshLab
     // would draw the layer, with the view's context current.
@@ -41,7 +41,7 @@ private:
     std::set<int> waiting_;  // layers that have not been painted yet
     std::set<int> known_;    // layers that were opened: one that is loaded again does not move the camera
     bool to_look_ = false;
-    std::optional<vcg::Similarityf> looked_;  // until the camera is moved
+    std::optional<Track> looked_;  // until the camera is moved
     QSize looked_size_;
     bool own_background_ = false;
 };

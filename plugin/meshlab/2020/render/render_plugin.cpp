@@ -4,13 +4,11 @@
 #include "plugin/meshlab/2020/drawn_copy.h"
 #include "plugin/meshlab/2020/meshlab.h"
 #include "plugin/meshlab/2020/registry.h"
-#include "plugin/meshlab/2020/render/dock.h"
 #include "plugin/meshlab/2020/render/layer_watch.h"
 #include "plugin/meshlab/2020/render/opening.h"
-#include "plugin/meshlab/2020/render/project_settings.h"
 #include "plugin/meshlab/2020/render/sample_watch.h"
-#include "plugin/meshlab/2020/render/stored_defaults.h"
 #include "plugin/meshlab/2020/render/view.h"
+#include "plugin/meshlab/2020/rich_parameters.h"
 #include "plugin/panels/clouds/clouds_dock.h"
 #include "plugin/panels/operation.h"
 #include "plugin/scene/bookmarks.h"
@@ -18,6 +16,10 @@
 #include "plugin/scene/project_camera.h"
 #include "plugin/scene/text.h"
 #include "plugin/scene/tree_cache.h"
+#include "plugin/settings/project_settings.h"
+#include "plugin/settings/settings.h"
+#include "plugin/settings/settings_dock.h"
+#include "plugin/settings/stored_defaults.h"
 
 #include <QPointer>
 #include <QTimer>
@@ -38,13 +40,14 @@ PointCloudDecorator::PointCloudDecorator()
     connect(&registry, &Registry::attached, this, &PointCloudDecorator::show_when_idle);
     connect(&registry, &Registry::detached, this, [](MeshDocument* document, int mesh_id) {
         for (GLArea* area : views_of(*document))
-            if (View* view = View::find(area)) view->forget(mesh_id);
+            if (View* view = View::find(view_of(*area))) view->forget(mesh_id);
     });
     connect(&registry, &Registry::copy_dropped, this, [](MeshDocument* document, int mesh_id) {
         for (GLArea* area : views_of(*document))
-            if (View* view = View::find(area)) view->show_own(mesh_id);
+            if (View* view = View::find(view_of(*area))) view->show_own(mesh_id);
     });
-    connect(&LayerWatch::instance(), &LayerWatch::copy_wanted, this, &PointCloudDecorator::copy_again);
+    connect(&LayerWatch::instance(), &LayerWatch::copy_wanted, this,
+            [this](Scene* scene, int mesh_id) { copy_again(document_of(*scene), mesh_id); });
     TreeCache::instance().remove_leftovers();
     keep_bookmarks_in_projects();
     keep_layer_marks_in_projects();
@@ -66,19 +69,19 @@ bool PointCloudDecorator::isDecorationApplicable(QAction*, const MeshModel& laye
 
 void PointCloudDecorator::initGlobalParameterSet(QAction*, RichParameterList& parameters)
 {
-    RichParameterList defaults;  // `parameters` has those of other plugins, too
+    Parameters defaults;
     add_settings(defaults);
-    follow_new_defaults(defaults);
-    add_settings(parameters);
+    follow_new_defaults(defaults, *setting_store(nullptr));
+    add_to(parameters, defaults);
 }
 
 bool PointCloudDecorator::startDecorate(QAction* action, MeshModel& layer, const RichParameterList*, GLArea* area)
 {
     const bool is_listed = area->iPerMeshDecoratorsListMap.value(layer.id()).contains(action);
-    LayerWatch::instance().check(layer);
+    LayerWatch::instance().check(layer_of(layer));
     // A layer that has just changed is copied again when it rests.
     if (!Registry::instance().drawn(layer) && (is_listed || !copy_layer(layer))) return is_listed;
-    View::of(area, action)->begin(layer);
+    View::of(view_of(*area), action)->begin(layer_of(layer));
     return true;
 }
 
@@ -88,15 +91,15 @@ void PointCloudDecorator::decorateMesh(QAction* action, MeshModel& layer, const 
     if (!Registry::instance().drawn(layer)) return;
     QString text;
     try {
-        text = View::of(area, action)->draw(read_settings(*parameters));
+        text = View::of(view_of(*area), action)->draw(read_settings(parameters_of(*parameters, setting_prefix)));
     } catch (...) {  // MeshLab's painting does not catch exceptions
         text = QString::fromStdString(current_error()).toHtmlEscaped();
     }
-    if (painter && !View::of(area, action)->draws_tile() && is_first_listed(*area, layer))
-        draw_sample_notices(*area, *painter);
+    if (painter && !View::of(view_of(*area), action)->draws_tile() && is_first_listed(*area, layer))
+        draw_sample_notices(view_of(*area), *painter);
     // A view that was split off shows MeshLab's own points at first. It is to show the same as this one.
     for (GLArea* other : area->mvc()->viewerList) {
-        if (!other || View::find(other)) continue;
+        if (!other || View::find(view_of(*other))) continue;
         QPointer<QWidget> alive(other);
         // The log belongs to the document: if the document is destroyed, Qt drops this call.
         QTimer::singleShot(0, &layer.parent->Log, [this, alive, other, document = layer.parent, mesh_id = layer.id()] {
@@ -115,17 +118,17 @@ void PointCloudDecorator::endDecorate(QAction* action, MeshModel& layer, const R
     // MeshLab ends and starts every decorator after each filter and import. When a user switches ours off, it is
     // removed from the list first.
     if (area->iPerMeshDecoratorsListMap.value(layer.id()).contains(action)) return;
-    if (View* view = View::find(area)) view->end(layer.id());
+    if (View* view = View::find(view_of(*area))) view->end(layer.id());
 }
 
 void PointCloudDecorator::endDecorate(QAction*, MeshDocument&, const RichParameterList*, GLArea* area)
 {
-    if (View* view = View::find(area)) view->close();
+    if (View* view = View::find(view_of(*area))) view->close();
 }
 
 void PointCloudDecorator::show_at_first_paint(GLArea& area, int mesh_id)
 {
-    ProjectSettings::follow(area);
+    if (area.md()) ProjectSettings::follow(view_of(area));
     Opening::expect(area, mesh_id, [this](GLArea& view, MeshModel& layer) { list(view, layer); });
 }
 
@@ -150,18 +153,18 @@ bool PointCloudDecorator::copy_layer(MeshModel& layer)
     }
 }
 
-void PointCloudDecorator::copy_again(MeshDocument* document, int mesh_id)
+void PointCloudDecorator::copy_again(MeshDocument& document, int mesh_id)
 {
-    MeshModel* layer = document->getMesh(mesh_id);
+    MeshModel* const layer = document.getMesh(mesh_id);
     if (!layer || !is_on(*layer) || !why_not_drawn(*layer).empty()) return;
     if (static_cast<std::size_t>(layer->cm.vn) <= most_copied_unasked) {
         copy_layer(*layer);
         return;
     }
-    document->Log.Log(GLLogStream::WARNING,
-                      qPrintable("The layer '" + layer->label() +
-                                 "' has changed and is drawn by MeshLab. Switch Render > Show Point Cloud off and on "
-                                 "to draw it as a point cloud again."));
+    document.Log.Log(GLLogStream::WARNING,
+                     qPrintable("The layer '" + layer->label() +
+                                "' has changed and is drawn by MeshLab. Switch Render > Show Point Cloud off and on "
+                                "to draw it as a point cloud again."));
 }
 
 // Of the layers that MeshLab asks for in a paint event.
@@ -199,7 +202,7 @@ void PointCloudDecorator::list(GLArea& area, MeshModel& layer)
 void PointCloudDecorator::switch_on(GLArea& area, MeshModel& layer)
 {
     list(area, layer);
-    Dock::show_for(area);
+    Dock::show_for(view_of(area));
     if (QMainWindow* const window = window_of(area))
         CloudsDock::show_for(view_of(area), [window] { return current_view(*window); });
     area.update();

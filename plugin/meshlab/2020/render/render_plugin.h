@@ -39,5 +39,5 @@ private:
     bool is_first_listed(GLArea& area, const MeshModel& layer);
     bool is_on(const MeshModel& layer);  // in any view
     bool copy_layer(MeshModel& layer);   // false: the log says why
-    void copy_again(MeshDocument* document, int mesh_id);
+    void copy_again(MeshDocument& document, int mesh_id);
 };

@@ -3,11 +3,9 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/gl/draw/splat_pass.h"
 #include "pcm/io/crs/height_unit.h"
-#include "plugin/meshlab/2020/document_scene.h"
-#include "plugin/meshlab/2020/meshlab.h"
+#include "plugin/meshlab/2020/native_drawing.h"
 #include "plugin/meshlab/2020/render/layer_watch.h"
 #include "plugin/meshlab/2020/render/sample_watch.h"
-#include "plugin/meshlab/2020/render/selection.h"
 #include "plugin/overlay/aside.h"
 #include "plugin/overlay/overlay.h"
 #include "plugin/overlay/snapshot_tile.h"
@@ -66,21 +64,20 @@ const pcm::Camera& or_the_same(const pcm::Camera& now, const pcm::Camera& before
 }
 
 // The layer's matrix, which MeshLab applies only to its own drawing.
-Matrix4d placement_of(const MeshModel& layer)
+Matrix4d placement_of(const SceneLayer& layer)
 {
     Matrix4d placement;
-    const auto& transform = layer.cm.Tr;  // row, column
-    for (int column = 0; column < 4; ++column)
-        for (int row = 0; row < 4; ++row)
-            placement[static_cast<std::size_t>(column * 4 + row)] = static_cast<double>(transform[row][column]);
+    const LayerMatrix rows = layer.matrix();
+    for (std::size_t column = 0; column < 4; ++column)
+        for (std::size_t row = 0; row < 4; ++row) placement[column * 4 + row] = static_cast<double>(rows[row][column]);
     return placement;
 }
 
 // For picking (scene/picker.h).
-ShownClouds shown_clouds(const std::vector<MeshModel*>& drawn, const CloudStyle& style)
+ShownClouds shown_clouds(const std::vector<SceneLayer*>& drawn, const CloudStyle& style)
 {
     ShownClouds shown;
-    for (const MeshModel* layer : drawn) shown.layers.push_back(layer->id());
+    for (const SceneLayer* layer : drawn) shown.layers.push_back(layer->id());
     shown.where = style.where;
     const SplatTraits& splats = traits_of(style.splats);
     const float factor = splats.shape == SplatShape::sphere ? radius_of_paraboloid : 1;
@@ -91,23 +88,26 @@ ShownClouds shown_clouds(const std::vector<MeshModel*>& drawn, const CloudStyle&
 
 }  // namespace
 
-View* View::find(GLArea* area) { return area->findChild<View*>(QString(), Qt::FindDirectChildrenOnly); }
-
-View* View::of(GLArea* area, QAction* decorator)
+View* View::find(const SceneView& view)
 {
-    View* view = find(area);
-    return view ? view : new View(area, decorator);
+    return view.widget().findChild<View*>(QString(), Qt::FindDirectChildrenOnly);
 }
 
-View::View(GLArea* area, QAction* decorator) : QObject(area), area_(area), decorator_(decorator)
+View* View::of(SceneView& view, QAction* decorator)
 {
-    area->installEventFilter(this);
+    View* const found = find(view);
+    return found ? found : new View(view, decorator);
+}
+
+View::View(SceneView& view, QAction* decorator) : QObject(&view.widget()), view_(view), decorator_(decorator)
+{
+    view.widget().installEventFilter(this);
 }
 
 // A widget destroys its context before its children. GL objects that are left are freed with the share group.
 View::~View() = default;
 
-void View::begin(MeshModel& layer)
+void View::begin(const SceneLayer& layer)
 {
     layers_.try_emplace(layer.id());
     show_native(layer.id(), false);
@@ -118,8 +118,8 @@ QString View::draw(const Settings& settings)
     if (drawn_) return {};
     drawn_ = true;  // before an exception can be thrown: one attempt per paint event
     draw_scene(settings);
-    for (MeshModel* shown : area_->md()->meshList)
-        if (shown && layers_.count(shown->id()) && layers_[shown->id()].report) draw_selected_vertices(*area_, *shown);
+    for (const SceneLayer* shown : view_.scene().layers())
+        if (layers_.count(shown->id()) && layers_[shown->id()].report) draw_selected_vertices(view_, *shown);
     draw_over_clouds(settings.map);
     text_ = describe(settings);
     publish_state();
@@ -129,17 +129,17 @@ QString View::draw(const Settings& settings)
 // What tools have drawn, and what a map has.
 void View::draw_over_clouds(const MapSettings& map)
 {
-    const auto origin = Registry::instance().origin_of(*area_->md());
+    const auto origin = view_.scene().origin();
     if (!origin) return;
     pcm::Camera scene = tile_ ? scene_view() : shown_;
     scene.origin = *origin;
-    const SnapshotTile tile = tile_of(scene, area_->fov);
-    const double ratio = area_->devicePixelRatioF() * tile.magnified;
+    const SnapshotTile tile = tile_of(scene, view_.pose().fov);
+    const double ratio = view_.pixel_ratio() * tile.magnified;
     std::string unit = "source units";
     for (const auto& [mesh_id, layer] : layers_)
         if (layer.report) unit = plan_unit(layer.painted->cloud().info().metadata);
-    map_.draw(scene, tile, distance_to_pivot(area_->fov), unit, map, ratio, area_->infoAreaVisible);
-    annotations_.draw(scene_of(*area_->md()), scene, tile, ratio);
+    map_.draw(scene, tile, distance_to_pivot(view_.pose().fov), unit, map, ratio, shows_information(view_));
+    annotations_.draw(view_.scene(), scene, tile, ratio);
 }
 
 QString View::describe(const Settings& settings) const
@@ -152,7 +152,7 @@ QString View::describe(const Settings& settings) const
         {"video memory", l1.resident_bytes, settings.l1_bytes, l1.hits, l1.compulsory_misses + l1.capacity_misses});
     CacheUse memory{"main memory"};
     for (const auto& [mesh_id, layer] : layers_) {
-        const MeshModel* shown = layer.report ? area_->md()->getMesh(mesh_id) : nullptr;
+        const SceneLayer* const shown = layer.report ? view_.scene().layer(mesh_id) : nullptr;
         if (!shown) continue;
         PointCloud& cloud = layer.painted->cloud();
         clouds[*layer.report] = {shown->label(), cloud.info().points, layer.selected, layer.clip.is_on(),
@@ -167,15 +167,15 @@ QString View::describe(const Settings& settings) const
     return overlay_text(report_, clouds, settings.details ? &details : nullptr);
 }
 
-SceneItem View::item_of(const MeshModel& layer, const TreeLayer& tree, Layer& entry, const Settings& settings)
+SceneItem View::item_of(const SceneLayer& layer, const LayerCloud& tree, Layer& entry, const Settings& settings)
 {
     SceneItem item;
     item.cloud = &entry.painted->drawn();
     item.origin = tree.origin;
     item.placement = placement_of(layer);
     item.style = settings.style;
-    if (auto clip = clip_of(layer_of(layer))) item.clips.push_back(std::move(*clip));
-    item.selected = scene_of(*area_->md()).part<SceneState>().selection(layer_of(layer));
+    if (auto clip = clip_of(layer)) item.clips.push_back(std::move(*clip));
+    item.selected = view_.scene().part<SceneState>().selection(layer);
     entry.selected = item.selected ? item.selected->size() : 0;
     if (const auto colour = chosen_selected_colour())
         item.selected_colour = {static_cast<float>(colour->redF()), static_cast<float>(colour->greenF()),
@@ -194,32 +194,30 @@ void View::draw_scene(const Settings& settings)
     }
     const pcm::Camera view = scene_view();
     std::vector<SceneItem> items;
-    std::vector<MeshModel*> drawn;
-    for (MeshModel* layer : area_->md()->meshList) {
-        if (!layer || !area_->meshVisibilityMap.value(layer->id()) ||
-            !area_->iPerMeshDecoratorsListMap.value(layer->id()).contains(decorator_))
-            continue;
+    std::vector<SceneLayer*> drawn;
+    for (SceneLayer* layer : view_.scene().layers()) {
+        if (!view_.is_shown(*layer) || !is_listed(view_, layer->id(), decorator_)) continue;
         look_at_sample(*layer, view);
         if (!LayerWatch::instance().may_draw(*layer)) continue;
-        const auto tree = Registry::instance().drawn(*layer);
+        const auto tree = layer->drawn();
         Layer& entry = layers_[layer->id()];
         if (entry.painted && &entry.painted->cloud() != tree->cloud.get()) drop(entry);
         if (!entry.painted) {
             entry.painted = PaintedCloud::of(tree->cloud, layer->id(), painter_);
-            entry.painted->add_view(area_);
+            entry.painted->add_view(&view_.widget());
         }
         tree->cloud->cache().set_capacity(settings.l2_bytes);
         items.push_back(item_of(*layer, *tree, entry, settings));
         drawn.push_back(layer);
     }
-    const SnapshotTile tile = tile_of(view, area_->fov);
+    const SnapshotTile tile = tile_of(view, view_.pose().fov);
     if (tile.is_part()) {
         report_ = draw_tile(view, items, settings.render);
     } else {
         if (tile_) tile_->release();
         tile_.reset();
         shown_ = or_the_same(view, shown_);
-        view_of(*area_).keep(shown_, shown_clouds(drawn, settings.style));
+        view_.keep(shown_, shown_clouds(drawn, settings.style));
         report_ = painter_->renderer().draw(picture_, shown_, items, settings.render);
     }
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
@@ -227,12 +225,12 @@ void View::draw_scene(const Settings& settings)
     log_notices(drawn, settings.style);
     draw_legends(drawn, settings.colour, tile);
     if (report_.repaint) {
-        QTimer::singleShot(0, area_, SLOT(update()));
+        QTimer::singleShot(0, &view_.widget(), SLOT(update()));
     } else if (report_.refining && !look_again_) {
         look_again_ = true;
         QTimer::singleShot(look_again_ms, this, [this] {
             look_again_ = false;
-            area_->update();
+            view_.update();
         });
     }
 }
@@ -256,27 +254,27 @@ FrameReport View::draw_tile(const pcm::Camera& view, const std::vector<SceneItem
         } while (report.refining && taken.elapsed() < tile_patience_ms);
     }
     if (report.refining && !report.smoothing)
-        area_->md()->Log.Log(GLLogStream::WARNING,
-                             "Point Cloud: a part of the snapshot is less detailed than requested, because loading its "
-                             "points took more than "
-                             "30 seconds. Take the snapshot again.");
+        view_.scene().log(LogLevel::warning,
+                          "Point Cloud: a part of the snapshot is less detailed than requested, because loading its "
+                          "points took more than "
+                          "30 seconds. Take the snapshot again.");
     report = painter_->renderer().draw(*tile_, view, items, options);
     report.refining = report.repaint = false;  // a tile is drawn once
     return report;
 }
 
-void View::draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings, const SnapshotTile& tile)
+void View::draw_legends(const std::vector<SceneLayer*>& drawn, const ColourSettings& settings, const SnapshotTile& tile)
 {
     legends_.clear();
     for (std::size_t i = 0; i < drawn.size() && settings.legend; ++i) {
-        const auto tree = Registry::instance().drawn(*drawn[i]);
+        const auto tree = drawn[i]->drawn();
         auto legend = legend_of(report_.clouds[i], height_unit(tree->cloud->info().metadata), settings.hidden_classes);
         if (legend) add_legend(legends_, std::move(*legend), drawn[i]->label());
     }
-    legend_box_.draw(legends_, area_->size(), area_->devicePixelRatioF() * tile.magnified, tile.corner);
+    legend_box_.draw(legends_, view_.size(), view_.pixel_ratio() * tile.magnified, tile.corner);
     if (problem_ == settings.problem) return;
     problem_ = settings.problem;
-    if (!problem_.isEmpty()) area_->md()->Log.Log(GLLogStream::WARNING, qPrintable("Point Cloud: " + problem_));
+    if (!problem_.isEmpty()) view_.scene().log(LogLevel::warning, "Point Cloud: " + problem_);
 }
 
 // A click on a class hides its points, or shows them again. Returns whether the event is for the legend.
@@ -287,8 +285,8 @@ bool View::click_legend(const QEvent& event)
     const auto number = legend_box_.class_at(mouse.pos());
     if (!number || mouse.button() != Qt::LeftButton || legends_.empty()) return false;
     clicked_legend_ = true;
-    toggle_class(*const_cast<RichParameterList*>(area_->glas.currentGlobalParamSet), *number);
-    area_->update();
+    toggle_class(*view_.settings(), *number);
+    view_.update();
     return true;
 }
 
@@ -298,22 +296,21 @@ bool View::edit_legend(const QEvent& event)
 {
     bool taken = false;
     const auto bars = legends_.empty() ? std::vector<LegendPicture::Bar>() : legend_box_.bars();
-    const QPointer<GLArea> alive(area_);
-    const auto change = legend_edit_.take(static_cast<const QMouseEvent&>(event), bars, area_->window(), taken);
+    const QPointer<QWidget> alive(&view_.widget());
+    const auto change = legend_edit_.take(static_cast<const QMouseEvent&>(event), bars, view_.widget().window(), taken);
     if (!alive || !change) return taken;
-    set_range(*const_cast<RichParameterList*>(area_->glas.currentGlobalParamSet), change->range);
-    area_->update();
+    set_range(*view_.settings(), change->range);
+    view_.update();
     return taken;
 }
 
-void View::log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked)
+void View::log_notices(const std::vector<SceneLayer*>& drawn, const CloudStyle& asked)
 {
     for (std::size_t i = 0; i < drawn.size(); ++i) {
         const std::string& notice = report_.clouds[i].notice;
         if (notice.empty() || !layers_[drawn[i]->id()].noticed.emplace(asked.splats, asked.colour, notice).second)
             continue;
-        area_->md()->Log.Log(GLLogStream::SYSTEM,
-                             qPrintable(drawn[i]->label() + ": " + QString::fromStdString(notice)));
+        view_.scene().log(LogLevel::system, drawn[i]->label() + ": " + QString::fromStdString(notice));
     }
 }
 
@@ -356,10 +353,10 @@ void View::forget(int mesh_id)
 {
     const auto found = layers_.find(mesh_id);
     if (found == layers_.end()) return;
-    area_->makeCurrent();
+    make_current(view_);
     drop(found->second);
     found->second.report.reset();
-    if (!area_->md() || !area_->md()->getMesh(mesh_id)) layers_.erase(found);
+    if (!view_.scene().layer(mesh_id)) layers_.erase(found);
     if (layers_.empty()) drop_picture();
     publish_state();
 }
@@ -367,30 +364,14 @@ void View::forget(int mesh_id)
 void View::show_own(int mesh_id)
 {
     if (!layers_.count(mesh_id)) return;
-    area_->makeCurrent();
+    make_current(view_);
     show_native(mesh_id, true);
-    area_->update();
+    view_.update();
 }
 
 void View::show_native(int mesh_id, bool show)
 {
-    MLSceneGLSharedDataContext* shared = area_->mvc() ? area_->mvc()->sharedDataContext() : nullptr;
-    if (!shared || !area_->md()->getMesh(mesh_id)) return;
-    MLRenderingData data;
-    shared->getRenderInfoPerMeshView(mesh_id, area_->context(), data);
-    const auto points = MLRenderingData::PR_POINTS;
-    layers_[mesh_id].native_hidden = !show;
-    if (data.isPrimitiveActive(points) == show) return;
-    if (show) {
-        MLRenderingData::RendAtts attributes;
-        attributes[MLRenderingData::ATT_NAMES::ATT_VERTPOSITION] = true;
-        attributes[MLRenderingData::ATT_NAMES::ATT_VERTCOLOR] = true;
-        data.set(points, attributes);
-    } else {
-        data.set(points, false);
-    }
-    shared->setRenderingDataPerMeshView(mesh_id, area_->context(), data);
-    shared->manageBuffers(mesh_id);
+    if (show_own_points(view_, mesh_id, show)) layers_[mesh_id].native_hidden = !show;
 }
 
 // The button in MeshLab's layer panel removes a decorator from a layer without calling endDecorate.
@@ -400,11 +381,11 @@ void View::reconcile()
     std::vector<int> ended;
     for (auto& [mesh_id, layer] : layers_) {
         layer.report.reset();
-        if (!area_->iPerMeshDecoratorsListMap.value(mesh_id).contains(decorator_)) ended.push_back(mesh_id);
+        if (!is_listed(view_, mesh_id, decorator_)) ended.push_back(mesh_id);
     }
-    if (!ended.empty()) area_->makeCurrent();
+    if (!ended.empty()) make_current(view_);
     for (const int mesh_id : ended) end(mesh_id);
-    if (area_->md()) hide_native_after_edit();
+    hide_native_after_edit();
 }
 
 // When an edit tool ends, MeshLab shows its own points of the layers that it did not know when the tool began, which
@@ -412,12 +393,12 @@ void View::reconcile()
 void View::hide_native_after_edit()
 {
     bool edited = false;
-    for (GLArea* view : views_of(*area_->md())) edited = edited || view->getCurrentEditAction() != nullptr;
+    for (const SceneView* view : view_.scene().views()) edited = edited || view->tool() != nullptr;
     if (std::exchange(edited_, edited) && !edited) {
-        area_->makeCurrent();
+        make_current(view_);
         for (const auto& [mesh_id, layer] : layers_)
             if (layer.native_hidden) show_native(mesh_id, false);
-        if (QMainWindow* window = window_of(*area_))
+        if (QMainWindow* const window = view_.window())
             QMetaObject::invokeMethod(window, "updateLayerDialog", Qt::QueuedConnection);
     }
 }
@@ -460,17 +441,17 @@ void View::publish_state()
     state["text"] = text_;
     state["legend"] = any ? lines_of(legends_) : QStringList();
     state["frame"] = ++frame_;
-    area_->setProperty("pcm_state", state);
+    view_.widget().setProperty("pcm_state", state);
 }
 
 bool View::eventFilter(QObject* receiver, QEvent* event)
 {
-    if (receiver == area_) {
+    if (receiver == &view_.widget()) {
         if (event->type() == QEvent::Paint) {
             reconcile();
         } else if (event->type() == QEvent::DeferredDelete) {
             // One of several views is closed; MeshLab does not call decorators then.
-            area_->makeCurrent();
+            make_current(view_);
             close();
         } else if (event->type() == QEvent::MouseButtonPress || event->type() == QEvent::MouseButtonRelease ||
                    event->type() == QEvent::MouseButtonDblClick) {

@@ -4,14 +4,14 @@
 // one budget.
 #pragma once
 
-#include "plugin/meshlab/2020/registry.h"
-#include "plugin/meshlab/2020/render/settings.h"
 #include "plugin/overlay/annotation_pass.h"
 #include "plugin/overlay/clip_count.h"
 #include "plugin/overlay/legend_box.h"
 #include "plugin/overlay/legend_edit.h"
 #include "plugin/overlay/map_overlay.h"
 #include "plugin/overlay/painter.h"
+#include "plugin/scene/scene_view.h"
+#include "plugin/settings/settings.h"
 
 #include <QObject>
 #include <QString>
@@ -24,7 +24,6 @@
 #include <tuple>
 #include <vector>
 
-class GLArea;
 class QAction;
 
 namespace pcm::host {
@@ -35,14 +34,14 @@ class View : public QObject {
 public:
     // The object of this view, made on first use. `decorator` is the action that MeshLab lists for a layer that we
     // draw.
-    static View* of(GLArea* area, QAction* decorator);
-    static View* find(GLArea* area);
+    static View* of(SceneView& view, QAction* decorator);
+    static View* find(const SceneView& view);  // null: it has not been used
     ~View() override;
 
     // The functions below require the view's context to be current, as it is in MeshLab's calls of decorators.
 
     // From now on the layer's tree is drawn in this view, and MeshLab's own points of the layer are hidden.
-    void begin(MeshModel& layer);
+    void begin(const SceneLayer& layer);
     // Draws all layers that this view shows, unless that was done in this paint event. Returns the text about them for
     // MeshLab's box; nothing after the first call of a paint event, so that there is one box. Throws what drawing
     // throws.
@@ -72,24 +71,24 @@ private:
         std::set<std::tuple<SplatMode, ColourMode, std::string>> noticed;
     };
 
-    View(GLArea* area, QAction* decorator);
+    View(SceneView& view, QAction* decorator);
     void show_native(int mesh_id, bool show);
-    SceneItem item_of(const MeshModel& layer, const TreeLayer& tree, Layer& entry, const Settings& settings);
+    SceneItem item_of(const SceneLayer& layer, const LayerCloud& tree, Layer& entry, const Settings& settings);
     void draw_scene(const Settings& settings);
     void draw_over_clouds(const MapSettings& map);
     QString describe(const Settings& settings) const;
     FrameReport draw_tile(const pcm::Camera& view, const std::vector<SceneItem>& items, RenderOptions options);
-    void draw_legends(const std::vector<MeshModel*>& drawn, const ColourSettings& settings, const SnapshotTile& tile);
+    void draw_legends(const std::vector<SceneLayer*>& drawn, const ColourSettings& settings, const SnapshotTile& tile);
     bool click_legend(const QEvent& event);
     bool edit_legend(const QEvent& event);
-    void log_notices(const std::vector<MeshModel*>& drawn, const CloudStyle& asked);
+    void log_notices(const std::vector<SceneLayer*>& drawn, const CloudStyle& asked);
     void drop(Layer& layer);
     void drop_picture();
     void reconcile();
     void hide_native_after_edit();
     void publish_state();
 
-    GLArea* area_;
+    SceneView& view_;
     QAction* decorator_;
     std::map<int, Layer> layers_;
     std::shared_ptr<Painter> painter_;
