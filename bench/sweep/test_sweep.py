@@ -10,7 +10,7 @@ import sys
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-BIN, WORK = (pathlib.Path(path) for path in sys.argv[1:3])
+BIN, WORK = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
 
 
 def run(program, *arguments):

@@ -65,7 +65,7 @@ struct ShapeSearchTuning {
     // Chosen: not swept.
     double max_rough = 0.5;  // thresholds
     // A curved shape has more points than the plane by this factor.
-    // Chosen: not by a curve; flat from 1.05 to 1.175 (bench_detect, bench/results/fitting/tuning.md).
+    // Chosen: not by a curve; flat from 1.05 to 1.3 (bench_detect, bench/results/fitting/tuning.md).
     double curved_gain = 1.15;  // factor
     // Minimum turn of a curved shape's normals.
     // Chosen: not swept.

@@ -1,4 +1,4 @@
-// Bins of points on disk, as a build writes them and as a resumed one finds them.
+// Bins of points on disk, as a build writes them and one that resumes finds them.
 
 #include "pcm/build/levels/sorted_points.h"
 
