@@ -118,7 +118,7 @@ TEST_F(MeasureCommands, ProfileOfATree)
     expect_refused(line + " --level 99", 1, "no level 99");
     expect_refused(line + " -a none", 1, "none");
     expect_refused("profile " + path("a.pct") + " --line 1 2 1 2 -w 1", 1, "no length");
-    expect_refused("profile " + path("a.pct") + " --line 1 2 3 4 5 -w 1", 2, "x y of each point");
+    expect_refused("profile " + path("a.pct") + " --line 1 2 3 4 5 -w 1", 2, "x y of at least 2 points");
     const Result text = pcmlab(line);
     EXPECT_NE(text.out.find("height "), std::string::npos) << text.out;
 }

@@ -186,7 +186,7 @@ TEST_F(SelectCommand, RefusesWhatMakesNoSense)
     refused(sphere_ + "--in-place", 2, "are for --save-attribute");
     refused(sphere_ + "--overwrite", 2, "--extract");
     refused("--brush 1 2 3", 2, "--radius");
-    refused("--brush 1 2 3 4 --radius 1", 2, "three numbers");
+    refused("--brush 1 2 3 4 --radius 1", 2, "x y z of each point");
     refused("--grow-from 1 2 3", 2, "--distance");
     refused(sphere_ + "--distance 3", 2, "--grow");
     refused(sphere_ + "--within 3", 2, "--grow-from");
