@@ -99,17 +99,24 @@ Done trigger(TestDriver& driver, const QString& argument)
     driver.fail("no action '" + argument + "'");
 }
 
-// press TEXT: a button of the open dialog.
+// press TEXT: a button of the open dialog. A button whose click is still to come is not pressed again: that is meant for
+// another dialog's, which the click opens.
 Done press(TestDriver& driver, const QString& argument)
 {
+    constexpr const char* clicked = "pcm-click-to-come";
     for (QWidget* widget : qApp->allWidgets()) {
         auto* button = qobject_cast<QAbstractButton*>(widget);
         if (!button || !button->isVisible() || button->text().remove('&') != argument) continue;
+        if (button->property(clicked).toBool()) continue;
         if (auto* box = qobject_cast<QMessageBox*>(button->window())) {
             driver.message = box->windowTitle() + ": " + box->text() + " " + box->informativeText();
             say("message: " + driver.message);
         }
-        QTimer::singleShot(0, button, SLOT(click()));
+        button->setProperty(clicked, true);
+        QTimer::singleShot(0, button, [button] {
+            button->setProperty(clicked, false);
+            button->click();
+        });
         return Done::yes;
     }
     return driver.until(false, "a button '" + argument + "'");
