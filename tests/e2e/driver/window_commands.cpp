@@ -99,8 +99,8 @@ Done trigger(TestDriver& driver, const QString& argument)
     driver.fail("no action '" + argument + "'");
 }
 
-// press TEXT: a button of the open dialog. A button whose click is still to come is not pressed again: that is meant for
-// another dialog's, which the click opens.
+// press TEXT: a button of the open dialog. A button whose click is still to come is not pressed again: that is meant
+// for another dialog's, which the click opens.
 Done press(TestDriver& driver, const QString& argument)
 {
     constexpr const char* clicked = "pcm-click-to-come";
