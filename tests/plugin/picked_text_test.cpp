@@ -18,5 +18,16 @@ TEST(PickedText, TheLabelHasTheDigitsThatTheSpacingAsksFor)
     EXPECT_EQ(label_of(picked), "x 500039.9999921695\ny -0.15310999751091003\nz 2.1919000148773193");
 }
 
+// 849214.4400000001 is the double of 84921444 steps of 0.01.
+TEST(PickedText, TheLogHasTheDecimalsOfTheFile)
+{
+    Picked picked;
+    picked.position = picked.shown_at = {636533.56, 849214.4400000001, 427.2};
+    picked.position_text = {"636533.56", "849214.44", "427.2"};
+    EXPECT_EQ(logged_text(lines_of(picked, "scan")), "636533.56 849214.44 427.2, scan");
+    picked.position_text = {};  // of doubles
+    EXPECT_EQ(logged_text(lines_of(picked, "scan")), "636533.56 849214.4400000001 427.2, scan");
+}
+
 }  // namespace
 }  // namespace pcm::host

@@ -1,6 +1,5 @@
 #include "plugin/tools/pick/pick_tool.h"
 
-#include "pcm/system/text.h"
 #include "plugin/panels/tool_dock.h"
 #include "plugin/scene/annotations.h"
 #include "plugin/scene/text.h"
@@ -64,8 +63,7 @@ void PickTool::take(const PickAnswer& answer)
         shown_ = answer.point;
         lines_ = lines_of(*answer.point, layer ? layer->label() : QString());
         show_point(answer.final);
-        if (answer.final)
-            say(QString("%1, %2").arg(QString::fromStdString(exact(answer.point->position)), lines_.front().value));
+        if (answer.final) say(logged_text(lines_));
     } else {
         say(answer.message);
     }

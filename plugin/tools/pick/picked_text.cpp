@@ -38,6 +38,11 @@ QString label_of(const Picked& picked)
     return QString::fromStdString(text);
 }
 
+QString logged_text(const std::vector<PickedLine>& lines)
+{
+    return QString("%1 %2 %3, %4").arg(lines[1].value, lines[2].value, lines[3].value, lines[0].value);
+}
+
 QString copied_text(const std::vector<PickedLine>& lines)
 {
     QString text;

@@ -20,6 +20,9 @@ std::vector<PickedLine> lines_of(const Picked& picked, const QString& layer);
 // Beside the point in the view: source coordinates, a line each, to a hundredth of the points' spacing or finer.
 QString label_of(const Picked& picked);
 
+// For the log: "x y z, layer", with the digits of lines_of().
+QString logged_text(const std::vector<PickedLine>& lines);
+
 // Names and values, separated by a tab; one line each.
 QString copied_text(const std::vector<PickedLine>& lines);
 
