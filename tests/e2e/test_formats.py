@@ -319,6 +319,7 @@ class Export(MeshLabTest):
             wait-view
             open {tree}
             wait-layers 1
+            wait-status complete
             export {out}
             wait-building
             escape
