@@ -20,7 +20,7 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t no_candidate = 0xffffffffu;
-constexpr std::size_t groups = 64;  // of nodes, whose sums are added in their order
+constexpr std::size_t groups = 64;  // groups of nodes; their sums are added in order
 
 struct Candidate {
     Shape shape;

@@ -18,7 +18,7 @@
 namespace pcm {
 namespace {
 
-constexpr double small_box = 0.25;  // of a step: halves have no fewer points around them
+constexpr double small_box = 0.25;  // share of a step: halves have no fewer points around them
 
 // Positions relative to the first one. Narrow where their differences are 31 bits.
 SearchPositions positions_of(const std::vector<Vec3i>& grid, const Vec3d& scale)

@@ -95,7 +95,7 @@ public:
     Argument& not_negative();
     Argument& count(std::size_t numbers);  // of ValueKind::numbers
     Argument& count(std::size_t least, std::size_t most);
-    // Of ValueKind::numbers: the coordinates of points, two (in plan) or three of each.
+    // ValueKind::numbers only: the coordinates of points, two (in plan) or three of each.
     Argument& points(std::size_t dimensions, std::size_t least, std::size_t most);
     Argument& degrees();                            // the variable holds radians
     Argument& one_of(std::vector<Choice> choices);  // of a text or words

@@ -26,7 +26,7 @@ const QString colour_range = "ColourRange";
 const QString skip_bad_lines = "SkipBadLines";
 
 enum Ask { never, text_files, always };
-constexpr std::array<char, 4> separators{' ', ',', ';', '\t'};  // of the choices after "Detect"
+constexpr std::array<char, 4> separators{' ', ',', ';', '\t'};  // one for each choice after "Detect"
 constexpr std::array<double, 3> colour_ranges{1, 255, 65535};
 
 const auto default_largest = static_cast<int>(ImportSettings().largest_layer);

@@ -34,7 +34,7 @@ public:
     virtual double diagonal() const = 0;  // of the box around all layers as they are placed; 0: there is nothing
     // The program is reading or changing layers: nothing may be changed now.
     virtual bool is_busy() const = 0;
-    virtual QString project_file() const = 0;  // that was opened or saved last; empty: none
+    virtual QString project_file() const = 0;  // the one opened or saved last; empty: none
     virtual void log(LogLevel level, const QString& text) = 0;
     // Lists of layers in the program's window are to show that names, the current layer or visibility have changed.
     virtual void refresh_layer_lists() = 0;
