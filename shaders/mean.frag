@@ -3,7 +3,7 @@
 // and REVERSED, of the frame without an offset, as in composite.frag.
 //
 // Its depth is that frame's, so that what is picked by depth is the same as without the others. A pixel that only the others cover has the
-// nearest depth of its neighbours: what is in it lies less than half a pixel from one of these. If there is none it is one that closes a gap,
+// nearest depth of its neighbours: what is in it lies about a pixel from one of these. If there is none it is one that closes a gap,
 // and has the depth of the nearest covered pixel of those around it.
 
 #ifdef SAMPLES

@@ -243,11 +243,11 @@ vec3 direction_of(uint code)
     return normalize(d);
 }
 
-// Near by, where discs are wide, their colours would be a mosaic. In frames of a mean each disc is moved along the view at random, by up to
-// half of `blend` times its rim's depth, which moves its borders with its neighbours: in the mean their colours pass into one another.
-uniform uint frame;               // frame of a mean; 0: the picture itself
-const vec2 wide_disc = vec2(4.0, 8.0);  // pixels across, from which and where wholly
-const float blend = 0.6;
+// Discs that overlap would be a mosaic of colours: near by it is seen, and far away, where it is finer than pixels, it swims when the camera
+// turns. In frames of a mean each disc is moved along the view at random, by up to half of `blend` times its rim's depth, which moves its
+// borders with its neighbours: in the mean their colours pass into one another.
+uniform uint frame;  // frame of a mean; 0: the picture itself
+const float blend = 0.33;
 
 float shift_of_border()
 {
@@ -342,7 +342,7 @@ void main()
     depth_most = abs(depth_of.y) * reach / depth;
     centre = principal + focal * slope;
 #endif
-    if (frame > 0u && lies) depth_line.x += depth_line.w * shift_of_border() * smoothstep(wide_disc.x, wide_disc.y, 2.0 * r / pixel);
+    if (frame > 0u && lies) depth_line.x += depth_line.w * shift_of_border();
     vec2 extent = sqrt(vec2(xx, yy));
 #if defined(QUADS)
     vec2 middle = place.xy / place.w;

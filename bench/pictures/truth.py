@@ -203,7 +203,7 @@ def main():
     parser.add_argument("--cloud", action="append", default=[], type=pathlib.Path, help="a real scan, in addition")
     parser.add_argument("--before", type=pathlib.Path, metavar="FIGURES", help="figures.json of an earlier run, which the report sets beside these")
     parser.add_argument("--only-clouds", action="store_true", help="of --cloud, without the generated scenes")
-    parser.add_argument("--converge", type=int, default=8, help="frames of which a complete picture is the mean (8, as the window has it); 1: a single one")
+    parser.add_argument("--converge", type=int, default=16, help="frames of which a complete picture is the mean (16, as the window has it); 1: a single one")
     parser.add_argument("--report", action="store_true", help="only the report")
     parser.add_argument("--python", help="start with this interpreter")
     a = parser.parse_args()

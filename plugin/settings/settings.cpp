@@ -91,7 +91,7 @@ void add_quality(Parameters& parameters)
         {smooth, true, "Smooth at rest",
          QString("Whether a view that rests, when all its points are shown, becomes the mean of %1 frames at sub-pixel "
                  "offsets: edges and far textures lose their stairs and speckles, and turn calmly. Views of more than "
-                 "25 million points have fewer. Default on.")
+                 "12 million points have fewer. Default on.")
              .arg(usual_smooth_frames)});
     parameters.add({target_spacing, static_cast<float>(render.target_spacing_px), "Target spacing (px)",
                     QString("Largest distance between neighbouring points on the screen while the view "

@@ -152,7 +152,7 @@ TEST_F(Render, PCM_NOT_UNDER_ADDRESS(ThePictureIsTheMeanOfFrames))
         for (std::size_t i = 3; i < image.rgba.size(); i += 4) count += image.rgba[i] > 0 && image.rgba[i] < 255;
         return count;
     };
-    for (const auto& [option, frames] : {std::pair{"", 8}, {" --converge 5", 5}, {" --converge 1", 1}}) {
+    for (const auto& [option, frames] : {std::pair{"", 16}, {" --converge 5", 5}, {" --converge 1", 1}}) {
         const Json json = render(path("in.pct") + " --overwrite -o " + path("a.png") + option);
         EXPECT_EQ(json["pictures"][0]["frames_averaged"], frames) << option;
         EXPECT_EQ(json["pictures"][0]["full_resolution"], true);
@@ -164,7 +164,7 @@ TEST_F(Render, PCM_NOT_UNDER_ADDRESS(ThePictureIsTheMeanOfFrames))
     EXPECT_EQ(target["pictures"][0]["frames_averaged"], 4);
     EXPECT_GT(partly("a.png"), 20u);
     const std::string small = "render --overwrite --size 32x32 " + path("in.pct") + " -o " + path("a.png");
-    EXPECT_NE(pcmlab(small).out.find("every point in view, mean of 8 frames, in"), std::string::npos);
+    EXPECT_NE(pcmlab(small).out.find("every point in view, mean of 16 frames, in"), std::string::npos);
     EXPECT_EQ(pcmlab(small + " --converge 1").out.find("frames"), std::string::npos);
     for (const char* wrong : {" --converge 0", " --converge 257", " --converge x"})
         EXPECT_EQ(pcmlab(small + wrong).code, 2) << wrong;

@@ -27,7 +27,7 @@ class Smoothing(MeshLabTest):
             wait-layers 1
             drag 0.5 0.6 0.52 0.45
             wheel -2
-            wait-status full resolution, mean of 8
+            wait-status full resolution, mean of 16
             picture {p["smooth"]}
             print-property pcm_state
             {setting}Smooth = 0
@@ -35,7 +35,7 @@ class Smoothing(MeshLabTest):
             picture {p["plain"]}
             print-property pcm_state
             {setting}Smooth = 1
-            wait-status full resolution, mean of 8
+            wait-status full resolution, mean of 16
             picture {p["again"]}
             trigger Save snapshot
             press Save
@@ -45,13 +45,13 @@ class Smoothing(MeshLabTest):
             press Save
             wait-log Snapshot saved to ./snapshot01.png
             drag 0.5 0.5 0.55 0.5
-            wait-status full resolution, mean of 8
+            wait-status full resolution, mean of 16
             picture {p["turned"]}
             drag 0.55 0.5 0.5 0.5
-            wait-status full resolution, mean of 8
+            wait-status full resolution, mean of 16
             picture {p["back"]}
             view-size 640 480
-            wait-status full resolution, mean of 8
+            wait-status full resolution, mean of 16
             picture {p["large"]}
             print-log
             quit
@@ -60,7 +60,7 @@ class Smoothing(MeshLabTest):
         states = run.properties("pcm_state")
         self.assertEqual(len(states), 2)
         self.assertIn("all points shown", states[0]["text"])
-        self.assertIn("; mean of 8 frames", states[0]["text"])
+        self.assertIn("; mean of 16 frames", states[0]["text"])
         self.assertNotIn("mean of", states[1]["text"])
         self.assertGreater(different(p["smooth"], p["plain"]), 0.03)
         self.assertEqual(different(p["smooth"], p["again"]), 0)

@@ -106,7 +106,8 @@ TEST(ClosedGaps, ASurfaceHasNone)
                 Look open = look;
                 open.close = false;
                 const Seen closed = seen(cloud, view.camera, look), gaps = seen(cloud, view.camera, open);
-                EXPECT_LT(gaps.covered(80), 0.9995);
+                // The frames of a mean look into a gap from all sides.
+                EXPECT_LT(gaps.covered(80), look.smooth_frames > 1 ? 1 : 0.9995);
                 EXPECT_GT(closed.covered(80), 1 - 0.3 * (1 - gaps.covered(80)));
                 // What fills a gap lies in the plane, within the depth of a few pixels.
                 double worst = 0;

@@ -19,10 +19,10 @@ TEST(PixelOffset, IsEvenInEveryShapeOfCells)
         for (unsigned b = 0; b <= 5; ++b) {
             std::set<std::array<int, 2>> cells;
             for (std::uint32_t i = 0; i < 1u << (a + b); ++i) {
-                const auto offset = pixel_offset(i);
-                for (const double v : offset) EXPECT_TRUE(v >= -0.5 && v < 0.5) << v;
-                cells.insert({static_cast<int>(std::floor((offset[0] + 0.5) * (1 << a))),
-                              static_cast<int>(std::floor((offset[1] + 0.5) * (1 << b)))});
+                const auto sample = even_sample(i);
+                for (const double v : sample) EXPECT_TRUE(v >= -0.5 && v < 0.5) << v;
+                cells.insert({static_cast<int>(std::floor((sample[0] + 0.5) * (1 << a))),
+                              static_cast<int>(std::floor((sample[1] + 0.5) * (1 << b)))});
             }
             EXPECT_EQ(cells.size(), std::size_t(1) << (a + b)) << a << " " << b;
         }
@@ -30,14 +30,38 @@ TEST(PixelOffset, IsEvenInEveryShapeOfCells)
 
 TEST(PixelOffset, TheFirstIsNoneAndTheMeanIsNearlyNone)
 {
-    EXPECT_EQ(pixel_offset(0), (std::array<double, 2>{0, 0}));
     for (const std::uint32_t frames : {8u, 16u, 64u}) {
+        EXPECT_EQ(pixel_offset(0, frames), (std::array<double, 2>{0, 0}));
         std::array<double, 2> sum{};
         for (std::uint32_t i = 0; i < frames; ++i)
-            for (std::size_t k = 0; k < 2; ++k) sum[k] += pixel_offset(i)[k];
-        // Multiples of 1 / frames from -1/2 on: half a step less than evenly around 0.
-        for (const double v : sum) EXPECT_DOUBLE_EQ(v / frames, -0.5 / frames);
+            for (std::size_t k = 0; k < 2; ++k) sum[k] += pixel_offset(i, frames)[k];
+        // All but the first are in the middles of even cells, and there is none on the other side of the first.
+        for (const double v : sum) EXPECT_LT(std::fabs(v) / frames, 0.7 / frames / frames) << frames;
     }
+}
+
+// Weights fall linearly from the pixel's centre to the reach: the share of offsets within a distance, and their
+// variance, are a tent's, and x and y are independent.
+TEST(PixelOffset, IsDistributedAsATent)
+{
+    constexpr std::uint32_t frames = 4096;
+    std::array<double, 2> squares{};
+    double product = 0;
+    std::size_t within_half[2] = {0, 0};
+    for (std::uint32_t i = 0; i < frames; ++i) {
+        const auto offset = pixel_offset(i, frames);
+        product += offset[0] * offset[1];
+        for (std::size_t k = 0; k < 2; ++k) {
+            EXPECT_LT(std::fabs(offset[k]), filter_reach);
+            squares[k] += offset[k] * offset[k];
+            within_half[k] += std::fabs(offset[k]) <= filter_reach / 2;
+        }
+    }
+    for (std::size_t k = 0; k < 2; ++k) {
+        EXPECT_NEAR(squares[k] / frames, filter_reach * filter_reach / 6, 1e-3);
+        EXPECT_NEAR(static_cast<double>(within_half[k]) / frames, 0.75, 1e-3);
+    }
+    EXPECT_NEAR(product / frames, 0, 1e-3);
 }
 
 // Worked out by hand: the second dimension's first eight of Sobol's sequence are 0, 1/2, 3/4, 1/4, 5/8, 1/8, 3/8, 7/8.
@@ -45,7 +69,7 @@ TEST(PixelOffset, IsTheKnownSequence)
 {
     const double x[] = {0, -0.5, 0.25, -0.25, 0.125, -0.375, 0.375, -0.125};
     const double y[] = {0, -0.5, -0.25, 0.25, -0.375, 0.125, 0.375, -0.125};
-    for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(pixel_offset(i), (std::array<double, 2>{x[i], y[i]})) << i;
+    for (std::uint32_t i = 0; i < 8; ++i) EXPECT_EQ(even_sample(i), (std::array<double, 2>{x[i], y[i]})) << i;
 }
 
 // Every point moves by the offset and keeps its depth, in random views of either projection, off-axis ones too.
@@ -56,7 +80,7 @@ TEST(PixelOffset, MovesThePictureByPixels)
     const Vec3d eye{500000, 4800000, 120}, origin{500100, 4800000, 0};
     std::size_t seen = 0;
     for (std::uint32_t i = 0; i < 500; ++i) {
-        const std::array<double, 2> offset = pixel_offset(1 + i % 40);
+        const std::array<double, 2> offset = pixel_offset(1 + i % 40, 41);
         const Camera view = test::random_view(random, eye, origin, 200);
         const Camera moved = shifted(view, offset);
         EXPECT_EQ(moved.modelview, view.modelview);

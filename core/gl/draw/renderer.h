@@ -41,7 +41,7 @@
 namespace pcm {
 
 // What windows and `pcmlab render` use for RenderOptions::smooth_frames, and the maximum that has an effect.
-inline constexpr unsigned usual_smooth_frames = 8, most_smooth_frames = 256;
+inline constexpr unsigned usual_smooth_frames = 16, most_smooth_frames = 256;
 
 struct RenderOptions {
     double target_spacing_px = 1.4;           // refine until points are at most this far apart on screen

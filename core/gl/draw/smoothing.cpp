@@ -60,7 +60,7 @@ void begin_smoothing(Frame& frame, bool resting)
     if (!smoothing) p.sum.release();
     frame.again = smoothing && smoothing->frames < smoothing->goal;
     if (!frame.again) return;
-    frame.offset = pixel_offset(smoothing->frames);
+    frame.offset = pixel_offset(smoothing->frames, smoothing->goal);
     frame.frame_of_mean = smoothing->frames;
 }
 
