@@ -126,8 +126,9 @@ struct Cloud {
                     if (format.radius) r.push_back(radii[i]);
                     if (format.normal) n.insert(n.end(), normals.begin() + 3 * i, normals.begin() + 3 * i + 3);
                 }
-                if (!l1->upload(owners[order], node, permuted(*chunk->positions, list), points->info().grid.scale,
-                                format, {nullptr, r.data(), n.data()}))
+                if (!l1->upload(owners[order], node,
+                                make_vertices(permuted(*chunk->positions, list), points->info().grid.scale, format,
+                                              {nullptr, r.data(), n.data()})))
                     throw Error(ErrorCode::unsupported, path, "the device has no room for the points",
                                 "choose fewer with --points");
             }

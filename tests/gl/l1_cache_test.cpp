@@ -85,8 +85,9 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
             const std::uint32_t per_page = L1Cache::points_per_page(format);
             const bool done =
                 model.insert(owner, node, (sizes[chunk] + per_page - 1) / per_page, format.number(), false);
-            ASSERT_EQ(cache.upload(owner, node, chunks[chunk], {1, 1, 1}, format,
-                                   {rgba.data(), floats.data(), floats.data()}),
+            ASSERT_EQ(cache.upload(
+                          owner, node,
+                          make_vertices(chunks[chunk], {1, 1, 1}, format, {rgba.data(), floats.data(), floats.data()})),
                       done)
                 << "step " << step;
             if (!done) continue;
@@ -140,7 +141,7 @@ TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     cache.release();
     EXPECT_EQ(cache.statistics().allocated_bytes, 0u);
-    EXPECT_TRUE(cache.upload(owners[0], 1, chunks[1], {1, 1, 1}, {}, {}));  // usable afterwards
+    EXPECT_TRUE(cache.upload(owners[0], 1, make_vertices(chunks[1], {1, 1, 1}, {}, {})));  // usable afterwards
     cache.release();
 }
 
@@ -195,7 +196,8 @@ TEST(L1Cache, VerticesAreTheChunksPointsRoundedOnce)
                 for (std::size_t i = 0; i < points; ++i) radii[i] = static_cast<float>((i * 7919) % 10007) * 0.01f;
                 for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = static_cast<float>(i % 1000) * 0.001f;
                 ASSERT_TRUE(
-                    cache.upload(owner, points, positions, scale, format, {rgba.data(), radii.data(), normals.data()}));
+                    cache.upload(owner, points,
+                                 make_vertices(positions, scale, format, {rgba.data(), radii.data(), normals.data()})));
                 const VertexEntry* entry = cache.find(owner, points);
                 ASSERT_TRUE(entry);
                 EXPECT_EQ(entry->origin, positions.origin);
@@ -252,8 +254,9 @@ TEST(L1Radii, AreThoseOfAllPoints)
         std::swap(radii[0], *std::max_element(radii.begin(), radii.end()));
         const double before = cache.statistics().upload_seconds;
         const VertexFormat format{ColourSource::none, true, false};
-        ASSERT_TRUE(cache.upload(owner, points, chunk_of(points, false, points), {1, 1, 1}, format,
-                                 {nullptr, radii.data(), nullptr}));
+        ASSERT_TRUE(cache.upload(
+            owner, points,
+            make_vertices(chunk_of(points, false, points), {1, 1, 1}, format, {nullptr, radii.data(), nullptr})));
         const VertexEntry* entry = cache.find(owner, points);
         ASSERT_TRUE(entry);
         EXPECT_EQ(entry->largest_radius, largest);

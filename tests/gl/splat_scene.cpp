@@ -113,7 +113,7 @@ SplatScene::SplatScene(const Grid& grid, const std::vector<Disc>& source_discs, 
     l1_.begin_frame(owner_);
     VertexAttributes attributes{rgba.data(), radii_.data(), normals_.data()};
     if (!shapes.empty()) attributes.shapes = shapes.data();
-    EXPECT_TRUE(l1_.upload(owner_, 0, positions, grid.scale, format, attributes));
+    EXPECT_TRUE(l1_.upload(owner_, 0, make_vertices(positions, grid.scale, format, attributes)));
 }
 
 SplatScene::~SplatScene() { l1_.release(); }

@@ -1,7 +1,6 @@
 #include "pcm/gl/draw/chunk_feed.h"
 
 #include "pcm/gl/draw/view_clips.h"
-#include "pcm/view/vertex_discs.h"
 
 #include <algorithm>
 #include <utility>
@@ -26,18 +25,49 @@ ChunkFeed::~ChunkFeed()
     l1_->remove_owner(owner_);
 }
 
-void ChunkFeed::Inbox::put(NodeId node)
+bool ChunkFeed::Inbox::begin(NodeId node, const VertexMaker* maker, bool silent)
 {
     const std::lock_guard lock(mutex);
-    const bool first = arrived.empty();
-    arrived.insert(node);
-    // Under the lock: when set_wake has returned, the former function is not running.
-    if (first && wake) wake();
+    const auto found = arrived.find(node);
+    if (found != arrived.end() && found->second.made && found->second.maker.get() == maker) {
+        if (!silent) call_wake();
+        return false;
+    }
+    if (!silent) awaited.insert(node);
+    return making.insert(node).second;
 }
 
-std::set<NodeId> ChunkFeed::Inbox::take()
+// Under the lock: when set_wake has returned, the former function is not running.
+void ChunkFeed::Inbox::call_wake()
+{
+    if (!std::exchange(woken, true) && wake) wake();
+}
+
+void ChunkFeed::Inbox::make(NodeId node, const std::shared_ptr<const VertexMaker>& maker, L2Cache& cache, bool silent)
+{
+    if (!begin(node, maker.get(), silent)) return;
+    Delivery delivery;
+    delivery.maker = maker;
+    try {
+        if (const L2Cache::Handle chunk = cache.find(node, maker->columns())) delivery.made = maker->make(node, *chunk);
+    } catch (const std::exception& error) {
+        delivery.error = error.what();
+    }
+    put(node, std::move(delivery), silent);
+}
+
+void ChunkFeed::Inbox::put(NodeId node, Delivery delivery, bool silent)
 {
     const std::lock_guard lock(mutex);
+    making.erase(node);
+    arrived[node] = std::move(delivery);
+    if (awaited.erase(node) || !silent) call_wake();
+}
+
+std::map<NodeId, ChunkFeed::Delivery> ChunkFeed::Inbox::take()
+{
+    const std::lock_guard lock(mutex);
+    woken = false;
     return std::exchange(arrived, {});
 }
 
@@ -50,6 +80,8 @@ void ChunkFeed::set_wake(std::function<void()> wake)
 void ChunkFeed::release()
 {
     arrivals_.clear();
+    ahead_.clear();
+    maker_.reset();  // what is being made by it now is of former points
     l1_->remove_owner(owner_);
     owner_ = l1_->add_owner();
     facts_.forget();
@@ -75,9 +107,9 @@ VertexFormat ChunkFeed::format_of(const CloudStyle& usable, const std::vector<Cl
     std::string text = text_of(clips);
     for (const Condition& condition : usable.where) text += condition.text + "\n";
     const auto [place, is_new] = filter_numbers_.try_emplace(text, static_cast<std::uint32_t>(filters_.size()) + 1);
-    if (is_new) filters_.emplace_back(usable.where, clips, schema);
+    if (is_new) filters_.push_back(std::make_shared<const ChunkFilter>(usable.where, clips, schema));
     format.filter = place->second;
-    const std::string& more = filters_[format.filter - 1].notice();
+    const std::string& more = filters_[format.filter - 1]->notice();
     if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
     return format;
 }
@@ -123,60 +155,90 @@ std::vector<NodeId> ChunkFeed::ahead_of(const DetailSelection& later, std::size_
 
 void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, const VertexFormat& format)
 {
+    renew_maker(format);
     std::map<NodeId, Arrival> kept;
-    if (arrivals_format_ == format)
-        for (const NodeId node : window)
-            if (const auto found = arrivals_.find(node); found != arrivals_.end())
-                kept.insert(arrivals_.extract(found));
+    for (const NodeId node : window)
+        if (const auto found = arrivals_.find(node); found != arrivals_.end()) kept.insert(arrivals_.extract(found));
     arrivals_ = std::move(kept);
-    arrivals_format_ = format;
-
-    const ColumnSet columns = load_columns_of(format);
-    // Taken before the search: a chunk that arrives from here on wakes the owner again.
-    const std::set<NodeId> arrived = inbox_->take();
-    std::vector<ChunkRequest> list;
-    request_facts(arrived, list);
-    const std::size_t first = list.size();
     for (const NodeId node : window) {
         Arrival& arrival = arrivals_[node];
-        if (!arrival.chunk) arrival.chunk = cloud_->cache().find(node, columns);
-        if (arrival.chunk) continue;
-        if (arrived.count(node)) {
-            if (const auto error = cloud_->cache().error_of(node)) {
-                fail(node, *error);
-                continue;
-            }
-            if (++arrival.lost >= 3) {
-                fail(node, "chunk " + std::to_string(node) + " of " + cloud_->tree()->folder().string() +
-                               " does not stay in the point cache; give the cache more memory");
-                continue;
-            }
-        }
+        if (const auto found = ahead_.find(node); found != ahead_.end() && found->second)
+            arrival.made = std::move(found->second);
+    }
+    std::map<NodeId, std::optional<MadeVertices>> still_ahead;
+    for (const NodeId node : ahead)
+        if (!arrivals_.count(node)) still_ahead.insert({node, std::move(ahead_[node])});
+    ahead_ = std::move(still_ahead);
+
+    // A chunk that arrives from here on wakes the owner again.
+    std::map<NodeId, Delivery> arrived = inbox_->take();
+    std::vector<ChunkRequest> list;
+    request_facts(arrived, list);
+    const auto first = static_cast<std::ptrdiff_t>(list.size());
+    for (auto& [node, delivery] : arrived) receive(node, std::move(delivery));
+
+    const bool makes = !facts_.lacks();
+    const ColumnSet columns = maker_->columns();
+    std::set<NodeId> to_make;
+    for (const NodeId node : window) {
+        Arrival& arrival = arrivals_[node];
+        arrival.loaded = arrival.loaded && !makes;
+        if (arrival.made || arrival.loaded || failed_.count(node)) continue;
+        if (makes) to_make.insert(node);
         // One request per chunk.
-        const auto asked = std::find_if(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(first),
+        const auto asked = std::find_if(list.begin(), list.begin() + first,
                                         [&](const ChunkRequest& request) { return request.node == node; });
-        if (asked != list.begin() + static_cast<std::ptrdiff_t>(first))
+        if (asked != list.begin() + first)
             asked->columns |= columns;
         else
             list.push_back({node, columns});
     }
-    const std::set<NodeId> wanted(window.begin(), window.end());
     std::set<NodeId> silent;  // loaded ahead: their arrival wakes no one
     for (const NodeId node : ahead)
-        if (!wanted.count(node) && !cloud_->cache().find(node, columns)) {
-            list.push_back({node, columns});
-            silent.insert(node);
-        }
-    // Also when nothing is missing: this cancels requests of an older view.
-    if (!list.empty() || asked_last_) {
-        asked_last_ = !list.empty();
-        cloud_->cache().request(std::move(list), [box = inbox_, silent = std::move(silent)](NodeId node) {
-            if (!silent.count(node)) box->put(node);
-        });
+        if (const auto found = ahead_.find(node); makes && found != ahead_.end() && !found->second)
+            if (silent.insert(node).second) list.push_back({node, columns});
+    request(std::move(list), std::move(to_make), std::move(silent));
+}
+
+// Also when nothing is missing: this cancels requests of an older view.
+void ChunkFeed::request(std::vector<ChunkRequest> list, std::set<NodeId> to_make, std::set<NodeId> silent)
+{
+    if (list.empty() && !asked_last_) return;
+    asked_last_ = !list.empty();
+    L2Cache& cache = cloud_->cache();  // its threads call this, and end before it does
+    cache.request(std::move(list), [box = inbox_, maker = maker_, to_make = std::move(to_make),
+                                    silent = std::move(silent), &cache](NodeId node) {
+        const bool is_silent = silent.count(node) != 0;
+        if (is_silent || to_make.count(node))
+            box->make(node, maker, cache, is_silent);
+        else
+            box->put(node, {}, false);
+    });
+}
+
+void ChunkFeed::receive(NodeId node, Delivery delivery)
+{
+    const bool is_of_now = delivery.maker == maker_;
+    const auto later = ahead_.find(node);
+    if (later != ahead_.end() && is_of_now) later->second = std::move(delivery.made);
+    const auto found = arrivals_.find(node);
+    if (found == arrivals_.end()) return;
+    Arrival& arrival = found->second;
+    if (delivery.made && is_of_now) {
+        arrival.made = std::move(delivery.made);
+    } else if (const auto error = cloud_->cache().error_of(node)) {
+        fail(node, *error);
+    } else if (!delivery.error.empty()) {
+        fail(node, delivery.error);
+    } else if (!delivery.maker) {
+        arrival.loaded = true;
+    } else if (is_of_now && ++arrival.lost >= 3) {
+        fail(node, "chunk " + std::to_string(node) + " of " + cloud_->tree()->folder().string() +
+                       " does not stay in the point cache; give the cache more memory");
     }
 }
 
-void ChunkFeed::request_facts(const std::set<NodeId>& arrived, std::vector<ChunkRequest>& list)
+void ChunkFeed::request_facts(const std::map<NodeId, Delivery>& arrived, std::vector<ChunkRequest>& list)
 {
     const auto failed = [this](NodeId node) { return has_failed(node); };
     for (const auto& [node, columns] : facts_.missing(failed)) {
@@ -188,97 +250,38 @@ void ChunkFeed::request_facts(const std::set<NodeId>& arrived, std::vector<Chunk
     }
 }
 
+VertexRecipe ChunkFeed::recipe_of(const VertexFormat& format)
+{
+    VertexRecipe recipe;
+    recipe.tree = cloud_->tree();
+    recipe.format = format;
+    if (format.colour != ColourSource::none) {
+        recipe.colour = colour_place_of(format);
+        const CloudFact* const known = facts_.known(format.colour, *recipe.colour);
+        const CloudFact fact = known ? *known : CloudFact{};
+        recipe.scale = fact.scale;
+        recipe.range = fact.range;
+    }
+    if (format.filter) recipe.filter = filters_[format.filter - 1];
+    recipe.selected = selected_;
+    if (format.radius && !sizes_) sizes_ = std::make_shared<const PointSizes>(*recipe.tree);
+    recipe.sizes = sizes_;
+    return recipe;
+}
+
+void ChunkFeed::renew_maker(const VertexFormat& format)
+{
+    VertexRecipe recipe = recipe_of(format);
+    if (maker_ && maker_->recipe() == recipe) return;
+    maker_ = std::make_shared<const VertexMaker>(std::move(recipe));
+    arrivals_.clear();
+    ahead_.clear();
+}
+
 AttributePlace ChunkFeed::colour_place_of(const VertexFormat& format) const
 {
     if (format.colour == ColourSource::attribute) return attributes_[format.attribute - 1];
     return {*cloud_->info().schema.find(attribute_of(format.colour)), 0};
-}
-
-ColumnSet ChunkFeed::load_columns_of(const VertexFormat& format) const
-{
-    ColumnSet columns = columns_of(format);
-    if (format.filter) columns |= filters_[format.filter - 1].tested();
-    return columns;
-}
-
-ColumnSet ChunkFeed::columns_of(const VertexFormat& format) const
-{
-    std::vector<std::string> names;
-    if (format.radius) names.emplace_back(attribute_name::radius);
-    if (format.normal || format.shape) names.emplace_back(attribute_name::normal);
-    ColumnSet columns = ColumnSet::named(cloud_->info().schema, names);
-    columns.sizes = format.radius;
-    if (format.colour != ColourSource::none) columns.attributes.set(colour_place_of(format).attribute);
-    return columns;
-}
-
-VertexAttributes ChunkFeed::colours_of(const Chunk& chunk, const VertexFormat& format)
-{
-    const AttributePlace place = colour_place_of(format);
-    const Column& column = *chunk.attributes[place.attribute];
-    const Attribute& attribute = cloud_->info().schema[place.attribute];
-    const CloudFact* const known = facts_.known(format.colour, place);
-    const CloudFact fact = known ? *known : CloudFact{};
-    VertexAttributes attributes;
-    if (is_value(format.colour)) {
-        make_values(column, attribute, place.component, fact.range.low, fact.range.high, values_);
-        attributes.colours = reinterpret_cast<const std::uint8_t*>(values_.data());
-        return attributes;
-    }
-    if (format.colour == ColourSource::rgb) {
-        make_colours(column, fact.scale, rgba_);
-    } else {
-        make_class_colours(column, attribute, rgba_);
-        if (std::exchange(classes_filter_, format.filter) != format.filter) classes_.reset();
-        add_classes(column, attribute, classes_);
-    }
-    attributes.colours = rgba_.data();
-    return attributes;
-}
-
-VertexAttributes ChunkFeed::attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format)
-{
-    const Schema& schema = cloud_->info().schema;
-    VertexAttributes attributes;
-    if (format.colour != ColourSource::none) attributes = colours_of(chunk, format);
-    if (format.radius) {
-        if (!sizes_) sizes_.emplace(*cloud_->tree());
-        if (format.shape) use_own_normals(chunk);
-        sizes_->find_radii(node, chunk, radii_, format.shape ? &shapes_ : nullptr);
-        attributes.radii = radii_.data();
-        if (format.shape) attributes.shapes = shapes_.data();
-    }
-    if (format.normal) {
-        const std::size_t place = *schema.find(attribute_name::normal);
-        make_normals(*chunk.attributes[place], schema[place], normals_);
-        attributes.normals = normals_.data();
-    }
-    return attributes;
-}
-
-void ChunkFeed::find_shapes_of(NodeId node, const Chunk& whole, const std::vector<std::uint32_t>* points)
-{
-    find_shapes(*whole.positions, cloud_->info().grid.scale, points_of_segments(cloud_->tree()->node(node)), shapes_);
-    if (!points) return;
-    for (std::size_t i = 0; i < points->size(); ++i) shapes_[i] = shapes_[(*points)[i]];
-    shapes_.resize(points->size());
-}
-
-void ChunkFeed::use_own_normals(const Chunk& chunk)
-{
-    const Schema& schema = cloud_->info().schema;
-    const auto normal = schema.find(attribute_name::normal), radius = schema.find(attribute_name::radius);
-    if (!normal || schema[*normal].components < 3) return;
-    make_normals(*chunk.attributes[*normal], schema[*normal], normals_);
-    radii_.assign(chunk.points, 0);
-    if (radius) make_radii(*chunk.attributes[*radius], schema[*radius], radii_);
-    for (std::size_t i = 0; i < chunk.points; ++i) {
-        const Vec3d n{static_cast<double>(normals_[3 * i]), static_cast<double>(normals_[3 * i + 1]),
-                      static_cast<double>(normals_[3 * i + 2])};
-        // Among leaves a normal describes a leaf, if there is a radius with it.
-        if (dot(n, n) > 0 && (radii_[i] > 0 || surroundings_of(shapes_[i]) != Surroundings::volume))
-            shapes_[i] = shape_of(Surroundings::surface, n);
-    }
 }
 
 void ChunkFeed::select(std::shared_ptr<const PointSet> points)
@@ -288,28 +291,13 @@ void ChunkFeed::select(std::shared_ptr<const PointSet> points)
     selections_.clear();
 }
 
-// 0: no point is selected, else a number made from those that are: vertices of a node whose selected points are the
-// same as before are not uploaded again.
 std::uint64_t ChunkFeed::selection_of(NodeId node)
 {
     if (!selected_ || selected_->count(node) == 0) return 0;
     if (selections_.empty()) selections_.resize(cloud_->tree()->nodes().size());
     std::optional<std::uint64_t>& known = selections_[node];
-    if (known) return *known;
-    std::uint64_t number = selected_->count(node);
-    for (const std::uint32_t point :
-         selected_->has_all(node) ? std::vector<std::uint32_t>{} : selected_->points(node)) {
-        number = (number ^ point) * 0x9e3779b97f4a7c15u;
-        number ^= number >> 29;
-    }
-    known = number == 0 ? 1 : number;
+    if (!known) known = selection_number(*selected_, node);
     return *known;
-}
-
-void ChunkFeed::find_flags(NodeId node, const std::vector<std::uint32_t>* points)
-{
-    flags_ = selected_->flags(node);
-    for (std::size_t i = 0; points && i < points->size(); ++i) flags_[i] = flags_[(*points)[i]];
 }
 
 Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms)
@@ -318,23 +306,15 @@ Served ChunkFeed::upload(const std::vector<NodeId>& window, const VertexFormat& 
     if (facts_.lacks()) return {};
     const auto supply = [&](NodeId node) {
         const auto found = arrivals_.find(node);
-        return found != arrivals_.end() && found->second.chunk ? Supply::ready : Supply::absent;
+        return found != arrivals_.end() && found->second.made ? Supply::ready : Supply::absent;
     };
     return l1_->request(window, budget_ms, supply, [&](NodeId node) {
         const auto found = arrivals_.find(node);
-        const Chunk& whole = *found->second.chunk;
-        const Grid& grid = cloud_->info().grid;
-        const auto points = format.filter ? filters_[format.filter - 1].shown(whole, grid) : std::nullopt;
-        const Chunk shown = points ? ChunkFilter::take(whole, *points, columns_of(format)) : whole;
-        if (format.shape) find_shapes_of(node, whole, points ? &*points : nullptr);
-        VertexAttributes attributes = attributes_of(node, shown, format);
-        attributes.selection = selection_of(node);
-        if (attributes.selection) {
-            find_flags(node, points ? &*points : nullptr);
-            attributes.selected = flags_.data();
+        if (!l1_->upload(owner_, node, found->second.made->vertices)) return false;
+        if (format.colour == ColourSource::classification) {
+            if (std::exchange(classes_filter_, format.filter) != format.filter) classes_.reset();
+            classes_ |= found->second.made->classes;
         }
-        if (!l1_->upload(owner_, node, *shown.positions, grid.scale, format, attributes, whole.points - shown.points))
-            return false;
         arrivals_.erase(found);
         return true;
     });
@@ -348,7 +328,7 @@ bool ChunkFeed::awaits_facts()
 bool ChunkFeed::waits()
 {
     for (const auto& [node, arrival] : arrivals_)
-        if (!arrival.chunk && !has_failed(node)) return true;
+        if (!arrival.made && !arrival.loaded && !has_failed(node)) return true;
     return awaits_facts();
 }
 

@@ -1,7 +1,9 @@
-// Moves the chunks that a view wants from L2 into L1: requests them, uploads loaded ones, remembers failures.
+// Moves the chunks that a view wants from L2 into L1: requests them, uploads loaded ones, remembers failures. Vertices
+// are made by the cache's loader threads, so that the GL thread copies them and no more.
 #pragma once
 
 #include "pcm/gl/draw/cloud_facts.h"
+#include "pcm/gl/draw/vertex_maker.h"
 #include "pcm/gl/l1/chunk_filter.h"
 #include "pcm/gl/l1/l1_cache.h"
 #include "pcm/gl/l1/vertex_format.h"
@@ -66,9 +68,10 @@ public:
     // The classes among the points that were uploaded with colours by class.
     const ClassSet& classes() const { return classes_; }
 
-    // Takes loaded chunks of the window from L2 and requests the others, then those of `ahead`.
+    // Takes the chunks of the window whose vertices have been made and requests the others, then those of `ahead`,
+    // whose vertices are made too and kept, so that they can be uploaded in the frame that wants them.
     void load(const std::vector<NodeId>& window, const std::vector<NodeId>& ahead, const VertexFormat& format);
-    // Uploads loaded chunks into L1 within the time budget.
+    // Uploads vertices that have been made into L1 within the time budget.
     Served upload(const std::vector<NodeId>& window, const VertexFormat& format, double budget_ms);
     // Whether a chunk of the window is being loaded, or one that a fact needs.
     bool waits();
@@ -85,56 +88,64 @@ public:
 private:
     using Clock = std::chrono::steady_clock;
 
+    // What has come of a requested chunk: nothing, where it was only to be loaded, or L2 evicted it at once.
+    struct Delivery {
+        std::shared_ptr<const VertexMaker> maker;  // null: it was only to be loaded
+        std::optional<MadeVertices> made;
+        std::string error;  // why they could not be made
+    };
     // What loader threads leave for the next frame. Shared with the callbacks, which may outlive the feed.
     struct Inbox {
         std::mutex mutex;
-        std::set<NodeId> arrived;
+        std::map<NodeId, Delivery> arrived;
+        std::set<NodeId> making;
+        std::set<NodeId> awaited;  // nodes of these whose arrival wakes the owner
         std::function<void()> wake;
-        void put(NodeId node);
-        std::set<NodeId> take();
+        bool woken = false;  // since the latest take()
+        // Makes the vertices, unless they are there or another thread makes some. On a loader thread.
+        void make(NodeId node, const std::shared_ptr<const VertexMaker>& maker, L2Cache& cache, bool silent);
+        void put(NodeId node, Delivery delivery, bool silent);
+        std::map<NodeId, Delivery> take();
+
+    private:
+        bool begin(NodeId node, const VertexMaker* maker, bool silent);
+        void call_wake();
     };
     // The state of a node of the window on its way to video memory.
     struct Arrival {
-        L2Cache::Handle chunk;  // pinned until it is uploaded or not wanted any more
-        unsigned lost = 0;      // times that it arrived and L2 evicted it before it was found
+        std::optional<MadeVertices> made;  // the work of maker_
+        bool loaded = false;               // and waits for the facts that vertices need
+        unsigned lost = 0;                 // times that it arrived and L2 evicted it before it was found
     };
 
-    // The columns that are uploaded; load_columns_of() also has what conditions test.
-    ColumnSet columns_of(const VertexFormat& format) const;
-    ColumnSet load_columns_of(const VertexFormat& format) const;
-    void request_facts(const std::set<NodeId>& arrived, std::vector<ChunkRequest>& list);
     // The attribute that colours are made from.
     AttributePlace colour_place_of(const VertexFormat& format) const;
-    VertexAttributes colours_of(const Chunk& chunk, const VertexFormat& format);
-    VertexAttributes attributes_of(NodeId node, const Chunk& chunk, const VertexFormat& format);
-    // In shapes_: of these points of the node, null for all.
-    // Replaces shapes by the points' own normals, where there are some.
-    void use_own_normals(const Chunk& chunk);
-    void find_shapes_of(NodeId node, const Chunk& whole, const std::vector<std::uint32_t>* points);
+    VertexRecipe recipe_of(const VertexFormat& format);
+    // Makes another maker_ where what vertices are made by has changed; arrivals of the former are dropped.
+    void renew_maker(const VertexFormat& format);
+    void request_facts(const std::map<NodeId, Delivery>& arrived, std::vector<ChunkRequest>& list);
+    void receive(NodeId node, Delivery delivery);
+    void request(std::vector<ChunkRequest> list, std::set<NodeId> to_make, std::set<NodeId> silent);
     void fail(NodeId node, std::string error);
     std::uint64_t selection_of(NodeId node);
-    // In flags_: whether these points of the node, null for all, are selected.
-    void find_flags(NodeId node, const std::vector<std::uint32_t>* points);
 
     const std::shared_ptr<PointCloud> cloud_;
     const std::shared_ptr<L1Cache> l1_;
     L1Cache::Owner owner_;
     const std::shared_ptr<Inbox> inbox_ = std::make_shared<Inbox>();
     std::map<NodeId, Arrival> arrivals_;
-    VertexFormat arrivals_format_;  // the columns that they hold
+    std::map<NodeId, std::optional<MadeVertices>> ahead_;  // nodes that will be wanted; absent until they are made
+    std::shared_ptr<const VertexMaker> maker_;             // maker of vertices that are wanted now; null: none yet
     bool asked_last_ = false;
     std::map<NodeId, Clock::time_point> failed_;
     std::string error_;
     CloudFacts facts_;
-    std::map<std::string, std::uint32_t> filter_numbers_;  // keyed by the conditions' text
-    std::vector<ChunkFilter> filters_;                     // index: number - 1
-    std::vector<AttributePlace> attributes_;               // attributes that colours were made from; index: number - 1
+    std::map<std::string, std::uint32_t> filter_numbers_;      // keyed by the conditions' text
+    std::vector<std::shared_ptr<const ChunkFilter>> filters_;  // index: number - 1
+    std::vector<AttributePlace> attributes_;  // attributes that colours were made from; index: number - 1
     ClassSet classes_;
-    std::uint32_t classes_filter_ = 0;  // number of the filter that the points of these meet
-    std::vector<std::uint8_t> rgba_, flags_;
-    std::vector<float> values_, radii_, normals_;
-    std::vector<PointShape> shapes_;
-    std::optional<PointSizes> sizes_;  // when first needed
+    std::uint32_t classes_filter_ = 0;         // number of the filter that the points of these meet
+    std::shared_ptr<const PointSizes> sizes_;  // when first needed
     std::shared_ptr<const PointSet> selected_;
     std::vector<std::optional<std::uint64_t>> selections_;  // for each node, once it was asked for
 };

@@ -19,14 +19,6 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-template <class T>
-double largest(const PageVector<T>& values)
-{
-    T most = 0;
-    for (const T value : values) most = std::max(most, value);  // unlike max_element, this is vectorised
-    return static_cast<double>(most);
-}
-
 std::uint64_t blocks_of(std::uint64_t capacity, std::uint32_t block_bytes)
 {
     if (capacity < block_bytes)
@@ -176,39 +168,20 @@ bool L1Cache::add_block()
     return true;
 }
 
-bool L1Cache::upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale,
-                     const VertexFormat& format, const VertexAttributes& attributes, std::uint32_t hidden)
+bool L1Cache::upload(Owner owner, NodeId node, const ChunkVertices& vertices)
 {
     const auto start = Clock::now();
-    const std::size_t per_page = points_per_page(format);
-    const std::size_t pages = (positions.size() + per_page - 1) / per_page;
+    const std::size_t per_page = points_per_page(vertices.format);
+    const std::size_t pages = (vertices.points + per_page - 1) / per_page;
     write_back_error_ = nullptr;
     const bool done = (*table_)([&](auto& table) {
         if (!table.has_owner(owner))
             throw Error(ErrorCode::invalid_argument, {}, "no owner " + std::to_string(owner) + " in this L1");
-        auto* const slot = table.insert(owner, node, pages, format.number(), false, Hooks{*this});
+        auto* const slot = table.insert(owner, node, pages, vertices.format.number(), false, Hooks{*this});
         if (!slot) return false;
         VertexEntry& entry = slot->payload.vertices;
-        entry.format = format;
-        entry.points = static_cast<std::uint32_t>(positions.size());
-        entry.hidden = hidden;
-        entry.selection = attributes.selected ? attributes.selection : 0;
-        entry.origin = positions.origin;
-        for (std::size_t a = 0; a < 3; ++a)
-            entry.extent[a] =
-                scale[a] * (positions.wide ? largest(positions.wide_xyz[a]) : largest(positions.narrow_xyz[a]));
-        entry.groups = make_groups(positions, scale, format.radius ? attributes.radii : nullptr);
-        entry.largest_radius = entry.typical_radius = 0;
-        for (const VertexGroup& group : entry.groups)
-            entry.largest_radius = std::max(entry.largest_radius, group.largest_radius);
-        if (format.radius) {
-            double squares = 0;
-            for (std::size_t i = 0; i < positions.size(); ++i)
-                squares += static_cast<double>(attributes.radii[i]) * static_cast<double>(attributes.radii[i]);
-            entry.typical_radius =
-                static_cast<float>(std::sqrt(squares / std::max<double>(1, static_cast<double>(positions.size()))));
-        }
-        transfer(entry, slot->pages(), positions, scale, attributes);
+        static_cast<VertexFacts&>(entry) = vertices;
+        transfer(entry, slot->pages(), vertices.bytes);
         return true;
     });
     if (!done) return false;

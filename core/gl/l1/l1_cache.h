@@ -16,9 +16,8 @@
 #include "pcm/bpc/chunk.h"
 #include "pcm/cache/load_times.h"
 #include "pcm/cloud/geometry.h"
+#include "pcm/gl/l1/chunk_vertices.h"
 #include "pcm/gl/l1/l1_table.h"
-#include "pcm/gl/l1/vertex_format.h"
-#include "pcm/gl/l1/vertex_groups.h"
 #include "pcm/tree/tree.h"
 
 #include <cstdint>
@@ -49,7 +48,7 @@ struct L1Statistics {
     std::uint64_t evictions = 0;
     std::uint64_t refused = 0;  // uploads for which no room could be made
     std::uint64_t uploaded_bytes = 0;
-    double upload_seconds = 0;  // conversion and transfer, on the GL thread
+    double upload_seconds = 0;  // on the GL thread
     LoadTimes upload_times;     // times of a chunk's upload
     std::uint64_t written_back_chunks = 0;
     std::uint64_t written_back_bytes = 0;
@@ -68,30 +67,9 @@ struct VertexRange {
     std::int32_t count = 0;
 };
 
-struct VertexEntry {
-    VertexFormat format;
-    std::uint32_t points = 0;
-    std::uint32_t hidden = 0;     // points of the chunk that were not uploaded
-    std::uint64_t selection = 0;  // VertexAttributes::selection; not 0: x of selected points has a minus sign
-    Vec3i origin{};               // origin of the chunk, grid coordinates
-    Vec3d extent{};               // extent of the chunk, source units
-    float largest_radius = 0;     // largest radius of its points, source units; for a format with radii
-    float typical_radius = 0;     // root mean square of the radii
+struct VertexEntry : VertexFacts {
     std::vector<VertexRange> ranges;
-    std::vector<VertexGroup> groups;
     std::uint32_t stride() const { return format.stride(); }
-};
-
-// The attributes of the format in addition to positions; others may be null.
-struct VertexAttributes {
-    const std::uint8_t* colours = nullptr;  // 4 bytes per point: RGBA, or a float where is_value() of the source
-    const float* radii = nullptr;           // 1 per point
-    const float* normals = nullptr;         // 3 per point
-    const std::uint32_t* shapes = nullptr;  // 1 per point (view/point_shapes.h); null: unknown
-    // Which points are selected: a byte per point, not 0 for these; null if none is. The number says which they are, so
-    // that the owner recognises vertices of another selection; 0 if none is.
-    const std::uint8_t* selected = nullptr;
-    std::uint64_t selection = 0;
 };
 
 // Bytes of a buffer object.
@@ -191,13 +169,11 @@ public:
     const ColumnEntry* use_columns(Owner owner, NodeId node);
     const ColumnEntry* find_columns(Owner owner, NodeId node) const;
 
-    // Uploads a chunk, less its `hidden` points, replaces an entry of the same node, and marks it as used in this
-    // frame. Reads the members of `attributes` that `format` has. Evicts by the policy, never a protected entry. False
-    // when that does not free enough, when the driver is out of memory, or when write-backs failed (see
-    // write_back_error()); an entry of the same node is kept then. Changes the binding of GL_COPY_WRITE_BUFFER. Throws
-    // Error(invalid_argument) for an unknown owner.
-    bool upload(Owner owner, NodeId node, const ChunkPositions& positions, const Vec3d& scale,
-                const VertexFormat& format, const VertexAttributes& attributes, std::uint32_t hidden = 0);
+    // Uploads a chunk, which takes copying its bytes alone, replaces an entry of the same node, and marks it as used in
+    // this frame. Evicts by the policy, never a protected entry. False when that does not free enough, when the driver
+    // is out of memory, or when write-backs failed (see write_back_error()); an entry of the same node is kept then.
+    // Changes the binding of GL_COPY_WRITE_BUFFER. Throws Error(invalid_argument) for an unknown owner.
+    bool upload(Owner owner, NodeId node, const ChunkVertices& vertices);
 
     // The same for columns to compute on; null when there is no room. `forced`: a computation waits for it. Throws
     // Error(unsupported) for a column of more than max_stride bytes per point.
@@ -256,8 +232,7 @@ private:
     struct Payload;
     bool add_block();
     std::uint32_t buffer_of(std::uint32_t page) const { return blocks_[page / pages_per_block_]; }
-    void transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const ChunkPositions& positions,
-                  const Vec3d& scale, const VertexAttributes& attributes);
+    void transfer(VertexEntry& entry, const std::vector<std::uint32_t>& pages, const std::vector<std::byte>& vertices);
     void transfer(ColumnEntry& entry, const std::vector<std::uint32_t>& pages,
                   const std::vector<ColumnSource>& columns);
     bool write_back(NodeId node, Payload& payload);
