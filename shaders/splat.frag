@@ -4,14 +4,13 @@
 #extension GL_ARB_sample_shading : require
 #endif
 
-flat in vec3 splat_colour;
+flat in vec4 splat_colour;
 layout(location = 0) out vec4 fragment;
 
-// Alpha of a covered sample: 15 sixteenths, and how wide its splat is on the screen, in half octaves from 1 to 181 pixels: the low four bits,
-// 15 for the smallest. composite.frag needs to know: depths below a splat's own size are not relief of the surface.
-float mark_of(float side) { return (255.0 - clamp(floor(2.0 * log2(max(side, 1.0)) + 0.5), 0.0, 15.0)) / 255.0; }
-
 #if defined(AFFINE) || defined(DISC)
+
+// As in splat.vert.
+float mark_of(float side) { return (255.0 - clamp(floor(2.0 * log2(max(side, 1.0)) + 0.5), 0.0, 15.0)) / 255.0; }
 
 // See splat.vert.
 flat in vec4 base_and_rest;
@@ -57,7 +56,7 @@ void main()
     gl_FragDepth = depth;
     // The ellipse on the screen is as wide as a circle of its area. (Near the eye, where the divisor varies, that is a guess.)
     float places = abs(along.x * along.w - along.y * along.z) / (divisor.x * divisor.x);  // area of a pixel, in radii squared
-    fragment = vec4(splat_colour, mark_of(2.0 * inversesqrt(max(places, 1e-6))));
+    fragment = vec4(splat_colour.rgb, mark_of(2.0 * inversesqrt(max(places, 1e-6))));
 }
 
 #elif defined(FITTED)
@@ -67,7 +66,6 @@ flat in vec3 conic;
 flat in vec2 centre;
 flat in vec4 depth_line;
 flat in float depth_most;
-flat in float splat_side;
 uniform vec2 depth_of;
 
 void main()
@@ -84,7 +82,7 @@ void main()
 #endif
     if (near_is_1 ? depth > 1.0 : depth < 0.0) discard;
     gl_FragDepth = clamp(depth, 6e-8, 0.99999994);
-    fragment = vec4(splat_colour, mark_of(splat_side));
+    fragment = splat_colour;
 }
 
 #elif defined(PARABOLOID)
@@ -109,26 +107,11 @@ void main()
 #endif
     // Where a paraboloid reaches beyond the far plane it is drawn at it, just before what the buffer was cleared with: its point is in view.
     gl_FragDepth = clamp(depth, 6e-8, 0.99999994);
-    fragment = vec4(splat_colour, mark_of(depth_radius_side.z));
+    fragment = splat_colour;
 }
 
 #else
 
-#if defined(ADAPTIVE)
-flat in float splat_side;  // pixels
-#else
-uniform float point_size;
-uniform float least_pixels;
-#endif
-
-void main()
-{
-#if defined(ADAPTIVE)
-    float side = splat_side;
-#else
-    float side = max(point_size, least_pixels);
-#endif
-    fragment = vec4(splat_colour, mark_of(side));
-}
+void main() { fragment = splat_colour; }
 
 #endif

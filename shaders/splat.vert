@@ -40,7 +40,8 @@ uniform rmat3 to_eye;
 uniform rvec3 translation;
 uniform mat4 projection;
 
-flat out vec3 splat_colour;
+// Red, green, blue; and alpha, as mark_of() makes it where a splat is as wide everywhere.
+flat out vec4 splat_colour;
 
 #if defined(VERTEX_COLOUR)
 layout(location = 1) in vec4 colour;
@@ -110,6 +111,11 @@ void draw_nothing()
     gl_PointSize = 1.0;
 }
 
+// Alpha of a covered sample: 15 sixteenths, and how wide its splat is on the screen, in half octaves from 1 to 181 pixels: the low four bits,
+// 15 for the smallest. composite.frag needs to know: depths below a splat's own size are not relief of the surface. (Found here, once a splat:
+// a logarithm for each fragment is a tenth of what splats cost a software renderer.)
+float mark_of(float side) { return (255.0 - clamp(floor(2.0 * log2(max(side, 1.0)) + 0.5), 0.0, 15.0)) / 255.0; }
+
 uniform float eye_scale;     // eye units per source unit
 uniform float least_radius;  // source units,
 uniform float least_pixels;  // limited to this diameter on the screen
@@ -133,7 +139,7 @@ void main()
         return;
     }
     gl_PointSize = max(point_size, min(least_pixels, least_radius * eye_scale * pixels / gl_Position.w));
-    splat_colour = shown_colour();
+    splat_colour = vec4(shown_colour(), mark_of(max(point_size, least_pixels)));
 }
 
 #else
@@ -169,8 +175,6 @@ flat out vec3 depth_radius_side;  // eye units, eye units, pixels
 flat out vec2 centre;             // pixels
 uniform vec2 focal;               // pixels: window = principal + focal * eye.xy / depth; orthographic: without the division
 uniform vec2 principal;
-#else
-flat out float splat_side;  // pixels
 #endif
 uniform vec2 guard;    // scales x and y: the clip volume is wider by half the largest point, pixels
 
@@ -185,7 +189,7 @@ void main()
     // Equation 7.1 with the side as a diameter. At least one pixel, so that no point vanishes.
     float unit = eye_scale * pixels / place.w;  // pixels of a square's side for a radius of 1
     float side = max(max(radius * radius_scale * unit, min(least_radius * unit, least_pixels)), 1.0);
-    splat_colour = shown_colour();
+    splat_colour = vec4(shown_colour(), mark_of(side));
 #if defined(PARABOLOID)
     depth_radius_side = vec3(-eye.z, eye_scale * side / unit, side);
 #if defined(ORTHOGRAPHIC)
@@ -193,8 +197,6 @@ void main()
 #else
     centre = principal + focal * (eye.xy / -eye.z);
 #endif
-#else
-    splat_side = side;
 #endif
     if (!(place.w > 0.0)) {
         draw_nothing();
@@ -220,8 +222,6 @@ flat out vec3 conic;
 flat out vec2 centre;  // pixels
 flat out vec4 depth_line;
 flat out float depth_most;
-flat out float splat_side;  // pixels, of a square for the radius that the point would have on a surface: depths between points of a
-                            // volume are not relief either
 uniform vec2 focal;         // pixels: window = principal + focal * eye.xy / depth; orthographic: without the division
 uniform vec2 principal;
 uniform vec2 depth_of;      // window depth is x + y / depth; orthographic: x + y * depth
@@ -271,7 +271,6 @@ void main()
         draw_nothing();
         return;
     }
-    splat_colour = shown_colour();
     uint bits = floatBitsToUint(radius);
     uint kind = bits >> 16u & 3u;
     float volume = kind == 2u ? float(bits & 0xffffu) / 65535.0 : 0.0;
@@ -291,7 +290,9 @@ void main()
     float r = uintBitsToFloat(bits & ~0x3ffffu | 0x20000u) * radius_scale;
     if (bits < 0x40000u) r = 0.0;
     float least_r = min(least_radius, 0.5 * least_pixels * pixel);
-    splat_side = mix(3.2, 12.0, volume) * max(r / mix(1.0, volume_factor, volume), least_r) / pixel;
+    // A square for the radius that the point would have on a surface: depths between points of a volume are not relief either.
+    float side = mix(3.2, 12.0, volume) * max(r / mix(1.0, volume_factor, volume), least_r) / pixel;
+    splat_colour = vec4(shown_colour(), mark_of(side));
     r = max(r, mix(1.0, volume_growth, volume) * least_r);
     // Rounder surroundings are more likely a volume.
     if (volume > 0.0) r = min(r, 0.5 * volume_pixels * (2.0 - volume) * pixel);
@@ -409,7 +410,7 @@ void main()
         draw_nothing();
         return;
     }
-    splat_colour = shown_colour();
+    splat_colour = vec4(shown_colour(), 1.0);
     vec3 eye = to_eye * (position - reference) + translation;
     float depth = -eye.z;
     float r = radius_of_splat(abs(depth / focal.y) / eye_scale) * eye_scale;
@@ -510,7 +511,7 @@ void main()
         draw_nothing();
         return;
     }
-    splat_colour = shown_colour();
+    splat_colour = vec4(shown_colour(), 1.0);
     rvec3 local = rvec3(position) - rvec3(reference);
 #if defined(ORTHOGRAPHIC)
     rvec3 view = centre_ray;
