@@ -39,7 +39,7 @@ std::string usage()
         usage["arguments"] = std::move(arguments);
         rows.push_back(std::move(usage));
     }
-    return rows.dump();
+    return rows.dump(-1, ' ', false, ops::Json::error_handler_t::replace);
 }
 
 // A value as pcmlab/operations.py hands it over: a switch, or words as on the command line.

@@ -14,6 +14,9 @@ import warnings
 try:
     import numpy
 except ImportError as error:
+    other = os.environ.pop("PCM_TEST_PYTHON", "")
+    if os.path.exists(other):
+        os.execv(other, [other, "-B", *sys.argv])
     print(f"skipped: {error} (Debian: python3-numpy)")
     sys.exit(77)
 import pcmlab
