@@ -60,7 +60,7 @@ struct ChoiceVariable {
 enum class Face : std::uint8_t { command, dialog };
 
 // Where the value goes. Optional variables are empty where nothing is given.
-using Variable = std::variant<bool*, double*, std::uint32_t*, std::uint64_t*, std::string*, std::vector<std::string>*,
+using Variable = std::variant<bool*, float*, double*, std::uint32_t*, std::uint64_t*, std::string*, std::vector<std::string>*,
                               std::vector<double>*, std::optional<double>*, std::optional<std::uint16_t>*,
                               std::optional<std::uint32_t>*, std::optional<std::uint64_t>*, ChoiceVariable>;
 
@@ -111,7 +111,6 @@ public:
     const std::string& without() const { return without_; }
     bool is_automatic() const { return automatic_; }
     bool is_shown() const { return shown_; }
-    bool is_on_in_dialogs() const { return dialog_default_ == "on"; }
     const std::string& dialog_default() const { return dialog_default_; }  // empty: that of the command line
     bool is_text_in_dialogs() const { return text_in_dialogs_; }
     bool is_positional() const { return positional_; }

@@ -28,6 +28,8 @@ struct Primitive;
 
 namespace pcm::ops {
 
+struct RenderRequest;
+
 // Radii by compute shaders (gl/compute/gpu_radii.h), of a face that has OpenGL.
 struct GpuRadiiRequest {
     std::string tree;
@@ -76,6 +78,7 @@ struct Context {
     std::function<std::string(const std::filesystem::path& tree, const Affine& motion, const std::string& step)>
         set_matrix;
     std::function<Result(const GpuRadiiRequest&)> gpu_radii;  // empty: this face has no such device
+    std::function<Result(const RenderRequest&)> render;       // draws pictures; empty: this face has no OpenGL
     Window window;
 
     // Throws what PointCloud::open() throws.

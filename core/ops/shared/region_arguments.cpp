@@ -68,13 +68,13 @@ void RegionArguments::declare_limits(Arguments& arguments, const std::string& gr
         .group(group)
         .label("Clip")
         .advanced()
-        .help("Of these, only points in this region, such as \"box 0 0 0 9 9 9\"; of several clips, all must hold");
+        .help("Only points in this region, such as \"box 0 0 0 9 9 9\"; of several clips, all must hold");
     arguments.add("clip_outside", clips_outside_)
         .as(ValueKind::texts)
         .group(group)
         .label("Clip outside")
         .advanced()
-        .help("Of these, only points that are not in this region; several are possible");
+        .help("Only points that are not in this region; may be given several times");
     arguments.add("where", where_)
         .as(ValueKind::texts)
         .group(group)
