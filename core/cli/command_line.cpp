@@ -92,7 +92,7 @@ struct Runnable {
     Run run;
 };
 
-// Of a command line with words that belong to no option.
+// The message for a command line with words that belong to no option.
 std::string unexpected(const CLI::App& command)
 {
     const std::vector<std::string> words = command.remaining();
@@ -151,8 +151,8 @@ bool is_number_list(const CLI::Option* option)
     return option && option->get_items_expected_max() > 1 && option->get_type_name().rfind("NUMBER", 0) == 0;
 }
 
-// The parser takes every word after the name of a list as its value. What follows a list of numbers and is no number is
-// moved to the end, behind "--": "fit --at 1 2 3 scan.pct" is "fit --at 1 2 3 -- scan.pct".
+// The parser takes every word after the name of a list as its value. What follows a list of numbers and is not a number
+// is moved to the end, behind "--": "fit --at 1 2 3 scan.pct" is "fit --at 1 2 3 -- scan.pct".
 std::vector<std::string> end_lists(const std::vector<Runnable>& commands, const std::vector<std::string>& words)
 {
     const auto named = std::find_if(commands.begin(), commands.end(),
@@ -252,7 +252,7 @@ std::string list_of(const char* name, const std::vector<Command>& commands)
     return text + "\n'" + name + " help COMMAND' shows the options of a command.\n";
 }
 
-// Without a command, or with one that there is not: what there is, as an error.
+// Without a command, or with an unknown one: lists the commands, as an error.
 int refuse_command(const char* name, const std::string& what, const std::vector<Command>& commands)
 {
     std::fprintf(stderr, "%s: %s\n\n%s", name, what.c_str(), list_of(name, commands).c_str());

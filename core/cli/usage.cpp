@@ -19,7 +19,7 @@ const Command& command_of(const std::string& name, const std::vector<Command>& c
 // Every command is a row of the table.
 const ops::Row& row_of(const Command& command) { return *ops::find_operation(command.name); }
 
-// Text of a manual page: without HTML, and with what roff takes for its own escaped.
+// Text of a manual page: without HTML, and with the characters escaped that roff interprets.
 std::string roff(const std::string& text)
 {
     std::string out;
@@ -64,7 +64,7 @@ std::string manual_page(const Command& command)
     page +=
         ".TP\n\\fB\\-\\-json\\fR\nPrint one JSON object instead of text.\n.TP\n\\fB\\-q\\fR, \\fB\\-\\-quiet\\fR\nShow "
         "no "
-        "progress.\n.SH JSON\nBesides command, version, input, output, points, seconds, warnings and notes:\n";
+        "progress.\n.SH JSON\nIn addition to command, version, input, output, points, seconds, warnings and notes:\n";
     for (const ops::ResultKey& key : row.results)
         page += ".TP\n\\fB" + roff(key.key) + "\\fR (" + roff(key.type) + (*key.unit ? ", " + roff(key.unit) : "") +
                 ")\n" + roff(key.help) + ".\n";

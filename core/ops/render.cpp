@@ -230,8 +230,8 @@ Row render_row()
             0,
             nullptr,
             {{"trees", "list", "", "the trees, as in input"},
-             {"width", "count", "pixels", "of each picture"},
-             {"height", "count", "pixels", "of each picture"},
+             {"width", "count", "pixels", "width of each picture"},
+             {"height", "count", "pixels", "height of each picture"},
              {"drawn_with", "text", "", "renderer of the OpenGL driver"},
              {"pictures", "list", "",
               "for each: file, points_drawn, clouds, screen_error_px, full_resolution, pixels, ms, frames, "

@@ -37,7 +37,7 @@ struct RenderRequest {
     std::optional<double> frame_budget_ms;  // absent: none
     std::string until = "full";             // or "target"
     std::uint64_t l1 = L1Options().capacity_bytes, l2 = L2Options().capacity_bytes;
-    std::uint32_t threads = 0;  // that load chunks; 0: one per processor
+    std::uint32_t threads = 0;  // number of threads that load chunks; 0: one per processor
 };
 
 }  // namespace pcm::ops

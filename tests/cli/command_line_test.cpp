@@ -30,7 +30,7 @@ struct Given {
     std::optional<std::uint64_t> lines;
     std::optional<double> angle;
     bool overwrite = false;
-    std::vector<std::string> words;  // of the command line
+    std::vector<std::string> words;  // words of the command line
 };
 Given given;
 Run work = [] { return 0; };

@@ -26,16 +26,16 @@ class RenderWithout : public CommandTest {};
 TEST_F(RenderWithout, PCM_NOT_UNDER_ADDRESS(PcmlabSaysWhatIsMissing))
 {
     fs::copy_file(pcm::paths::command, folder_ / "pcmlab");
-    const std::string command = path("pcmlab") + " render a.pct -o a.png 2>" + path("said.txt");
+    const std::string command = path("pcmlab") + " render a.pct -o a.png 2>" + path("message.txt");
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
-    const std::string said = bytes_of(folder_ / "said.txt");
-    EXPECT_NE(said.find((folder_ / "pcmlab-render").string()), std::string::npos) << said;
-    EXPECT_NE(said.find("is missing"), std::string::npos) << said;
+    const std::string message = bytes_of(folder_ / "message.txt");
+    EXPECT_NE(message.find((folder_ / "pcmlab-render").string()), std::string::npos) << message;
+    EXPECT_NE(message.find("is missing"), std::string::npos) << message;
     EXPECT_NE(pcmlab("--help").out.find("render"), std::string::npos);
     // What needs no OpenGL does not start it.
     EXPECT_EQ(std::system((path("pcmlab") + " render --help >" + path("help.txt")).c_str()), 0);
     EXPECT_NE(bytes_of(folder_ / "help.txt").find("--eye-dome"), std::string::npos);
-    const std::string wrong = path("pcmlab") + " render a.pct -o a.png --converge 0 2>" + path("said.txt");
+    const std::string wrong = path("pcmlab") + " render a.pct -o a.png --converge 0 2>" + path("message.txt");
     EXPECT_EQ(WEXITSTATUS(std::system(wrong.c_str())), 2);
 }
 
@@ -395,7 +395,8 @@ TEST_F(Render, ADamagedTreeGivesNoPicture)
     EXPECT_FALSE(fs::exists(folder_ / "a.png"));
 }
 
-// A cloud of any unit is drawn as the same one in metres, or it is said why not: never an empty picture of every point.
+// A cloud of any unit is drawn as the same one in metres, or refused with the reason: never an empty picture of every
+// point.
 TEST_F(Render, PCM_NOT_UNDER_ADDRESS(CloudsOfAnyUnit))
 {
     std::size_t usual = 0;

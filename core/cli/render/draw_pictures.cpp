@@ -30,8 +30,8 @@ struct Drawn {
     double ms = 0;
     unsigned frames = 0;
     std::uint64_t uploaded_bytes = 0;
-    std::uint64_t points_added = 0;  // by all frames
-    std::uint64_t pixels = 0;        // of the picture that differ from the background
+    std::uint64_t points_added = 0;  // sum over all frames
+    std::uint64_t pixels = 0;        // number of pixels that differ from the background
 };
 
 class Job {

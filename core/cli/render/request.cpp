@@ -50,7 +50,7 @@ std::array<float, 3> colour_of(const std::string& text, const char* option)
     return {static_cast<float>(c[0]) / 255, static_cast<float>(c[1]) / 255, static_cast<float>(c[2]) / 255};
 }
 
-// The place for a number in a name such as NAME%04d.png: its begin, its end and the least number of digits.
+// The place for a number in a name such as NAME%04d.png: its begin, its end and the minimum number of digits.
 struct Pattern {
     std::size_t begin = 0, end = 0;
     int digits = 0;

@@ -68,7 +68,9 @@ void RegionArguments::declare_limits(Arguments& arguments, const std::string& gr
         .group(group)
         .label("Clip")
         .advanced()
-        .help("Only points in this region, such as \"box 0 0 0 9 9 9\"; of several clips, all must hold");
+        .help(
+            "Only points in this region, such as \"box 0 0 0 9 9 9\" or \"sphere 1 2 3 0.5\"; of several clips, all "
+            "must hold");
     arguments.add("clip_outside", clips_outside_)
         .as(ValueKind::texts)
         .group(group)
@@ -80,8 +82,8 @@ void RegionArguments::declare_limits(Arguments& arguments, const std::string& gr
         .group(group)
         .label("Where")
         .help(
-            "Points that satisfy a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or "
-            "rgb[0]!=0; of several conditions, all");
+            "Points that satisfy a condition, such as classification=2,6 or \"intensity>=100\" or z=100.. or "
+            "gps_time=100..200 or rgb[0]!=0; of several conditions, all");
 }
 
 Selection RegionArguments::get() const
