@@ -188,7 +188,7 @@ private:
             .between(0.01, 1e6)
             .unit("pixels")
             .group(group)
-            .label("Target")
+            .label("Target spacing")
             .help("Largest distance between points on screen");
         arguments_.add("frame_budget", request_.frame_budget_ms)
             .positive()

@@ -123,7 +123,7 @@ TEST_F(Answers, HaveTheKeysOfTheirRows)
         const auto call = all.find(row.name);
         ASSERT_NE(call, all.end()) << "this test does not call it";
         const Json answer = answer_of(row, call->second);
-        EXPECT_EQ(faults_of_answer(row, answer), "");
+        EXPECT_EQ(pcm::test::faults_of_answer(row, answer), "");
         EXPECT_EQ(answer["command"], row.name);
     }
 }

@@ -300,7 +300,7 @@ Result draw_pictures(const RenderRequest& request, const ProgressFunction& progr
         job.write(summary.files[i], legends, drawn, summary.outcome);
         summary.add(drawn);
     }
-    for (const auto& cloud : scene.clouds()) summary.outcome.points_in += cloud->info().point_count;
+    for (const auto& cloud : scene.clouds()) summary.outcome.points_in += cloud->info().points;
     summary.outcome.seconds = seconds_since(start);
     return result_of(summary, request, screen);
 }
