@@ -170,7 +170,7 @@ double StationSums::noise_within() const
 StationEvidence StationSums::evidence(double noise) const
 {
     StationEvidence evidence;
-    if (stations_.size() < 2) return evidence;  // what is left of its shift by rounding is no evidence
+    if (stations_.size() < 2) return evidence;  // rounding leaves a little of its shift
     const Whole all = whole();
     if (!all.is_good() || !(noise > 0)) return evidence;
     const StationMatrix h = all.h();

@@ -18,7 +18,7 @@ struct NearOptions {
     double radius = 0;
     std::size_t count = 0;
     // `count` is a number of places: of points at the same coordinates to the bit the first is given alone, so that a
-    // scan that is there twenty times is fitted as one. Up to 256 points a place are read.
+    // scan that is repeated twenty times is fitted as one. Up to 256 points a place are read.
     bool places = false;
     Selection limit;  // only points that it chooses: clip box, conditions
     // When there are more, only so many are given: those of the coarsest levels, which are spread evenly, and of the

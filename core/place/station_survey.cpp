@@ -1,6 +1,7 @@
 #include "pcm/place/station_survey.h"
 
 #include "pcm/cloud/box_distance.h"
+#include "pcm/cloud/numbers.h"
 #include "pcm/cloud/symmetric_eigen.h"
 #include "pcm/tree/source_rounding.h"
 
@@ -28,6 +29,7 @@ constexpr std::size_t least_points = 24, most_points = 400;       // of a patch
 constexpr std::size_t least_of_station = 5;
 constexpr double flatness = 0.05;          // of the variances of a patch, the least to the middle one
 constexpr double widest = 0.1;             // and the middle one to the largest, at least
+constexpr double least_overlap = 0.6;      // of what differences show, relative to stations that see all of a patch
 constexpr double most_noise = 2;           // of a patch, relative to the quarter with the least noise
 constexpr double most_deviations = 4;      // of patches from the others
 constexpr Eigen::Index surface_terms = 6;  // of a height of the second degree
@@ -133,6 +135,10 @@ bool patch_of(std::vector<StationPoint> points, Patch& patch)
     const Eigen::LDLT<PatchMatrix> solver(normal);
     patch.h = of_station.transpose() * of_station -
               of_station.transpose() * terms * solver.solve(terms.transpose() * of_station);
+    // Stations that see different parts of it differ by what is assumed of the surface between them.
+    const PatchVector counts_of = of_station.colwise().sum();
+    if (patch.h.trace() < least_overlap * (static_cast<double>(n) - counts_of.squaredNorm() / static_cast<double>(n)))
+        return false;
     patch.u =
         of_station.transpose() * heights - of_station.transpose() * terms * solver.solve(terms.transpose() * heights);
     PatchMatrix joint(n, surface_terms + stations);
@@ -156,22 +162,29 @@ public:
     {
         for (const NodeId root : tree_.part_roots())
             if (root != no_node) gather(root, place);
-        std::sort(boxes_.begin(), boxes_.end(),
-                  [](const Box3d& a, const Box3d& b) { return a.diagonal() < b.diagonal(); });
-        for (const Box3d& box : boxes_) {
-            look_at(box);
+        std::sort(views_.begin(), views_.end(),
+                  [](const View& a, const View& b) { return a.box.diagonal() < b.box.diagonal(); });
+        for (const View& view : views_) {
+            look_at(view);
             if (is_enough()) break;
         }
         return agreeing();
     }
 
 private:
+    // A node's box, and those of the points that are as dense in all of it: of the node and of the nodes above it.
+    struct View {
+        Box3d box;
+        std::size_t begin = 0, end = 0;
+    };
+
     // The chunks from a part's root to the leaf at the place.
     void gather(NodeId node, const Vec3d& place)
     {
+        const std::size_t begin = points_.size();
         for (; node != no_node;) {
             read(node);
-            boxes_.push_back(tree_.box(node));
+            views_.push_back({tree_.box(node), begin, points_.size()});
             NodeId next = no_node;
             double best = infinity;
             for (const NodeId child : tree_.node(node).children) {
@@ -192,11 +205,12 @@ private:
     }
 
     // Cubes that hold about the wanted number of points where they are on a surface.
-    void look_at(const Box3d& box)
+    void look_at(const View& view)
     {
+        const Box3d& box = view.box;
         std::vector<StationPoint> inside;
-        for (const StationPoint& p : points_)
-            if (box.contains(p.place)) inside.push_back(p);
+        for (std::size_t i = view.begin; i < view.end; ++i)
+            if (box.contains(points_[i].place)) inside.push_back(points_[i]);
         thin(inside);
         if (inside.size() < wanted_points) return;
         double edge = box.diagonal() / 16;
@@ -284,7 +298,7 @@ private:
     const PointStations& stations_;
     const SourceRounding rounding_;
     std::vector<StationPoint> points_;
-    std::vector<Box3d> boxes_;
+    std::vector<View> views_;
     std::vector<Patch> patches_;
 };
 
