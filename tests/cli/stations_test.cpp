@@ -35,7 +35,7 @@ protected:
             if (i % 3 == 0) p = {dice.between(1, 3), dice.between(-1, 1), scan_noise * dice.normal()};
             if (i % 3 == 1) p = {3.5 + scan_noise * dice.normal(), dice.between(-1, 1), dice.between(0, 2)};
             if (i % 12 == 1) p = {dice.between(1, 3), 1.5 + scan_noise * dice.normal(), dice.between(0, 2)};
-            if (!poses) p = p + hall;
+            for (std::size_t k = 0; k < 3 && !poses; ++k) p[k] += hall[k];
             file << p[0] << ' ' << p[1] << ' ' << p[2] << (poses ? " 0.5\n" : "\n");
         }
     }
