@@ -1,5 +1,6 @@
 #include "pcm/cad/layer_names.h"
 
+#include "pcm/cad/ascii_text.h"
 #include "pcm/cad/dxf_text.h"
 
 #include <cctype>
@@ -70,15 +71,7 @@ std::vector<std::string> layer_names(const std::vector<std::string>& names)
 std::vector<std::string> plain_layer_names(const std::vector<std::string>& names)
 {
     std::vector<std::string> clean;
-    for (const std::string& name : names) {
-        std::string one;
-        for (const char c : without_blanks_around(name)) {
-            if (is_inside_a_character(static_cast<unsigned char>(c))) continue;
-            const bool good = static_cast<unsigned char>(c) < 0x80 && (std::isalnum(c) || c == '-' || c == '$');
-            one += good ? c : '_';
-        }
-        clean.push_back(one);
-    }
+    for (const std::string& name : names) clean.push_back(ascii_text(without_blanks_around(name)));
     return all_different(clean, "_", "");
 }
 

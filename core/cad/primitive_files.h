@@ -17,7 +17,7 @@ std::optional<CadUnit> cad_unit(const std::string& name);
 
 struct CadOptions {
     CadUnit unit = CadUnit::none;  // what one source unit is; written where a format has units, never converted
-    double chord = 0;              // maximum distance of a mesh from its curved surface, source units; 0: radius / 100
+    double chord = 0;              // maximum distance of a mesh from its curved surface, source units; 0: MeshOptions'
     bool arcs = false;             // meshes of cylinders and cones: only the arc that points cover, open
     bool overwrite = false;
 };

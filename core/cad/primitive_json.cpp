@@ -85,6 +85,17 @@ void put_fit(Json& json, const Primitive& primitive)
     json["seconds"] = finite(fit.seconds, primitive);
 }
 
+void put_stations(Json& json, const Primitive& primitive)
+{
+    if (!primitive.stations) return;
+    const StationFacts& facts = *primitive.stations;
+    json["stations"] = {{"source", name_of(facts.source)},
+                        {"count", facts.stations},
+                        {"spread", finite(facts.spread, primitive)},
+                        {"freedom", facts.freedom},
+                        {"registration", finite(facts.registration, primitive)}};
+}
+
 Json json_of(const Primitive& primitive)
 {
     check_list_name(primitive.name, "primitive");
@@ -94,6 +105,7 @@ Json json_of(const Primitive& primitive)
     put_shape(json, primitive);
     put_bounds(json, primitive);
     put_fit(json, primitive);
+    put_stations(json, primitive);
     json["points"] = primitive.points;
     if (primitive.label) json["label"] = primitive.label;
     if (!primitive.estimator.empty()) json["estimator"] = primitive.estimator;
@@ -185,6 +197,18 @@ ShapeFit fit_of(const JsonFields& fields)
     return fit;
 }
 
+StationFacts stations_of(const JsonFields& fields)
+{
+    constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max();
+    StationFacts facts;
+    facts.source = chosen(fields, "source", StationSource::time_gaps);
+    facts.stations = static_cast<std::uint32_t>(fields.whole("count", most));
+    facts.spread = fields.number("spread", false);
+    facts.freedom = static_cast<std::uint32_t>(fields.whole("freedom", most));
+    facts.registration = fields.number("registration", false);
+    return facts;
+}
+
 Primitive primitive_of(const Json& json, const std::string& where)
 {
     const JsonFields fields(json, where);
@@ -208,6 +232,7 @@ Primitive primitive_of(const Json& json, const std::string& where)
     primitive.cloud = fields.text("cloud", false);
     primitive.fit = fit_of(fields);
     if (fields.has("bounds")) primitive.bounds = bounds_of_fields(fields.object("bounds"), primitive.fit.shape);
+    if (fields.has("stations")) primitive.stations = stations_of(fields.object("stations"));
     primitive.points = fields.whole("points", most_count);
     primitive.label = static_cast<std::uint32_t>(fields.whole("label", std::numeric_limits<std::uint32_t>::max()));
     primitive.estimator = fields.text("estimator", false);

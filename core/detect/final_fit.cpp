@@ -5,6 +5,7 @@
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/extreme_points.h"
 #include "pcm/place/tuning.h"
+#include "pcm/shapes/primitive_list.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/for_each_index.h"
 
@@ -118,6 +119,7 @@ public:
             if (sums[c].all.points() < options_.least_points) continue;
             Primitive primitive = primitive_of(candidates_[c], sums[c]);
             if (!primitive.fit.has_shape()) continue;
+            primitive.colour = colour_in_turn(result_.primitives.size());
             label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
             primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
                              std::to_string(++numbers_[primitive.fit.shape.kind]);

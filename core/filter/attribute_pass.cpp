@@ -20,6 +20,12 @@ struct Counts {
     std::uint64_t lines = 0, blobs = 0, too_few = 0, two_surfaces = 0, flipped = 0, limited = 0;
 };
 
+ScannerPlaces scanners_of(const NeighbourAttributeOptions& options, const TreeInfo& info)
+{
+    return options.orientation.rule == NormalOrientation::Rule::scanners ? ScannerPlaces(info.metadata, info.schema)
+                                                                         : ScannerPlaces();
+}
+
 // Keeps the values of one unit, and writes them at its end.
 class PassVisitor final : public NeighbourhoodVisitor {
 public:
@@ -29,6 +35,7 @@ public:
           wanted_(options.wanted),
           radius_limit_(options.radius_limit),
           orientation_(options.orientation),
+          scanners_(scanners_of(options, cache.tree().info())),
           places_(places),
           propagation_(propagation),
           schema_(cache.tree().info().schema),
@@ -188,12 +195,19 @@ private:
             const std::uint32_t index = part.indices[i];
             std::array<float, 3> n = normal_[propagation_ ? part.first + i : source(unit, part, i)];
             const Vec3d p = grid_.to_source(part.chunk->positions->grid(index));
-            if (!propagation_ && is_to_flip(orientation_, {n[0], n[1], n[2]}, p)) {
+            if (!propagation_ && is_to_turn(*part.chunk, index, {n[0], n[1], n[2]}, p)) {
                 for (float& component : n) component = -component;
                 ++counts_.flipped;
             }
             std::copy(n.begin(), n.end(), to + std::size_t(3) * index);
         }
+    }
+
+    bool is_to_turn(const Chunk& chunk, std::uint32_t index, const Vec3d& normal, const Vec3d& p) const
+    {
+        if (orientation_.rule != NormalOrientation::Rule::scanners) return is_to_flip(orientation_, normal, p);
+        const Vec3d* const scanner = scanners_.of(chunk, index);
+        return scanner && is_to_flip({NormalOrientation::Rule::viewpoint, *scanner}, normal, p);
     }
 
     void count(std::uint8_t confidence)
@@ -208,6 +222,7 @@ private:
     const WantedValues wanted_;
     const double radius_limit_;
     const NormalOrientation orientation_;
+    const ScannerPlaces scanners_;
     const AttributePlaces places_;
     OrientationPropagation* const propagation_;
     const Schema& schema_;
@@ -266,6 +281,7 @@ NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeO
                                        NeighbourAttributeReport& report, LevelClock* clock)
 {
     NeighbourhoodOptions search = search_options(options, places);
+    if (const auto scan = scanners_of(options, cache.tree().info()).attribute()) search.columns.attributes.set(*scan);
     search.end = end;
     std::mutex mutex;
     const auto start = std::chrono::steady_clock::now();

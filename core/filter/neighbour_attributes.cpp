@@ -43,6 +43,14 @@ void check(const NeighbourAttributeOptions& options, const std::filesystem::path
     }
 }
 
+void check_scanners(const NeighbourAttributeOptions& options, const TreeInfo& info, const std::filesystem::path& path)
+{
+    if (!options.wanted.normal || options.orientation.rule != NormalOrientation::Rule::scanners) return;
+    if (ScannerPlaces(info.metadata, info.schema).empty())
+        throw Error(ErrorCode::invalid_argument, path, "the cloud does not say where its scanner stood",
+                    "PTX and E57 files do; for one scan, give the scanner's position instead");
+}
+
 AttributePlaces make_places(TreeChanges& changes, const WantedValues& wanted, bool overwrite)
 {
     AttributePlaces places;
@@ -135,6 +143,7 @@ NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::pat
     NeighbourAttributeOptions options = asked;
     NeighbourAttributeReport report;
     const auto changes = std::make_shared<TreeChanges>(path);
+    check_scanners(options, changes->tree()->info(), path);
     const AttributePlaces places = make_places(*changes, options.wanted, options.overwrite);
     const TreeInfo info = changes->tree()->info();
     L2Options cache_options;

@@ -159,6 +159,15 @@ ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchS
     return fit;
 }
 
+ShapeErrors errors_of_covariance(const ShapeModel& model, const SurfacePatch& patch, const double* covariance,
+                                 const Vec3d& middle, double extent)
+{
+    const auto p = static_cast<Eigen::Index>(model.parameters());
+    const Matrix matrix =
+        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(covariance, p, p);
+    return errors_of(model, patch, matrix, middle, parameter_units(model, extent).data());
+}
+
 bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums)
 {
     const auto [flat, other] = model_of(shape.kind).significance(shape, fit.errors);

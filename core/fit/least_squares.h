@@ -40,6 +40,9 @@ SurfacePatch improved(const ShapeModel& model, const SurfacePatch& start, const 
 // With `scatter` (see scatter_of()) errors grow to what it shows.
 ShapeFit judged(const ShapeModel& model, const SurfacePatch& patch, const PatchSums& sums, double noise,
                 const Vec3d& middle, double extent, const double* scatter = nullptr);
+// Errors of the numbers that people read, from the covariance of a patch's parameters: p x p numbers, row by row.
+ShapeErrors errors_of_covariance(const ShapeModel& model, const SurfacePatch& patch, const double* covariance,
+                                 const Vec3d& middle, double extent);
 // Whether the points' noise is not small relative to what they show of the shape's size.
 bool is_nearly_flat(const ShapeFit& fit, const Shape& shape, const PatchSums& sums);
 // From working to source units.

@@ -19,6 +19,8 @@
 //     coarser    what cells twice as wide change: the part of the cells' size
 //     excess     of cut and fill alone: errors of heights near the reference make both larger,
 //                sum of A (E max(d + e, 0) - max(d, 0)), e normal
+//     left out   where cells without points count for nothing: their area times the mean height of the others, for the
+//                polygon has a volume there, too
 //
 // In 200 generated polygons with up to 60 % of empty cells 97 % of net volumes lie within 3 of it, four of five within
 // 1 (tests/measure/volume_trial_test.cpp). It contains no error that all points share: of georeferencing, of the

@@ -3,7 +3,9 @@
 #include "pcm/measure/gap_filling.h"
 #include "pcm/system/text.h"
 
+#include <algorithm>
 #include <cmath>
+#include <initializer_list>
 
 namespace pcm {
 namespace {
@@ -189,12 +191,16 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
 std::vector<MeasureValue> VolumeReport::values() const
 {
     const double net_coarse = (cut_measured - fill_measured) - (cut_coarse - fill_coarse);
-    const auto root = [](double a, double b, double c, double d) {
-        return std::hypot(std::hypot(a, b), std::hypot(c, d));
+    // What the area that counts for nothing may hold, relative to what the rest holds.
+    const double left_out = area_counted > 0 ? std::max(0.0, area - area_counted) / area_counted : 0;
+    const auto root = [](std::initializer_list<double> parts) {
+        double squares = 0;
+        for (const double part : parts) squares += part * part;
+        return std::sqrt(squares);
     };
-    return {{"net", net(), root(net_spread, net_gaps, net_coarse, 0), "^3"},
-            {"cut", cut, root(cut_spread, cut_gaps, cut_measured - cut_coarse, excess), "^3"},
-            {"fill", fill, root(fill_spread, fill_gaps, fill_measured - fill_coarse, excess), "^3"},
+    return {{"net", net(), root({net_spread, net_gaps, net_coarse, left_out * net()}), "^3"},
+            {"cut", cut, root({cut_spread, cut_gaps, cut_measured - cut_coarse, excess, left_out * cut}), "^3"},
+            {"fill", fill, root({fill_spread, fill_gaps, fill_measured - fill_coarse, excess, left_out * fill}), "^3"},
             {"area with points", 100 * covered(), 0, "%"},
             {"area without data", area_without_data, 0, "^2"},
             {"area extrapolated", area_extrapolated, 0, "^2"},

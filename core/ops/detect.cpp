@@ -59,7 +59,10 @@ public:
 
     Result run(const Context& context) override
     {
+        const bool has_target = !target_.output.empty() || target_.in_place;
         if (context.face == Face::dialog) label_ = labelled_ ? attribute_ : "";
+        // A tree to write is one with labels.
+        if (context.face == Face::command && label_.empty() && has_target) label_ = attribute_;
         check(context);
         choose_kinds(context);
         options_.limit = region_.get();
@@ -163,7 +166,8 @@ private:
         arguments_.add("label", label_)
             .only(Face::command)  // dialogs have a switch, and a name of their own
             .group(group)
-            .help("Write this attribute (u32): the label of each point's primitive, or 0; --where NAME=3 selects them");
+            .help("Write this attribute (u32): the label of each point's primitive, or 0; --where NAME=3 selects them")
+            .without("none; with -o or --in-place " + attribute_);
         arguments_.add("labels", labelled_)
             .only(Face::dialog)
             .label("Label the points")
@@ -183,12 +187,8 @@ private:
 
     void check(const Context& context)
     {
-        const std::string label = context.face == Face::dialog ? "'Label the points'" : "--label";
-        const bool has_target = !target_.output.empty() || target_.in_place;
-        if (label_.empty() && has_target && context.face == Face::command)
-            throw ArgumentError("-o and --in-place are for --label");
         if (target_.overwrite && out_.empty() && label_.empty() && context.face == Face::command)
-            throw ArgumentError("--overwrite is for --out and --label");
+            throw ArgumentError("--overwrite is for --out, -o and --label");
         // Before the work, not after it.
         drawing_.overwrite = target_.overwrite;
         if (!out_.empty()) check_primitive_file(out_, target_.overwrite);

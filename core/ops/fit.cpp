@@ -46,6 +46,7 @@ public:
             .help("Tree folder, or any file of it");
         declare_shape();
         declare_estimator();
+        declare_registration();
         declare_growth();
         region_.declare(arguments_, "Points to look at (default: all)");
         clip_.declare(arguments_);
@@ -219,6 +220,23 @@ private:
             .advanced();
     }
 
+    void declare_registration()
+    {
+        const char* const group = "Estimator";
+        arguments_.add("registration", options_.registration)
+            .positive()
+            .unit("mm")
+            .group(group)
+            .label("Registration within")
+            .help(
+                "Standard deviation of how far a scanner's station is shifted along each axis after the registration, "
+                "as its report states it: the standard deviations of the shape (+-) then contain it. Without a unit of "
+                "length a cloud's coordinates are taken to be metres. Where points say from which station they are (an "
+                "attribute scan or point_source_id, gaps in gps_time) it is found from surfaces that several see, and "
+                "the larger one counts")
+            .automatic("what the stations show; else the +- contains the noise of the points alone");
+    }
+
     void declare_growth()
     {
         const char* const group = "Growth over the cloud";
@@ -327,6 +345,8 @@ private:
     {
         Json& json = result.values;
         json["primitive"] = json_of(fitted.primitive);
+        json["sigma_contains"] =
+            fitted.primitive.fit.has_shape() ? Json(contained_in_errors(fitted.primitive)) : Json();
         json["neighbourhood"] = {{"points", fitted.near.ids.size()},
                                  {"found", fitted.near.found},
                                  {"radius", fitted.near.radius},
@@ -348,6 +368,15 @@ private:
         if (!out_.empty() && found) result.line(out_ + ": 1 primitive");
         put_done(result, done);
         result.print("%.2f s, peak memory %s", result.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
+    }
+
+    static std::vector<std::string> contained_in_errors(const Primitive& primitive)
+    {
+        std::vector<std::string> names{"noise"};
+        if (!primitive.stations || !(primitive.stations->contained() > 0)) return names;
+        const StationFacts& facts = *primitive.stations;
+        names.push_back(facts.registration > facts.spread ? "registration" : "stations");
+        return names;
     }
 
     void put_points_lines(Result& result, const FittedPrimitive& fitted) const
@@ -386,12 +415,16 @@ Row fit_row()
         "extract "
         "or delete it",
         "Fits a plane, cylinder, sphere, cone or torus to the points around given places of a <b>point cloud tree</b> "
-        "and follows it through the whole cloud, with standard deviations. In a project the primitive is added to its "
+        "and follows it through the whole cloud, with standard deviations, which contain how far the stations of a "
+        "scanner are apart where the points show it or it is given. In a project the primitive is added to its "
         "list, which the tool <i>Fit Primitives</i> shows, and its points are selected; they are written as a tree or "
         "file on request. Fits that the points do not determine are refused or reported as doubtful.",
         menu::measure | menu::points,
         nullptr,
         with_done_keys({{"primitive", "object", "", "as in a list of primitives; or kind, verdict, issue and message"},
+                        {"sigma_contains", "list?", "",
+                         "errors that primitive.sigma contains: noise, and stations (their spread, found) or "
+                         "registration (given)"},
                         {"neighbourhood", "object", "", "points, found, radius, spacing and inliers of the first fit"},
                         {"growth", "object?", "", "step, rounds, converged, left_surface"},
                         {"list", "text?", "", "list that it was added to"}}),

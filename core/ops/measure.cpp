@@ -87,9 +87,9 @@ public:
         const std::string unit = length_unit_of(system);
         double moved = 0;
         std::optional<Measure> added;
-        if (!kind_.empty()) added = measure_of(context, cloud.get(), moved);
-        const MeasureList list = write_files(added, system);
         Result result;
+        if (!kind_.empty()) added = measure_of(context, cloud.get(), moved, result.notes);
+        const MeasureList list = write_files(added, system);
         if (cloud) result.input = {from_};
         if (const std::string caution = caution_of(system); !caution.empty()) result.notes.push_back(caution);
         Json& values = result.values;
@@ -117,7 +117,17 @@ private:
         if (!list_.empty()) MeasureList::read(list_);  // refused before the work, not after it
     }
 
-    Measure measure_of(const Context& context, PointCloud* cloud, double& moved) const
+    // No point of the cloud was where the place is: the place may be one of another cloud, or mistyped.
+    static void note_far_move(const SnappedPoint& snapped, std::size_t number, std::vector<std::string>& notes)
+    {
+        constexpr double most_spacings = 3;
+        if (!(snapped.distance > most_spacings * snapped.point.spacing)) return;
+        notes.push_back("place " + std::to_string(number) + " was moved by " + brief(snapped.distance) + ", to " +
+                        exact(snapped.point.position) + ", where points are " + brief(snapped.point.spacing) +
+                        " apart: the cloud has no point at the place that was given");
+    }
+
+    Measure measure_of(const Context& context, PointCloud* cloud, double& moved, std::vector<std::string>& notes) const
     {
         Measure measure;
         measure.kind = *measure_kind(kind_);
@@ -133,6 +143,7 @@ private:
             if (cloud) {
                 const SnappedPoint snapped = snap(*cloud, place);
                 moved = std::max(moved, snapped.distance);
+                note_far_move(snapped, measure.points.size() + 1, notes);
                 point = snapped.point;
             }
             measure.points.push_back(point);

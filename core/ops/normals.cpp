@@ -41,9 +41,10 @@ public:
 
     Result run(const Context& context) override
     {
-        if (!viewpoint_.empty() && !direction_.empty())
-            throw ArgumentError(called(context, "viewpoint") + " and " + called(context, "direction") +
-                                " exclude each other: leave one of them out");
+        if (int(!viewpoint_.empty()) + int(!direction_.empty()) + int(scanners_) > 1)
+            throw ArgumentError(called(context, "viewpoint") + ", " + called(context, "direction") + " and " +
+                                called(context, "scanners") + " exclude each other: leave all but one of them out");
+        if (scanners_) options_.orientation.rule = NormalOrientation::Rule::scanners;
         if (!viewpoint_.empty())
             options_.orientation = {NormalOrientation::Rule::viewpoint, {viewpoint_[0], viewpoint_[1], viewpoint_[2]}};
         if (!direction_.empty())
@@ -80,6 +81,12 @@ private:
             .group(group)
             .label("Scanner position")
             .help("Normals point towards the scanner's position X Y Z, source coordinates");
+        arguments_.add("scanners", scanners_)
+            .group(group)
+            .label("Scanners of the scans")
+            .help(
+                "Normals point towards where each point's scanner stood, as the poses of PTX and E57 files and the "
+                "attribute scan say");
         arguments_.add("direction", direction_)
             .count(3)
             .group(group)
@@ -91,6 +98,7 @@ private:
     NeighbourArguments neighbours_;
     NeighbourAttributeOptions options_;
     std::vector<double> viewpoint_, direction_;
+    bool scanners_ = false;
 };
 
 }  // namespace

@@ -173,7 +173,10 @@ private:
             .on_in_dialogs();
         arguments_.add("measured_only", measured_only_)
             .only(Face::command)  // in dialogs the switch above does it
-            .help("Leave cells without points out: the volume of the part of the polygon that has points");
+            .help(
+                "Leave cells without points out: the volume of the part of the polygon that has points; the "
+                "uncertainty "
+                "contains the mean height times the area left out");
         arguments_.add("level", options_.level)
             .letter('l')
             .label("Level")

@@ -3,11 +3,13 @@
 #include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/numbers.h"
 #include "pcm/fit/tuning.h"
+#include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/local_fit.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/progress_part.h"
+#include "pcm/place/station_errors.h"
 #include "pcm/place/surface_beyond.h"
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
@@ -45,8 +47,18 @@ void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_pla
     if (!(options.radius >= 0) || !std::isfinite(options.radius))
         refuse("the radius of the neighbourhood is " + exact(options.radius) +
                "; it is a positive number of source units");
+    if (!(options.registration >= 0) || !std::isfinite(options.registration))
+        refuse("the registration is within " + exact(options.registration) +
+               "; it is a positive number of millimetres");
     if (!(options.step >= 0) || !std::isfinite(options.step))
         refuse("the step of growth is " + exact(options.step) + "; it is a positive number of source units");
+}
+
+double metres_per_unit(const std::vector<Metadata>& metadata)
+{
+    const auto system = coordinate_system_of(metadata);
+    const bool is_length = system && system->kind != CrsKind::geographic && system->horizontal.unit.is_known();
+    return is_length ? system->horizontal.unit.per_unit : 1;
 }
 
 class PlacedFit {
@@ -68,17 +80,32 @@ public:
             const std::size_t most = options_.outline.kind == OutlineKind::concave ? 100000 : 1000000;
             primitive.bounds = bounds_of(primitive.fit.shape,
                                          cover_points(result.points, primitive.fit.shape, options_.threads,
-                                                      part_of(options_.progress, 0.9, 1), most),
+                                                      part_of(options_.progress, 0.9, 0.95), most),
                                          options_.outline, tree_->info().bounds());
         }
+        compare_stations(result);
         primitive.fit.seconds = seconds_since(start);
         return result;
     }
 
 private:
+    void compare_stations(FittedPrimitive& result) const
+    {
+        StationErrorOptions options;
+        options.registration = options_.registration / 1000 / metres_per_unit(tree_->info().metadata);
+        options.place = places_.front();
+        options.threads = options_.threads;
+        options.progress = part_of(options_.progress, 0.95, 1);
+        add_station_errors(result.points, options, result.agreement, result.primitive);
+        if (result.agreement > 1)
+            result.notes.push_back("neighbouring points leave the surface together: the errors are " +
+                                   brief(result.agreement) + " times those of independent points");
+    }
+
     NearOptions near_options(std::size_t count) const
     {
         NearOptions options;
+        options.places = true;
         options.radius = options_.radius;
         options.count = options.radius > 0 ? 0 : count;
         options.limit = limit_;
@@ -140,7 +167,7 @@ private:
 
     FittedPrimitive followed(LocalFit local, Way way, double begin, double end)
     {
-        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, {}, {}};
+        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}};
         result.near = std::move(local.near);
         result.local = std::move(local.fit);
         result.notes = std::move(local.notes);
@@ -261,9 +288,7 @@ private:
 
     void take_grown(GrownShape grown, FittedPrimitive& result) const
     {
-        if (grown.agreement > 1)
-            result.notes.push_back("neighbouring points leave the surface together: the errors are " +
-                                   brief(grown.agreement) + " times those of independent points");
+        result.agreement = grown.agreement;
         result.points = std::move(grown.points);
         result.reached.shape = grown.followed;
         result.reached.threshold = grown.threshold;

@@ -29,6 +29,9 @@ struct FitAtOptions {
     double step = 0;      // of growth, source units; 0: from the gaps between the inliers (automatic_step())
     unsigned rounds = 8;  // GrowShapeOptions::most_rounds
     Selection limit;      // clip box, conditions: nothing else is looked at
+    // Standard deviation of how far a station of the scanner is shifted along each axis: contained in the errors
+    // (station_errors.h). Millimetres; source units are metres where the cloud does not state their unit. 0: unknown.
+    double registration = 0;
     OutlineOptions outline;
     unsigned threads = 0;  // 0: one per processor
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
@@ -44,6 +47,7 @@ struct FittedPrimitive {
     double step = 0;      // of growth, source units; 0: none
     unsigned rounds = 0;  // of growth
     bool converged = false;
+    double agreement = 1;  // how many times as large errors are as those of independent points (refit.h)
     // Why the points are those around the places alone although the shape was to be followed: growth left the surface.
     // Empty: it did not.
     std::string left_surface;

@@ -104,6 +104,7 @@ private:
     EvenNoise even_noise_at(const Vec3d& place) const
     {
         NearOptions options;
+        options.places = true;
         options.count = tuned_.first_points;
         options.limit = options_.limit;
         const NearPoints near = points_near(cloud_, place, options);
@@ -119,6 +120,7 @@ private:
         for (std::size_t k = 0; k < places_.size(); ++k) {
             const double share = (end - begin) / static_cast<double>(places_.size());
             NearOptions options;
+            options.places = true;
             options.radius = radius;
             options.count = count;
             options.most = most;
@@ -161,6 +163,7 @@ private:
         noise_ = options_.fit.threshold > 0 ? options_.fit.threshold : result.noise;
         for (const Vec3d& place : places_) {
             NearOptions options;
+            options.places = true;
             options.count = tuned_.core_points;
             options.limit = options_.limit;
             const NearPoints core = points_near(cloud_, place, options);

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <queue>
 #include <tuple>
@@ -260,13 +261,66 @@ private:
     FirstOnes<is_before> spread_;
 };
 
+// Keeps the first point at each place, and of places the first `most`.
+void keep_places(NearPoints& near, std::size_t most)
+{
+    std::vector<std::uint32_t> order(near.ids.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto place = [&](std::uint32_t i) { return near.points.at(i); };
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        return std::make_pair(place(a), a) < std::make_pair(place(b), b);
+    });
+    std::vector<std::uint32_t> first;
+    for (std::size_t k = 0; k < order.size(); ++k)
+        if (k == 0 || place(order[k]) != place(order[k - 1])) first.push_back(order[k]);
+    if (first.size() == near.ids.size() && first.size() <= most) return;
+    std::sort(first.begin(), first.end());
+    first.resize(std::min(first.size(), most));
+    NearPoints kept = near;
+    kept.points = {};
+    kept.points.origin = near.points.origin;
+    kept.ids.clear();
+    for (const std::uint32_t i : first) {
+        if (near.points.has_normals())
+            kept.points.add(near.points.source(i), near.points.normal(i));
+        else
+            kept.points.add(near.points.source(i));
+        kept.ids.push_back(near.ids[i]);
+    }
+    near = std::move(kept);
+}
+
+// As many nearest points as have the wanted number of places among them.
+NearPoints places_near(const Tree& tree, const Vec3d& place, const NearOptions& options)
+{
+    constexpr std::size_t most_repeated = 256, all = std::numeric_limits<std::size_t>::max();
+    if (options.count == 0) {
+        NearPoints near = NearSearch(tree, place, options).run();
+        keep_places(near, all);
+        return near;
+    }
+    NearOptions more = options;
+    const std::size_t most = std::min(most_repeated * options.count, std::max(options.most, options.count));
+    for (;;) {
+        NearPoints near = NearSearch(tree, place, more).run();
+        const std::size_t read = near.ids.size();
+        keep_places(near, options.count);
+        if (near.ids.size() >= options.count || read < more.count || more.count >= most) {
+            near.found = near.ids.size();
+            if (!near.ids.empty()) near.radius = length(near.points.source(near.ids.size() - 1) - place);
+            return near;
+        }
+        more.count = std::min(most, std::max(2 * more.count, more.count * options.count / near.ids.size()));
+    }
+}
+
 }  // namespace
 
 NearPoints points_near(const PointCloud& cloud, const Vec3d& place, const NearOptions& options)
 {
     require(place, options);
     const auto tree = cloud.tree();
-    return NearSearch(*tree, place, options).run();
+    return options.places ? places_near(*tree, place, options) : NearSearch(*tree, place, options).run();
 }
 
 }  // namespace pcm

@@ -17,6 +17,9 @@ struct NearOptions {
     // One of both: all points within a radius (source units, inclusive), or the nearest `count`.
     double radius = 0;
     std::size_t count = 0;
+    // `count` is a number of places: of points at the same coordinates to the bit the first is given alone, so that a
+    // scan that is repeated twenty times is fitted as one. Up to 256 points a place are read.
+    bool places = false;
     Selection limit;  // only points that it chooses: clip box, conditions
     // When there are more, only so many are given: those of the coarsest levels, which are spread evenly, and of the
     // level that does not fit a part at random, the same each time.

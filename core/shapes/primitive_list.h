@@ -27,5 +27,7 @@ public:
 
 // For one that is added: of eight colours that differ, the first that the list has least often.
 std::array<std::uint8_t, 3> next_colour(const PrimitiveList& list);
+// For many that are made together: these colours in turn.
+std::array<std::uint8_t, 3> colour_in_turn(std::size_t number);
 
 }  // namespace pcm

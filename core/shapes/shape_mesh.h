@@ -14,7 +14,8 @@ namespace pcm {
 using MeshFace = std::array<Vec3d, 4>;
 
 struct MeshOptions {
-    double chord = 0;   // largest distance of a face from the surface, source units; 0: radius / 100
+    double chord = 0;   // largest distance of a face from the surface, source units; 0: radius / 100, of
+                        // spheres and tori, which bend both ways, radius / 50
     bool arcs = false;  // cylinders and cones: only the arc that is bounded, without caps
 };
 

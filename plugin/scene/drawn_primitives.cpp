@@ -120,6 +120,7 @@ std::vector<std::pair<QString, QString>> lines_of(const Primitive& primitive, co
     lines.emplace_back("points", QString::fromStdString(grouped(primitive.points)));
     lines.emplace_back("inliers fitted", QString::fromStdString(grouped(fit.inliers)));
     add_place(primitive, unit, lines);
+    if (primitive.stations) lines.emplace_back("σ contains", QString::fromStdString(station_text(*primitive.stations)));
     lines.emplace_back("threshold", text_with(fit.threshold, 0, "", unit));
     lines.emplace_back("condition", QString::fromStdString(brief(fit.condition)));
     if (!primitive.estimator.empty()) lines.emplace_back("estimator", QString::fromStdString(primitive.estimator));

@@ -45,7 +45,16 @@ TEST(LayerNames, ManyOfOneName)
 TEST(LayerNames, ThatAreTypedHaveNoBlanks)
 {
     EXPECT_EQ(plain_layer_names({"Cylinder 1", "cylinder_1", "R\u00f6hre \u2265 5", "\U0001f600", "a;b", "0"}),
-              (Names{"Cylinder_1", "cylinder_1_2", "R_hre___5", "_", "a_b", "0_2"}));
+              (Names{"Cylinder_1", "cylinder_1_2", "Roehre___5", "_", "a_b", "0_2"}));
+}
+
+TEST(LayerNames, ThatAreTypedKeepWhatOtherScriptsSay)
+{
+    EXPECT_EQ(plain_layer_names({"\u0422\u0440\u0443\u0431\u0430 3", "\u03a3\u03c9\u03bb\u03ae\u03bd\u03b1\u03c2",
+                                 "\u4e2d\u6587", "\u4e2d\u56fd", "\u0141\u00f3d\u017a \u00c9tage \u00d7 2", "\u042a"}),
+              (Names{"Truba_3", "Solinas", "U4E2DU6587", "U4E2DU56FD", "Lodz_Etage___2", "_"}));
+    EXPECT_EQ(plain_layer_names({"a\xff\xe4z"})[0], "a__z") << "not UTF-8";
+    EXPECT_EQ(plain_layer_names({"\xe4\xb8"})[0], "__") << "the end is cut off";
 }
 
 TEST(Colours, OfTheIndexAreTheirOwnNearest)

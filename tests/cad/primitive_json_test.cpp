@@ -30,6 +30,7 @@ Primitive full_primitive(ShapeKind kind, double x)
     primitive.fit.inliers = std::numeric_limits<std::uint64_t>::max();
     primitive.fit.iterations = 77;
     primitive.fit.seconds = 0.1;
+    primitive.stations = StationFacts{StationSource::time_gaps, 4294967295u, 0.0014 / 3, 7, 0.002 / 3};  // the last one
     primitive.points = 12345678901;
     primitive.label = 4294967295u;
     primitive.estimator = "msac";
@@ -49,6 +50,14 @@ Primitive full_primitive(ShapeKind kind, double x)
 
 void expect_equal(const Primitive& a, const Primitive& b)
 {
+    ASSERT_EQ(a.stations.has_value(), b.stations.has_value());
+    if (a.stations) {
+        EXPECT_EQ(a.stations->source, b.stations->source);
+        EXPECT_EQ(a.stations->stations, b.stations->stations);
+        EXPECT_EQ(a.stations->spread, b.stations->spread);
+        EXPECT_EQ(a.stations->freedom, b.stations->freedom);
+        EXPECT_EQ(a.stations->registration, b.stations->registration);
+    }
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.colour, b.colour);
     EXPECT_EQ(a.hidden, b.hidden);

@@ -62,10 +62,27 @@ TEST_F(DetectCommand, PCM_NOT_UNDER_ADDRESS(FindsListsAndLabels))
     EXPECT_TRUE(pcmlab("select " + path("in.pct") + " --where shape=1").code != 0);  // the tree itself is as before
 }
 
+// A tree to write is one with labels, whether or not a list is written, too.
+TEST_F(DetectCommand, WritesATreeAgainWithoutAList)
+{
+    const std::string detect =
+        "detect --json " + path("in.pct") + " --shape plane --min-points 5000 -o " + path("out.pct");
+    const Result first = pcmlab(detect);
+    ASSERT_EQ(first.code, 0) << first.err;
+    EXPECT_NE(pcmlab(detect).code, 0) << "nothing is overwritten unasked";
+    const Result again = pcmlab(detect + " --overwrite");
+    ASSERT_EQ(again.code, 0) << again.err;
+    const Json primitives = Json::parse(again.out)["primitives"];
+    ASSERT_GE(primitives.size(), 2u);
+    EXPECT_NE(primitives[0]["colour"], primitives[1]["colour"]) << "shapes next to each other differ";
+    const Result selected = pcmlab("select --json " + path("out.pct") + " --where primitive=1");
+    ASSERT_EQ(selected.code, 0) << selected.err;
+    EXPECT_EQ(Json::parse(selected.out)["points"], primitives[0]["points"]);
+}
+
 TEST_F(DetectCommand, RefusesWhatMakesNoSense)
 {
     refused("--label shape", 2, "--in-place");
-    refused("-o " + path("out.pct"), 2, "--label");
     refused("--overwrite", 2, "--out");
     refused("--shape cone", 2, "cone");
     refused("--threshold -1", 2, "threshold");

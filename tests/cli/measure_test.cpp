@@ -37,6 +37,29 @@ protected:
     }
 };
 
+// A place that no point of the cloud is near is moved all the same, and the text says so.
+TEST_F(MeasureCommands, APlaceFarFromThePointsIsNamed)
+{
+    make_tree("a", 1);
+    const std::string measure =
+        "measure distance --from " + path("a.pct") + " -p 500010 4800010 100 500040 4800040 400";
+    const Result text = pcmlab(measure);
+    ASSERT_EQ(text.code, 0) << text.err;
+    const std::string all = text.out + text.err;
+    EXPECT_NE(all.find("place 2 was moved by "), std::string::npos) << all;
+    EXPECT_EQ(all.find("place 1 was moved by "), std::string::npos) << all;
+    const Json json = json_of(measure);
+    EXPECT_GT(json["largest_move"], 100);
+    // The place that it was moved to is a point of the cloud: moved no more.
+    const Json at = json["measures"][0]["points"][1];
+    const Json position = at.contains("position") ? at["position"] : at;
+    std::string again = "measure point --from " + path("a.pct") + " -p";
+    for (const Json& number : position) again += " " + number.dump();
+    const Result there = pcmlab(again);
+    EXPECT_EQ(there.code, 0) << there.err;
+    EXPECT_EQ((there.out + there.err).find("was moved by "), std::string::npos) << there.out;
+}
+
 TEST_F(MeasureCommands, MeasuresAtPointsAndKeepsLists)
 {
     const Json one = json_of("measure distance -p 500000 4800000 100 500003 4800004 100 -o " + path("a.json"));

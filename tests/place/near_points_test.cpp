@@ -101,6 +101,31 @@ TEST_F(NearPointsTest, AreThoseOfASearchThroughAll)
     EXPECT_EQ(largest_, points_.size());
 }
 
+// Of the points at one place the first in their order, however many are there.
+TEST_F(NearPointsTest, PlacesAreCountedOnce)
+{
+    for (const Shape shape : {Shape::duplicates, Shape::surface}) {
+        std::filesystem::remove_all(path());
+        make(shape, 8000);
+        for (const std::size_t count : {std::size_t(1), std::size_t(9), std::size_t(100)}) {
+            const Vec3d place = points_[3 * count].position;
+            std::vector<const KnownPoint*> wanted;
+            std::map<Vec3d, const KnownPoint*> known;
+            for (const KnownPoint* p : ordered(place, [](const KnownPoint&) { return true; }))
+                if (known.emplace(p->position, p).second && wanted.size() < count) wanted.push_back(p);
+            NearOptions options = of_count(count);
+            options.places = true;
+            const NearPoints found = points_near(*open(), place, options);
+            ASSERT_EQ(found.ids.size(), wanted.size()) << count;
+            for (std::size_t i = 0; i < wanted.size(); ++i) {
+                EXPECT_EQ(found.ids[i].node, wanted[i]->node) << i;
+                EXPECT_EQ(found.ids[i].index, wanted[i]->number) << i;
+            }
+            EXPECT_EQ(found.found, found.ids.size());
+        }
+    }
+}
+
 // A point exactly at the radius belongs to it.
 TEST_F(NearPointsTest, TheRadiusIsInclusive)
 {

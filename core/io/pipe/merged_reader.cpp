@@ -1,13 +1,16 @@
 #include "pcm/io/pipe/merged_reader.h"
 
 #include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/pipe/grid_steps.h"
 #include "pcm/io/pipe/system_check.h"
+#include "pcm/io/scans.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <map>
 #include <string>
 #include <utility>
@@ -46,20 +49,6 @@ double size_in_bytes(const fs::path& path)
     std::error_code error;
     const std::uintmax_t bytes = fs::is_regular_file(path, error) ? fs::file_size(path, error) : 0;
     return error || bytes == 0 ? 1.0 : static_cast<double>(bytes);
-}
-
-// Whether two grids of equal scale differ by whole steps, few enough that doubles keep their positions distinct.
-bool steps_apart(const Grid& a, const Grid& b)
-{
-    if (a.scale != b.scale) return false;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const double steps = (b.offset[axis] - a.offset[axis]) / a.scale[axis];
-        if (!(std::fabs(steps - std::round(steps)) <= 1e-6)) return false;
-        const double largest =
-            std::max(std::fabs(a.offset[axis]), std::fabs(b.offset[axis])) / std::fabs(a.scale[axis]);
-        if (!(largest + 0x1p32 < 0x1p50)) return false;
-    }
-    return true;
 }
 
 }  // namespace
@@ -163,7 +152,7 @@ void MergedReader::look_at_headers(Inputs& inputs)
         for (const std::string& note : systems.add(reader->info(), source.path)) notes.add(note, source.path);
         if (systems.is_without_system()) without_system.push_back(source.path);
         look_at_header(source, reader->info(), reader->seekable(), notes);
-        take_metadata(reader->info(), systems.gives_the_system(), notes);
+        take_metadata(reader->info(), parts_.back().scans_before, systems.gives_the_system(), notes);
         sources_.push_back(std::move(source));
     }
     if (sources_.empty()) throw errors[0];
@@ -175,6 +164,8 @@ void MergedReader::look_at_headers(Inputs& inputs)
                           describe(*systems.system()),
                       path);
     settle_positions();
+    if (std::count_if(parts_.begin(), parts_.end(), [](const Part& part) { return part.scans > 0; }) > 1)
+        scan_place_ = place_for_scan_numbers(info_.schema);
     describe_missing(notes);
     info_.notes = std::move(inputs.notes);
     note_left_out(errors);
@@ -202,6 +193,9 @@ void MergedReader::look_at_header(const Source& source, const FileInfo& info, bo
     part.format = info.format;
     part.points_known = info.points_known;
     part.position_type = info.position_type;
+    part.scans = scans_of(info.metadata, info.schema);
+    part.scans_before = scans_;
+    scans_ += std::min(part.scans, std::numeric_limits<std::uint32_t>::max() - scans_);
     total_weight_ += part.weight;
     info_.near_grid = parts_.empty() ? info.near_grid : std::nullopt;
     parts_.push_back(part);
@@ -257,12 +251,13 @@ std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, N
 
 // `with_system`: the file states the cloud's coordinate system; records of an earlier file that nobody could decode
 // make place for it.
-void MergedReader::take_metadata(const FileInfo& info, bool with_system, Notes& notes)
+void MergedReader::take_metadata(const FileInfo& info, std::uint32_t scans_before, bool with_system, Notes& notes)
 {
     std::vector<Metadata>& all = info_.metadata;
     if (with_system) all.erase(std::remove_if(all.begin(), all.end(), is_crs_block), all.end());
-    for (const Metadata& block : info.metadata) {
+    for (Metadata block : info.metadata) {
         if (!with_system && is_crs_block(block)) continue;
+        if (scans_before > 0) block.key = renumbered(block.key, scans_before);
         if (metadata_bytes_ == max_metadata_bytes) return;  // noted already
         if (std::find(all.begin(), all.end(), block) != all.end()) continue;
         constexpr std::uint64_t overhead = 128;
@@ -273,7 +268,7 @@ void MergedReader::take_metadata(const FileInfo& info, bool with_system, Notes& 
             return;
         }
         metadata_bytes_ += bytes;
-        all.push_back(block);
+        all.push_back(std::move(block));
     }
 }
 
@@ -300,12 +295,31 @@ void MergedReader::take_late(const FileInfo& info, const Part& part, const fs::p
 {
     Notes late(sources_.size());
     for (std::size_t i = part.notes; i < info.notes.size(); ++i) late.add(info.notes[i], path);
-    take_metadata(info, false, late);
+    take_metadata(info, part.scans_before, false, late);
     info_.points_left_out += info.points_left_out;
     for (std::string& note : late.take())
         if (info_.notes.size() < 2 * max_notes &&
             std::find(info_.notes.begin(), info_.notes.end(), note) == info_.notes.end())
             info_.notes.push_back(std::move(note));
+}
+
+void MergedReader::put_scan_numbers(PointBatch& batch) const
+{
+    const Part& part = parts_[current_];
+    if (!scan_place_ || part.scans == 0) return;
+    const std::vector<std::size_t>& missing = shapes_[part.shape].missing;
+    number_scans(batch.attributes[*scan_place_], batch.size, part.scans_before,
+                 !std::binary_search(missing.begin(), missing.end(), *scan_place_));
+}
+
+void MergedReader::note_missing(const std::string& what, const std::vector<std::size_t>& parts, Notes& notes) const
+{
+    if (parts.empty()) return;
+    std::vector<std::string> names;
+    for (const std::size_t p : parts)
+        if (names.size() < named_files) names.push_back(file_name(sources_[p].path));
+    notes.add(what + " not in " + grouped(parts.size()) + " of " + grouped(parts_.size()) +
+              " files and zero there: " + Notes::list_of(names, parts.size()));
 }
 
 void MergedReader::describe_missing(Notes& notes)
@@ -320,6 +334,7 @@ void MergedReader::describe_missing(Notes& notes)
     // Attributes missing from the same files are one note.
     std::map<std::vector<bool>, std::vector<std::size_t>> lacked_by;
     for (std::size_t k = 0; k < info_.schema.size(); ++k) {
+        if (scan_place_ == k) continue;
         std::vector<bool> shapes(shapes_.size());
         for (std::size_t s = 0; s < shapes_.size(); ++s) {
             const std::vector<std::size_t>& missing = shapes_[s].missing;
@@ -328,20 +343,19 @@ void MergedReader::describe_missing(Notes& notes)
         lacked_by[shapes].push_back(k);
     }
     for (const auto& [shapes, attributes] : lacked_by) {
-        std::vector<std::string> names;
-        std::size_t count = 0;
-        for (std::size_t p = 0; p < parts_.size(); ++p) {
-            if (!shapes[parts_[p].shape]) continue;
-            if (names.size() < named_files) names.push_back(file_name(sources_[p].path));
-            ++count;
-        }
-        if (count == 0) continue;
+        std::vector<std::size_t> parts;
+        for (std::size_t p = 0; p < parts_.size(); ++p)
+            if (shapes[parts_[p].shape]) parts.push_back(p);
         std::string text = attributes.size() == 1 ? "attribute " : "attributes ";
         for (std::size_t i = 0; i < attributes.size(); ++i)
             text += (i ? ", '" : "'") + info_.schema[attributes[i]].name + "'";
-        notes.add(text + (attributes.size() == 1 ? " is" : " are") + " not in " + grouped(count) + " of " +
-                  grouped(parts_.size()) + " files and zero there: " + Notes::list_of(names, count));
+        note_missing(text + (attributes.size() == 1 ? " is" : " are"), parts, notes);
     }
+    if (!scan_place_) return;
+    std::vector<std::size_t> without;
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+        if (parts_[p].scans == 0) without.push_back(p);
+    note_missing("attribute 'scan' is", without, notes);
 }
 
 PointReader& MergedReader::open(std::size_t part)
@@ -364,6 +378,7 @@ bool MergedReader::read(PointBatch& batch, std::size_t max_points)
     while (current_ < parts_.size()) {
         try {
             if (read_part(batch, max_points)) {
+                put_scan_numbers(batch);
                 part_points_ += batch.size;
                 return true;
             }

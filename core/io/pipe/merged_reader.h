@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,9 @@ namespace pcm {
 // integers where all files have the same grid, else as doubles; info().near_grid is then the first file's grid, if the
 // other grids have its scale and offsets that differ by whole steps. Notes report differences in a few lines, however
 // many files there are.
+//
+// Where several files have scans (io/scans.h) the attribute `scan` numbers those of all files, from 1 in the order of
+// the files, and so do the keys of their metadata: each number is a station of its own.
 //
 // Files of different coordinate systems, units or GPS times are refused (system_check.h), unless the difference is to
 // be ignored. Metadata are the union without duplicates, but the records of the coordinate system are those of the
@@ -83,6 +87,7 @@ private:
         std::string format;
         ScalarType position_type = ScalarType::f64;
         bool points_known = true;
+        std::uint32_t scans = 0, scans_before = 0;
     };
     // A schema of one or many files, and the place of each of its attributes in the merged schema.
     struct Shape {
@@ -97,11 +102,13 @@ private:
     void look_at_header(const Source& source, const FileInfo& info, bool seekable, Notes& notes);
     void note_left_out(const std::vector<Error>& errors);
     bool read_part(PointBatch& batch, std::size_t max_points);
+    void put_scan_numbers(PointBatch& batch) const;
     void give_up(const Error& error);
     void end_part();
     void finish();
     std::size_t shape_of(const FileInfo& info, const std::filesystem::path& path, Notes& notes);
-    void take_metadata(const FileInfo& info, bool with_system, Notes& notes);
+    void take_metadata(const FileInfo& info, std::uint32_t scans_before, bool with_system, Notes& notes);
+    void note_missing(const std::string& what, const std::vector<std::size_t>& parts, Notes& notes) const;
     void take_late(const FileInfo& info, const Part& part, const std::filesystem::path& path);
     void settle_positions();
     void describe_missing(Notes& notes);
@@ -113,6 +120,8 @@ private:
     bool seekable_ = true, boxes_known_ = true;
     std::vector<Part> parts_;
     std::vector<Shape> shapes_;
+    std::uint32_t scans_ = 0;                // number in all files
+    std::optional<std::size_t> scan_place_;  // place of their numbers in the merged schema
     double total_weight_ = 0;
     double weight_before_ = 0;  // weight of the parts that have been read completely
     std::uint64_t metadata_bytes_ = 0;

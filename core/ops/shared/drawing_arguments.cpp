@@ -29,7 +29,7 @@ void DrawingArguments::declare(Arguments& arguments)
         .unit("source units")
         .label("Chord")
         .help("Drawings: largest distance of a mesh from its curved surface")
-        .automatic("a hundredth of the radius")
+        .automatic("a hundredth of the radius, of spheres and tori a fiftieth")
         .advanced();
     arguments.add("arcs", arcs_)
         .label("Arcs")

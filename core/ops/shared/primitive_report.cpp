@@ -73,6 +73,7 @@ void put_lines(Result& result, const Primitive& primitive)
     put_bounds(line, primitive);
     line("noise",
          brief(fit.noise) + ", within " + brief(fit.threshold) + " of the surface; condition " + brief(fit.condition));
+    if (primitive.stations) line("stations", station_text(*primitive.stations));
     line("search", grouped(fit.iterations) + " samples by " + primitive.estimator + ", fit and growth in " +
                        time_text(fit.seconds));
 }

@@ -45,7 +45,7 @@ std::vector<ShapeLine> lines(const Shape& shape, const ShapeBounds&, const Shape
 
 double chord_of(const Shape& shape, const MeshOptions& options)
 {
-    return options.chord > 0 ? options.chord : shape.radius / 100;
+    return options.chord > 0 ? options.chord : shape.radius / 50;
 }
 
 void mesh(const Shape& shape, const ShapeBounds&, const MeshOptions& options, const FaceVisitor& visit)

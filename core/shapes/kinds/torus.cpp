@@ -66,7 +66,7 @@ std::vector<ShapeLine> lines(const Shape& shape, const ShapeBounds& bounds, cons
 
 double chord_of(const Shape& shape, const MeshOptions& options)
 {
-    return options.chord > 0 ? options.chord : shape.second / 100;
+    return options.chord > 0 ? options.chord : shape.second / 50;
 }
 
 void mesh(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options, const FaceVisitor& visit)

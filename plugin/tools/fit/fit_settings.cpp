@@ -58,6 +58,8 @@ std::vector<FitNumber> search_numbers()
          }},
         {"OutlineEdge", "outline_edge", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.outline.edge = number; }},
+        {"Registration", "registration", nullptr, false,
+         [](FitAtOptions& options, double number, const FitSettings&) { options.registration = number; }},
         {"Seed", "seed", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
              options.fit.seed = static_cast<std::uint64_t>(number);

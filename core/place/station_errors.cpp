@@ -1,0 +1,162 @@
+#include "pcm/place/station_errors.h"
+
+#include "pcm/fit/models/shape_model.h"
+#include "pcm/fit/station_sums.h"
+#include "pcm/fit/tuning.h"
+#include "pcm/place/error_agreement.h"
+#include "pcm/place/point_stations.h"
+#include "pcm/place/progress_part.h"
+#include "pcm/place/station_survey.h"
+#include "pcm/place/tuning.h"
+#include "pcm/select/point_scan.h"
+#include "pcm/tree/source_rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <mutex>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+double together(double a, double b) { return std::hypot(a, b); }
+
+void add_in_quadrature(ShapeErrors& errors, const ShapeErrors& other)
+{
+    errors.position = together(errors.position, other.position);
+    errors.angle = together(errors.angle, other.angle);
+    errors.radius = together(errors.radius, other.radius);
+    errors.second = together(errors.second, other.second);
+}
+
+// Where nothing says which points are shifted together.
+ShapeErrors errors_of_unknown_stations(const ShapeFit& fit, double spread)
+{
+    const double per_length = fit.errors.position > 0 ? spread / fit.errors.position : 0;
+    ShapeErrors errors;
+    errors.position = spread;
+    if (std::isfinite(per_length) && std::isfinite(fit.errors.angle)) errors.angle = per_length * fit.errors.angle;
+    for (const ShapeSize& size : traits_of(fit.shape.kind).sizes)
+        errors.*size.error = size.unit == SizeUnit::length ? spread : per_length * fit.errors.*size.error;
+    return errors;
+}
+
+void doubt_uncertain_size(ShapeFit& fit)
+{
+    if (fit.verdict != FitVerdict::good) return;
+    const auto [flat, other] = model_of(fit.shape.kind).significance(fit.shape, fit.errors);
+    if (std::min(flat, other) >= fit_tuning().judgement.good_significance) return;
+    fit.verdict = FitVerdict::doubtful;
+    fit.issue = FitIssue::thin_arc;
+    fit.message =
+        "the points cover too little of the shape for how far stations are apart, so its size is uncertain: take "
+        "points "
+        "farther around it";
+}
+
+class StationScan {
+public:
+    StationScan(const PointSet& points, const PointStations& stations, const StationErrorOptions& options)
+        : points_(points), tree_(points.tree()), rounding_(tree_.info()), stations_(stations), options_(options)
+    {
+    }
+
+    // Calls see(part, place, station) for each point with a part of its node, which begins as a copy of `empty`, and
+    // adds the parts in the nodes' order.
+    template <class Part, class See>
+    Part sums(const Part& empty, const See& see)
+    {
+        std::map<NodeId, Part> parts;
+        std::mutex mutex;
+        ScanOptions scan;
+        scan.within = &points_;
+        scan.columns = stations_.columns();
+        scan.select.threads = options_.threads;
+        scan.select.progress = options_.progress;
+        scan.stage = "Comparing stations";
+        scan.begin = passes_++ / 3.0;
+        scan.end = passes_ / 3.0;
+        scan_points(tree_, {}, scan, [&](const ScannedPoints& found) {
+            Part part = empty;
+            for (const std::uint32_t i : found.indices)
+                see(part, rounding_(tree_.info().grid.to_source(found.part.chunk.positions->grid(i))),
+                    stations_.at(found.part.chunk, i));
+            const std::lock_guard lock(mutex);
+            parts.emplace(found.node, std::move(part));
+        });
+        Part all = empty;
+        for (const auto& [node, part] : parts) add(all, part);
+        return all;
+    }
+
+private:
+    static void add(Box3d& to, const Box3d& from) { to.extend(from); }
+    template <class Part>
+    static void add(Part& to, const Part& from)
+    {
+        to.add(from);
+    }
+
+    const PointSet& points_;
+    const Tree& tree_;
+    const SourceRounding rounding_;
+    const PointStations& stations_;
+    const StationErrorOptions& options_;
+    int passes_ = 0;
+};
+
+// What is left of the agreement of neighbours when the stations are put where they belong.
+double agreement_within(StationScan& scan, const StationSums& sums, double spread, double noise, const Box3d& box)
+{
+    const ShiftedFit shifted = sums.shifted(spread, noise);
+    const ErrorAgreement none(box.min, box.diagonal() / place_tuning().growth.agreement_cubes);
+    return scan
+        .sums(none, [&](ErrorAgreement& part, const Vec3d& p,
+                        std::uint32_t station) { part.add(p, sums.distance(shifted, p, station)); })
+        .factor();
+}
+
+}  // namespace
+
+void add_station_errors(const PointSet& points, const StationErrorOptions& options, double& agreement,
+                        Primitive& primitive)
+{
+    ShapeFit& fit = primitive.fit;
+    if (!fit.has_shape() || points.empty()) return;
+    StationFacts& facts = primitive.stations.emplace();
+    facts.registration = options.registration;
+    const PointStations stations(points.tree());
+    facts.source = stations.source();
+    if (facts.source == StationSource::none) {
+        if (!(options.registration > 0)) return;
+        add_in_quadrature(fit.errors, errors_of_unknown_stations(fit, options.registration));
+        return doubt_uncertain_size(fit);
+    }
+    StationScan scan(points, stations, options);
+    const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });
+    const StationSums sums =
+        scan.sums(StationSums(fit.shape, box.centre(), box.diagonal()),
+                  [](StationSums& part, const Vec3d& p, std::uint32_t station) { part.add(p, station); });
+    facts.stations = static_cast<std::uint32_t>(sums.stations());
+    if (!sums.is_determined()) return;
+    const double as_one = sums.noise_as_one(), within = sums.noise_within();
+    StationEvidence evidence = station_survey(points.tree(), stations, options.place);
+    double alike = agreement;
+    if (facts.stations > 1) {
+        const double spread = sums.evidence(within).spread().spread;
+        if (agreement > 1) alike = std::min(agreement, agreement_within(scan, sums, spread, within, box));
+        evidence.add(sums.evidence(within * alike));
+    }
+    const StationSpread found = evidence.spread();
+    facts.freedom = found.freedom;
+    facts.spread = found.spread;
+    if (facts.stations > 1 && as_one > 0) enlarge(fit.errors, std::min(1.0, within / as_one) * alike / agreement);
+    agreement = alike;
+    const double spread = std::max(found.spread * student_factor(found.freedom), options.registration);
+    if (!(spread > 0)) return;
+    add_in_quadrature(fit.errors, sums.errors_of_spread(spread));
+    doubt_uncertain_size(fit);
+}
+
+}  // namespace pcm

@@ -1,0 +1,312 @@
+#include "pcm/place/station_survey.h"
+
+#include "pcm/cloud/box_distance.h"
+#include "pcm/cloud/numbers.h"
+#include "pcm/cloud/symmetric_eigen.h"
+#include "pcm/tree/source_rounding.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
+
+namespace pcm {
+namespace {
+
+using PatchMatrix = Eigen::MatrixXd;
+using PatchVector = Eigen::VectorXd;
+
+constexpr std::size_t enough_patches = 150, enough_stations = 4;  // then no larger box is looked at
+constexpr std::size_t most_of_view = 60000;                       // points of a box
+constexpr std::size_t wanted_points = 100;                        // of a cube, about
+constexpr std::size_t least_points = 24, most_points = 400;       // of a patch
+constexpr std::size_t least_of_station = 5;
+constexpr double flatness = 0.05;          // of the variances of a patch, the least to the middle one
+constexpr double widest = 0.1;             // and the middle one to the largest, at least
+constexpr double least_overlap = 0.6;      // of what differences show, relative to stations that see all of a patch
+constexpr double most_noise = 2;           // of a patch, relative to the quarter with the least noise
+constexpr double most_deviations = 4;      // of patches from the others
+constexpr Eigen::Index surface_terms = 6;  // of a height of the second degree
+
+struct StationPoint {
+    Vec3d place{};
+    std::uint32_t station = 0;
+};
+
+// A piece of surface that several stations see.
+struct Patch {
+    std::vector<std::uint32_t> stations;
+    Vec3d normal{};
+    PatchMatrix h;  // of heights: a number for each pair of stations
+    PatchVector u;
+    double noise = 0;
+
+    // How far what the stations show is from what the shifts say, in units of its deviation by noise alone, and of the
+    // heights.
+    double deviation(const StationSpread& found) const
+    {
+        PatchVector shift(u.size());
+        for (std::size_t s = 0; s < stations.size(); ++s) {
+            const auto at = found.shifts.find(stations[s]);
+            shift[static_cast<Eigen::Index>(s)] = at == found.shifts.end() ? 0 : dot(normal, at->second);
+        }
+        const double weight = h.trace();
+        return weight > 0 ? (u - h * shift).norm() / weight : 0;
+    }
+
+    void add_to(StationEvidence& evidence) const
+    {
+        const std::size_t count = stations.size(), columns = 3 * count;
+        std::vector<double> whole(columns * columns), pulls(columns);
+        for (std::size_t s = 0; s < count; ++s)
+            for (std::size_t a = 0; a < 3; ++a) {
+                pulls[3 * s + a] = u[static_cast<Eigen::Index>(s)] * normal[a];
+                for (std::size_t t = 0; t < count; ++t)
+                    for (std::size_t b = 0; b < 3; ++b)
+                        whole[(3 * s + a) * columns + 3 * t + b] =
+                            h(static_cast<Eigen::Index>(s), static_cast<Eigen::Index>(t)) * normal[a] * normal[b];
+            }
+        evidence.add(stations, whole, pulls, noise);
+    }
+};
+
+// The frame of a patch: its middle, and its axes, the normal last; false where it is no surface.
+bool frame_of(const std::vector<StationPoint>& points, Vec3d& middle, std::array<Vec3d, 3>& axes, double& size)
+{
+    middle = {};
+    for (const StationPoint& p : points) middle = middle + (p.place - points.front().place);
+    middle = points.front().place + middle / static_cast<double>(points.size());
+    SquareMatrix<3> moments{};
+    for (const StationPoint& p : points) {
+        const Vec3d d = p.place - middle;
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t b = 0; b < 3; ++b) moments[a][b] += d[a] * d[b];
+    }
+    const Eigensystem<3> system = eigensystem<3>(moments);
+    if (!(system.values[2] > 0) || system.values[1] < widest * system.values[2] ||
+        system.values[0] > flatness * system.values[1])
+        return false;
+    for (std::size_t k = 0; k < 3; ++k)
+        axes[2 - k] = {system.vectors[k][0], system.vectors[k][1], system.vectors[k][2]};
+    size = std::sqrt(system.values[2] / static_cast<double>(points.size()));
+    return true;
+}
+
+// Nothing where it is no smooth surface of several stations.
+bool patch_of(std::vector<StationPoint> points, Patch& patch)
+{
+    std::map<std::uint32_t, std::size_t> counts;
+    for (const StationPoint& p : points) ++counts[p.station];
+    for (const auto& [station, count] : counts)
+        if (count >= least_of_station) patch.stations.push_back(station);
+    if (patch.stations.size() < 2) return false;
+    const auto number = [&](std::uint32_t station) {
+        const auto at = std::lower_bound(patch.stations.begin(), patch.stations.end(), station);
+        return at != patch.stations.end() && *at == station ? at - patch.stations.begin() : -1;
+    };
+    points.erase(
+        std::remove_if(points.begin(), points.end(), [&](const StationPoint& p) { return number(p.station) < 0; }),
+        points.end());
+    Vec3d middle;
+    std::array<Vec3d, 3> axes;
+    double size = 0;
+    if (points.size() < least_points || !frame_of(points, middle, axes, size)) return false;
+    patch.normal = axes[2];
+    const auto n = static_cast<Eigen::Index>(points.size()),
+               stations = static_cast<Eigen::Index>(patch.stations.size());
+    PatchMatrix terms(n, surface_terms), of_station = PatchMatrix::Zero(n, stations);
+    PatchVector heights(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        const StationPoint& p = points[static_cast<std::size_t>(i)];
+        const Vec3d d = p.place - middle;
+        const double x = dot(axes[0], d) / size, y = dot(axes[1], d) / size;
+        terms.row(i) << 1, x, y, x * x, x * y, y * y;
+        of_station(i, number(p.station)) = 1;
+        heights[i] = dot(axes[2], d);
+    }
+    PatchMatrix normal = terms.transpose() * terms;
+    normal.diagonal().array() += 1e-9 * static_cast<double>(n);
+    const Eigen::LDLT<PatchMatrix> solver(normal);
+    patch.h = of_station.transpose() * of_station -
+              of_station.transpose() * terms * solver.solve(terms.transpose() * of_station);
+    // Stations that see different parts of it differ by what is assumed of the surface between them.
+    const PatchVector counts_of = of_station.colwise().sum();
+    if (patch.h.trace() < least_overlap * (static_cast<double>(n) - counts_of.squaredNorm() / static_cast<double>(n)))
+        return false;
+    patch.u =
+        of_station.transpose() * heights - of_station.transpose() * terms * solver.solve(terms.transpose() * heights);
+    PatchMatrix joint(n, surface_terms + stations);
+    joint << terms, of_station;
+    PatchMatrix products = joint.transpose() * joint;
+    products.diagonal().array() += 1e-9 * static_cast<double>(n);  // one column says nothing new
+    const PatchVector left = heights - joint * products.ldlt().solve(joint.transpose() * heights);
+    const auto freedom = static_cast<double>(n - surface_terms - stations + 1);
+    if (!(freedom >= 8)) return false;
+    patch.noise = left.norm() / std::sqrt(freedom);
+    return patch.noise > 0;
+}
+
+class Survey {
+public:
+    Survey(const Tree& tree, const PointStations& stations) : tree_(tree), stations_(stations), rounding_(tree.info())
+    {
+    }
+
+    StationEvidence run(const Vec3d& place)
+    {
+        for (const NodeId root : tree_.part_roots())
+            if (root != no_node) gather(root, place);
+        std::sort(views_.begin(), views_.end(),
+                  [](const View& a, const View& b) { return a.box.diagonal() < b.box.diagonal(); });
+        for (const View& view : views_) {
+            look_at(view);
+            if (is_enough()) break;
+        }
+        return agreeing();
+    }
+
+private:
+    // A node's box, and those of the points that are as dense in all of it: of the node and of the nodes above it.
+    struct View {
+        Box3d box;
+        std::size_t begin = 0, end = 0;
+    };
+
+    // The chunks from a part's root to the leaf at the place.
+    void gather(NodeId node, const Vec3d& place)
+    {
+        const std::size_t begin = points_.size();
+        for (; node != no_node;) {
+            read(node);
+            views_.push_back({tree_.box(node), begin, points_.size()});
+            NodeId next = no_node;
+            double best = infinity;
+            for (const NodeId child : tree_.node(node).children) {
+                if (child == no_node) continue;
+                const double away = squared_distance(tree_.box(child), place);
+                if (away < best) best = away, next = child;
+            }
+            node = next;
+        }
+    }
+
+    void read(NodeId node)
+    {
+        const Chunk chunk = tree_.read_chunk(node, stations_.columns());
+        for (std::uint32_t i = 0; i < chunk.points; ++i)
+            points_.push_back(
+                {rounding_(tree_.info().grid.to_source(chunk.positions->grid(i))), stations_.at(chunk, i)});
+    }
+
+    // Cubes that hold about the wanted number of points where they are on a surface.
+    void look_at(const View& view)
+    {
+        const Box3d& box = view.box;
+        std::vector<StationPoint> inside;
+        for (std::size_t i = view.begin; i < view.end; ++i)
+            if (box.contains(points_[i].place)) inside.push_back(points_[i]);
+        thin(inside);
+        if (inside.size() < wanted_points) return;
+        double edge = box.diagonal() / 16;
+        // The points of a cube on a surface grow with the square of its edge.
+        for (int round = 0; round < 3; ++round)
+            edge *=
+                std::clamp(std::sqrt(static_cast<double>(wanted_points) / held(inside, box.min, edge)), 1.0 / 64, 4.0);
+        const std::vector<CubePoint> order = divided(inside, box.min, edge);
+        for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+            std::vector<StationPoint> some;
+            for (end = begin; end < order.size() && order[end].first == order[begin].first; ++end)
+                some.push_back(inside[order[end].second]);
+            Patch patch;
+            if (some.size() <= most_points && patch_of(some, patch)) patches_.push_back(std::move(patch));
+        }
+    }
+
+    static void thin(std::vector<StationPoint>& points)
+    {
+        const std::size_t step = points.size() / most_of_view + 1;
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < points.size(); i += step) points[kept++] = points[i];
+        points.resize(kept);
+    }
+
+    // Points with their cubes, cube by cube.
+    using CubePoint = std::pair<std::uint64_t, std::uint32_t>;
+    static std::vector<CubePoint> divided(const std::vector<StationPoint>& points, const Vec3d& corner, double edge)
+    {
+        std::vector<CubePoint> order;
+        for (std::uint32_t i = 0; i < points.size(); ++i) {
+            const Vec3d d = (points[i].place - corner) / edge;
+            std::uint64_t key = 0;
+            for (const double along : d) key = key << 21 | (static_cast<std::uint64_t>(along) & 0x1fffff);
+            order.emplace_back(key, i);
+        }
+        std::sort(order.begin(), order.end());
+        return order;
+    }
+
+    // The number of points in the cube of a point, on average.
+    static double held(const std::vector<StationPoint>& points, const Vec3d& corner, double edge)
+    {
+        const std::vector<CubePoint> order = divided(points, corner, edge);
+        double sum = 0;
+        for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+            for (end = begin; end < order.size() && order[end].first == order[begin].first;) ++end;
+            sum += static_cast<double>((end - begin) * (end - begin));
+        }
+        return sum / static_cast<double>(points.size());
+    }
+
+    bool is_enough() const
+    {
+        std::set<std::uint32_t> stations;
+        for (const Patch& patch : patches_) stations.insert(patch.stations.begin(), patch.stations.end());
+        return patches_.size() >= enough_patches && stations.size() >= enough_stations;
+    }
+
+    StationEvidence agreeing() const
+    {
+        StationEvidence all;
+        if (patches_.empty()) return all;
+        std::vector<double> noises;
+        for (const Patch& patch : patches_) noises.push_back(patch.noise);
+        const auto quarter = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 4);
+        std::nth_element(noises.begin(), quarter, noises.end());
+        std::vector<const Patch*> smooth;
+        for (const Patch& patch : patches_)
+            if (patch.noise <= most_noise * *quarter) smooth.push_back(&patch);
+        for (const Patch* patch : smooth) patch->add_to(all);
+        const StationSpread first = all.spread();
+        std::vector<double> deviations;
+        for (const Patch* patch : smooth) deviations.push_back(patch->deviation(first));
+        std::vector<double> sorted = deviations;
+        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+        std::nth_element(sorted.begin(), middle, sorted.end());
+        StationEvidence agreeing;
+        for (std::size_t i = 0; i < smooth.size(); ++i)
+            if (deviations[i] <= most_deviations * *middle) smooth[i]->add_to(agreeing);
+        return agreeing;
+    }
+
+    const Tree& tree_;
+    const PointStations& stations_;
+    const SourceRounding rounding_;
+    std::vector<StationPoint> points_;
+    std::vector<View> views_;
+    std::vector<Patch> patches_;
+};
+
+}  // namespace
+
+StationEvidence station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place)
+{
+    return Survey(tree, stations).run(place);
+}
+
+}  // namespace pcm

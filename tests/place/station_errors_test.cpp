@@ -1,0 +1,243 @@
+// What the errors of a fit contain of how far stations are apart: clouds of several stations with known shifts.
+#include "pcm/place/fit_at.h"
+#include "pcm/place/point_stations.h"
+#include "pcm/place/station_survey.h"
+#include "tests/place/shape_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+constexpr double scan_noise = 0.0015;
+constexpr Vec3d hall{454321, 5412345, 310};
+
+struct StationPoint {
+    Vec3d position{};
+    int station = 0;
+};
+
+enum class Says { nothing, source_id, one_source_id, time };
+
+void write_stations_ply(const std::filesystem::path& path, const std::vector<StationPoint>& points, Says says)
+{
+    std::ofstream file(path, std::ios::binary);
+    file << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size() << "\n";
+    for (const char* axis : {"x", "y", "z"}) file << "property double " << axis << "\n";
+    if (says == Says::source_id || says == Says::one_source_id) file << "property ushort point_source_id\n";
+    if (says == Says::time) file << "property double gps_time\n";
+    file << "end_header\n";
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        file.write(reinterpret_cast<const char*>(points[i].position.data()), 24);
+        const auto id = static_cast<std::uint16_t>(says == Says::source_id ? 11 + points[i].station : 7);
+        // A scan takes two minutes, and the scanner one to its next station.
+        const double time =
+            1e8 + 180.0 * points[i].station + 120.0 * static_cast<double>(i) / static_cast<double>(points.size());
+        if (says == Says::source_id || says == Says::one_source_id) file.write(reinterpret_cast<const char*>(&id), 2);
+        if (says == Says::time) file.write(reinterpret_cast<const char*>(&time), 8);
+    }
+}
+
+// A pipe, a ball and walls, each point seen by one of the stations that see its side.
+class StationErrors : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        pipe_.kind = ShapeKind::cylinder;
+        pipe_.point = hall + Vec3d{2, 0, 1};
+        pipe_.radius = 0.2;
+        ball_.kind = ShapeKind::sphere;
+        ball_.point = hall + Vec3d{-2, 0, 1};
+        ball_.radius = 0.25;
+    }
+    std::shared_ptr<PointCloud> cloud(double spread, std::uint64_t seed, Says says, bool walls = true)
+    {
+        Dice dice(seed);
+        std::vector<Vec3d> shifts;
+        for (int s = 0; s < 3; ++s)
+            shifts.push_back({spread * dice.normal(), spread * dice.normal(), spread * dice.normal()});
+        std::vector<StationPoint> points;
+        const auto put = [&](const Vec3d& p, const Vec3d& n, int station) {
+            points.push_back({p + scan_noise * dice.normal() * n + shifts[static_cast<std::size_t>(station)], station});
+        };
+        for (int i = 0; i < 9000; ++i) {
+            const double a = dice.between(0, 2 * pi);
+            const Vec3d n{std::cos(a), std::sin(a), 0};
+            put(pipe_.point + Vec3d{0, 0, dice.between(-0.6, 0.6)} + pipe_.radius * n, n,
+                std::min(2, static_cast<int>(a / (2 * pi) * 3)));
+        }
+        // One station sees the ball.
+        for (int i = 0; i < 5000; ++i) {
+            const Vec3d n = dice.direction();
+            if (n[0] > -0.3) put(ball_.point + ball_.radius * n, n, 1);
+        }
+        for (int i = 0; walls && i < 40000; ++i) {
+            const double a = dice.between(-4, 4), b = dice.between(-4, 4);
+            const int station = i % 3;
+            if (i % 9 < 3)
+                put(hall + Vec3d{a, b, 0}, {0, 0, 1}, station);
+            else if (i % 9 < 6)
+                put(hall + Vec3d{a, 4, 1 + b / 4}, {0, -1, 0}, station);
+            else
+                put(hall + Vec3d{4, a, 1 + b / 4}, {-1, 0, 0}, station);
+        }
+        write_stations_ply(folder_ / "stations.ply", points, says);
+        BuildOptions options;
+        options.chunk_points = 4000;
+        options.overwrite = true;
+        build_tree({folder_ / "stations.ply"}, folder_ / "stations.pct", options);
+        return PointCloud::open(folder_ / "stations.pct");
+    }
+    FittedPrimitive fit(const PointCloud& cloud, const pcm::Shape& shape, double registration = 0) const
+    {
+        FitAtOptions options;
+        options.fit.kind = shape.kind;
+        options.registration = registration;
+        return fit_at(cloud, {shape.point + Vec3d{-shape.radius, 0, 0}}, {}, options);
+    }
+    pcm::Shape pipe_, ball_;
+    TemporaryFolder folder_;
+};
+
+TEST_F(StationErrors, RadiiAndPositionsLieWithinThreeDeviations)
+{
+    int good = 0, radii = 0, positions = 0, without = 0;
+    double contained = 0, quotient = 0;
+    constexpr int scenes = 6;
+    for (int scene = 0; scene < scenes; ++scene) {
+        const auto there = cloud(0.0015, 20 + static_cast<std::uint64_t>(scene), Says::source_id);
+        for (const pcm::Shape& truth : {pipe_, ball_}) {
+            const FittedPrimitive found = fit(*there, truth);
+            const ShapeFit& fit = found.primitive.fit;
+            ASSERT_TRUE(fit.has_shape()) << fit.message;
+            good += fit.verdict == FitVerdict::good;
+            ASSERT_TRUE(found.primitive.stations);
+            EXPECT_EQ(found.primitive.stations->stations, truth.kind == ShapeKind::sphere ? 1u : 3u);
+            EXPECT_GE(found.primitive.stations->freedom, 4u);
+            contained += std::log(found.primitive.stations->spread / 0.0015) / (2 * scenes);
+            const double off = std::fabs(fit.shape.radius - truth.radius);
+            const double moved = length(traits_of(truth.kind).place_near(fit.shape, truth.point) - truth.point);
+            radii += off > 3 * fit.errors.radius;
+            positions += moved > 3 * fit.errors.position;
+            quotient += std::pow(moved / fit.errors.position, 2) / (2 * scenes);
+            // What independent points of this noise would claim.
+            without += moved > 3 * 2 * scan_noise / std::sqrt(static_cast<double>(fit.inliers));
+        }
+    }
+    EXPECT_GE(good, 2 * scenes - 2);
+    EXPECT_EQ(radii, 0);
+    EXPECT_LE(positions, 2) << "three stations show a spread to a third";
+    EXPECT_GE(without, scenes) << "without the stations most positions are not";
+    EXPECT_LT(std::fabs(contained), 0.35) << "the spread is found";
+    EXPECT_GT(quotient, 0.4);
+    EXPECT_LT(quotient, 6) << "positions lie in three directions";
+}
+
+TEST_F(StationErrors, StationsThatAreNotShiftedAddNextToNothing)
+{
+    const auto there = cloud(0, 3, Says::source_id);
+    for (const pcm::Shape& truth : {pipe_, ball_}) {
+        const FittedPrimitive found = fit(*there, truth);
+        ASSERT_TRUE(found.primitive.stations);
+        EXPECT_LT(found.primitive.stations->spread, 0.0003);
+        EXPECT_LT(found.primitive.fit.errors.radius, 0.00025);
+        EXPECT_LT(std::fabs(found.primitive.fit.shape.radius - truth.radius), 3 * found.primitive.fit.errors.radius);
+    }
+}
+
+TEST_F(StationErrors, GapsInTimeAreStations)
+{
+    const auto by_time = cloud(0.0015, 5, Says::time);
+    EXPECT_EQ(PointStations(*by_time->tree()).source(), StationSource::time_gaps);
+    const FittedPrimitive gaps = fit(*by_time, pipe_);
+    const auto by_id = cloud(0.0015, 5, Says::source_id);
+    EXPECT_EQ(PointStations(*by_id->tree()).attribute(), "point_source_id");
+    const FittedPrimitive ids = fit(*by_id, pipe_);
+    EXPECT_EQ(gaps.primitive.stations->stations, 3u);
+    EXPECT_EQ(gaps.primitive.stations->spread, ids.primitive.stations->spread);
+    EXPECT_EQ(gaps.primitive.fit.errors.radius, ids.primitive.fit.errors.radius);
+    EXPECT_EQ(gaps.primitive.fit.errors.position, ids.primitive.fit.errors.position);
+}
+
+TEST_F(StationErrors, WhereNothingSaysTheStationWhatIsGivenIsAddedInQuadrature)
+{
+    for (const Says says : {Says::nothing, Says::one_source_id}) {
+        const auto there = cloud(0.001, 6, says);
+        const FittedPrimitive points = fit(*there, pipe_), given = fit(*there, pipe_, 1.5);
+        ASSERT_TRUE(points.primitive.stations);
+        EXPECT_EQ(points.primitive.stations->source, StationSource::none);
+        EXPECT_EQ(points.primitive.stations->contained(), 0);
+        EXPECT_EQ(given.primitive.stations->registration, 0.0015);
+        const ShapeErrors &a = points.primitive.fit.errors, &b = given.primitive.fit.errors;
+        EXPECT_NEAR(b.position, std::hypot(a.position, 0.0015), 1e-12);
+        EXPECT_NEAR(b.radius, std::hypot(a.radius, 0.0015), 1e-12);
+        EXPECT_NEAR(b.angle, std::hypot(a.angle, 0.0015 * a.angle / a.position), 1e-12);
+    }
+}
+
+// A scan that is repeated twenty times says no more than once.
+TEST_F(StationErrors, PointsThatAreRepeatedCountAsPlaces)
+{
+    Dice dice(12);
+    std::vector<StationPoint> once, often;
+    for (int i = 0; i < 3000; ++i) {
+        const double a = dice.between(0, 2 * pi), r = pipe_.radius + scan_noise * dice.normal();
+        once.push_back({pipe_.point + Vec3d{r * std::cos(a), r * std::sin(a), dice.between(-0.5, 0.5)}, 0});
+        for (int k = 0; k < 20; ++k) often.push_back(once.back());
+    }
+    std::vector<ShapeFit> fits;
+    for (const auto* points : {&once, &often}) {
+        write_stations_ply(folder_ / "some.ply", *points, Says::nothing);
+        BuildOptions options;
+        options.overwrite = true;
+        build_tree({folder_ / "some.ply"}, folder_ / "some.pct", options);
+        fits.push_back(fit(*PointCloud::open(folder_ / "some.pct"), pipe_).primitive.fit);
+    }
+    for (const ShapeFit& fit : fits) {
+        ASSERT_TRUE(fit.has_shape()) << fit.message;
+        EXPECT_LT(std::fabs(fit.shape.radius - pipe_.radius), 3 * fit.errors.radius);
+    }
+    EXPECT_NEAR(fits[1].errors.radius, fits[0].errors.radius, 0.4 * fits[0].errors.radius);
+    EXPECT_NEAR(fits[1].errors.position, fits[0].errors.position, 0.4 * fits[0].errors.position);
+}
+
+// A ball that one station sees, and nothing around it: its size needs no registration, its position does.
+TEST_F(StationErrors, OneStationAloneTakesWhatIsGiven)
+{
+    const auto there = cloud(0.001, 8, Says::source_id, false);
+    const FittedPrimitive points = fit(*there, ball_), given = fit(*there, ball_, 2);
+    EXPECT_EQ(points.primitive.stations->stations, 1u);
+    EXPECT_EQ(points.primitive.stations->freedom, 0u);
+    EXPECT_NEAR(given.primitive.fit.errors.position, std::hypot(points.primitive.fit.errors.position, 0.002), 1e-7);
+    EXPECT_NEAR(given.primitive.fit.errors.radius, points.primitive.fit.errors.radius, 1e-7);
+    EXPECT_NE(station_text(*given.primitive.stations).find("registration within 0.002"), std::string::npos);
+    EXPECT_NE(station_text(*points.primitive.stations).find("not the registration"), std::string::npos);
+}
+
+TEST_F(StationErrors, ResultsDependOnNoThreads)
+{
+    const auto there = cloud(0.0015, 9, Says::source_id);
+    FitAtOptions options;
+    options.fit.kind = ShapeKind::cylinder;
+    std::vector<ShapeErrors> errors;
+    for (const unsigned threads : {1u, 4u}) {
+        options.threads = threads;
+        errors.push_back(fit_at(*there, {pipe_.point + Vec3d{-0.2, 0, 0}}, {}, options).primitive.fit.errors);
+    }
+    EXPECT_EQ(errors[0].position, errors[1].position);
+    EXPECT_EQ(errors[0].radius, errors[1].radius);
+}
+
+TEST_F(StationErrors, RegistrationsBelowZeroAreRefused)
+{
+    const auto there = cloud(0, 1, Says::nothing, false);
+    EXPECT_ANY_THROW(fit(*there, pipe_, -1));
+    EXPECT_ANY_THROW(fit(*there, pipe_, infinity));
+}
+
+}  // namespace
