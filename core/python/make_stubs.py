@@ -1,10 +1,12 @@
 """Writes operations.pyi: signatures of the operations for editors and type checkers, made of the module itself."""
 
 import argparse
+import importlib
 import inspect
 import pathlib
 import sys
 import textwrap
+import types
 
 TYPES = {"flag": "bool", "whole": "int", "real": "float", "bytes": "Union[int, str]", "text": "str", "choice": "str",
          "words": "Sequence[str]", "texts": "Sequence[str]", "numbers": "Sequence[float]", "file": "Path", "output": "Path",
@@ -45,8 +47,11 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--package", type=pathlib.Path, required=True)
     package = parser.parse_args().package
-    sys.path.insert(0, str(package.parent))
-    from pcmlab import operations
+    # Without the package's __init__, which needs numpy.
+    whole = types.ModuleType("pcmlab")
+    whole.__path__ = [str(package)]
+    sys.modules["pcmlab"] = whole
+    operations = importlib.import_module("pcmlab.operations")
 
     stubs = [stub(getattr(operations, operations._name(row["name"])), row, operations._name) for row in operations.rows]
     (package / "operations.pyi").write_text(HEAD + "\n" + "\n".join(stubs), encoding="utf-8")
