@@ -3,6 +3,7 @@
 #include "pcm/place/point_stations.h"
 #include "pcm/place/station_survey.h"
 #include "tests/place/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -104,7 +105,8 @@ protected:
     TemporaryFolder folder_;
 };
 
-TEST_F(StationErrors, RadiiAndPositionsLieWithinThreeDeviations)
+// Minutes there; the code is that of the next tests.
+TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(RadiiAndPositionsLieWithinThreeDeviations))
 {
     int good = 0, radii = 0, positions = 0, without = 0;
     double contained = 0, quotient = 0;
@@ -164,7 +166,8 @@ TEST_F(StationErrors, GapsInTimeAreStations)
     EXPECT_EQ(gaps.primitive.fit.errors.position, ids.primitive.fit.errors.position);
 }
 
-TEST_F(StationErrors, WhereNothingSaysTheStationWhatIsGivenIsAddedInQuadrature)
+// As above.
+TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(WhereNothingSaysTheStationWhatIsGivenIsAddedInQuadrature))
 {
     for (const Says says : {Says::nothing, Says::one_source_id}) {
         const auto there = cloud(0.001, 6, says);
@@ -180,8 +183,8 @@ TEST_F(StationErrors, WhereNothingSaysTheStationWhatIsGivenIsAddedInQuadrature)
     }
 }
 
-// A scan that is repeated twenty times says no more than once.
-TEST_F(StationErrors, PointsThatAreRepeatedCountAsPlaces)
+// A scan that is repeated twenty times says no more than once. Not under sanitizers: as above.
+TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(PointsThatAreRepeatedCountAsPlaces))
 {
     Dice dice(12);
     std::vector<StationPoint> once, often;
