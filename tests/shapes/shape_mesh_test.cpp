@@ -87,7 +87,8 @@ TEST(ShapeMeshes, AreClosedLookOutwardsAndKeepTheChord)
             const double radius = shape.kind == ShapeKind::torus  ? shape.second
                                   : shape.kind == ShapeKind::cone ? one.to * std::tan(shape.second)
                                                                   : shape.radius;
-            const double allowed = chord > 0 ? chord : radius / 100;
+            const bool is_round = shape.kind == ShapeKind::sphere || shape.kind == ShapeKind::torus;
+            const double allowed = chord > 0 ? chord : radius / (is_round ? 50 : 100);
             EXPECT_LE(farthest(shape, mesh, bounds), allowed * (1 + 1e-9)) << one.shape << " " << chord;
             if (chord < 0.01)
                 EXPECT_GT(farthest(shape, mesh, bounds), allowed * 0.3) << "wastefully fine " << one.shape;
