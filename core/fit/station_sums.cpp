@@ -171,6 +171,8 @@ StationEvidence StationSums::evidence(double noise) const
 {
     StationEvidence evidence;
     if (stations_.size() < 2) return evidence;  // rounding leaves a little of its shift
+    if (stations_.size() > StationEvidence::most_stations)
+        return evidence;  // time and memory grow with its cube and square
     const Whole all = whole();
     if (!all.is_good() || !(noise > 0)) return evidence;
     const StationMatrix h = all.h();

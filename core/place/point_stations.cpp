@@ -8,9 +8,19 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_parts = 64;  // whose coarsest points are looked at
-constexpr double least_gap = 30;        // s between the times of two stations
-constexpr double mean_gaps = 50;        // and at least this number of mean gaps between points
+constexpr std::size_t most_parts = 64;                // whose coarsest points are looked at
+constexpr double least_gap = 30;                      // s between the times of two stations
+constexpr double mean_gaps = 50;                      // and at least this number of mean gaps between points
+constexpr std::size_t least_points_of_a_station = 8;  // on the average, of the coarsest points
+
+// Of a station there are many points, even among the coarsest ones; other numbers are names of something else.
+bool may_be_stations(std::vector<double> values)
+{
+    const std::size_t points = values.size();
+    std::sort(values.begin(), values.end());
+    const auto different = static_cast<std::size_t>(std::unique(values.begin(), values.end()) - values.begin());
+    return different > 1 && different * least_points_of_a_station <= points;
+}
 
 std::vector<double> coarse_values(const Tree& tree, std::size_t attribute)
 {
@@ -37,9 +47,7 @@ PointStations::PointStations(const Tree& tree)
     for (const char* name : {"scan", "point_source_id"}) {
         const auto place = schema.find(name);
         if (!place || schema[*place].components != 1) continue;
-        const std::vector<double> values = coarse_values(tree, *place);
-        if (values.empty() || std::all_of(values.begin(), values.end(), [&](double v) { return v == values[0]; }))
-            continue;
+        if (!may_be_stations(coarse_values(tree, *place))) continue;
         source_ = StationSource::attribute;
         attribute_ = name;
         place_ = *place;
@@ -62,6 +70,7 @@ void PointStations::look_at_times(std::vector<double> times)
     const double gap = std::max(least_gap, mean_gaps * mean);
     for (std::size_t i = 1; i < times.size(); ++i)
         if (times[i] - times[i - 1] >= gap) begins_.push_back((times[i] + times[i - 1]) / 2);
+    if ((begins_.size() + 1) * least_points_of_a_station > times.size()) begins_.clear();
     if (begins_.empty()) return;
     source_ = StationSource::time_gaps;
     attribute_ = attribute_name::gps_time;

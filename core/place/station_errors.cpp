@@ -140,6 +140,11 @@ void add_station_errors(const PointSet& points, const StationErrorOptions& optio
                   [](StationSums& part, const Vec3d& p, std::uint32_t station) { part.add(p, station); });
     facts.stations = static_cast<std::uint32_t>(sums.stations());
     if (!sums.is_determined()) return;
+    if (facts.stations > StationEvidence::most_stations) {
+        if (options.registration > 0)
+            add_in_quadrature(fit.errors, errors_of_unknown_stations(fit, options.registration));
+        return doubt_uncertain_size(fit);
+    }
     const double as_one = sums.noise_as_one(), within = sums.noise_within();
     StationEvidence evidence = station_survey(points.tree(), stations, options.place);
     double alike = agreement;

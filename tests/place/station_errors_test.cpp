@@ -23,23 +23,26 @@ struct StationPoint {
     int station = 0;
 };
 
-enum class Says { nothing, source_id, one_source_id, time };
+enum class Says { nothing, source_id, one_source_id, other_ids, time };
 
 void write_stations_ply(const std::filesystem::path& path, const std::vector<StationPoint>& points, Says says)
 {
     std::ofstream file(path, std::ios::binary);
     file << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size() << "\n";
     for (const char* axis : {"x", "y", "z"}) file << "property double " << axis << "\n";
-    if (says == Says::source_id || says == Says::one_source_id) file << "property ushort point_source_id\n";
+    const bool has_ids = says == Says::source_id || says == Says::one_source_id || says == Says::other_ids;
+    if (has_ids) file << "property ushort point_source_id\n";
     if (says == Says::time) file << "property double gps_time\n";
     file << "end_header\n";
     for (std::size_t i = 0; i < points.size(); ++i) {
         file.write(reinterpret_cast<const char*>(points[i].position.data()), 24);
-        const auto id = static_cast<std::uint16_t>(says == Says::source_id ? 11 + points[i].station : 7);
+        const auto id = static_cast<std::uint16_t>(says == Says::source_id   ? 11 + points[i].station
+                                                   : says == Says::other_ids ? 7 * i
+                                                                             : 7);
         // A scan takes two minutes, and the scanner one to its next station.
         const double time =
             1e8 + 180.0 * points[i].station + 120.0 * static_cast<double>(i) / static_cast<double>(points.size());
-        if (says == Says::source_id || says == Says::one_source_id) file.write(reinterpret_cast<const char*>(&id), 2);
+        if (has_ids) file.write(reinterpret_cast<const char*>(&id), 2);
         if (says == Says::time) file.write(reinterpret_cast<const char*>(&time), 8);
     }
 }
@@ -169,7 +172,7 @@ TEST_F(StationErrors, GapsInTimeAreStations)
 // As above.
 TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(WhereNothingSaysTheStationWhatIsGivenIsAddedInQuadrature))
 {
-    for (const Says says : {Says::nothing, Says::one_source_id}) {
+    for (const Says says : {Says::nothing, Says::one_source_id, Says::other_ids}) {
         const auto there = cloud(0.001, 6, says);
         const FittedPrimitive points = fit(*there, pipe_), given = fit(*there, pipe_, 1.5);
         ASSERT_TRUE(points.primitive.stations);
