@@ -86,7 +86,7 @@ class ServerMeasures(MeshLabTest):
         for one, words in ((measure(""), "takes x y z of each point, not 0 numbers"),
                            (measure("1 2 3 4"), "takes x y z of each point, not 4 numbers"),
                            (measure("1 2 3 4 5 6", output=self.folder / "x.csv"), "exists already"),
-                           (measure("1 2 3", kind=5, surface="cube 1"), "is no shape"),
+                           (measure("1 2 3", kind=5, surface="cube 1"), "is not a shape"),
                            (profile(self.tree, "1 2"), "at least 2 points"),
                            (profile(self.tree, "0 0 1 1", level=77), "there is no level 77"),
                            (volume(self.tree, reference=1), "what to compare with"),
