@@ -33,7 +33,7 @@ set(reachable_headers
   io/text/text_layout.h system/file.h system/page_allocator.h
   system/tree_folder.h lists/undo_list.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
 set(public_gl_headers gl/draw/renderer.h gl/style/splat_style.h gl/compute/gpu_cursor.h gl/compute/gpu_radii.h gl/l1/l1_cache.h)
-set(reachable_gl_headers gl/style/colour_modes.h gl/l1/l1_table.h gl/style/splat_modes.h gl/l1/vertex_format.h gl/l1/vertex_groups.h view/colour_ramps.h
+set(reachable_gl_headers gl/style/colour_modes.h gl/l1/chunk_vertices.h gl/l1/l1_table.h gl/style/splat_modes.h gl/l1/vertex_format.h gl/l1/vertex_groups.h view/colour_ramps.h
   view/point_colours.h view/value_range.h)
 set(public_offscreen_headers offscreen/image.h offscreen/offscreen.h offscreen/scene.h)
 
