@@ -8,7 +8,7 @@
 //     noise^2 A^-1 + tau^2 A^-1 (sum over s of G_s G_s^T) A^-1:
 //
 // a sandwich by cluster (Liang, Zeger 1986) whose filling is the one that the shifts make, which holds for any number
-// of stations, one included, where the residuals' own filling needs many more stations than the shape has numbers.
+// of stations, even for one, where the residuals' own filling needs many more stations than the shape has numbers.
 // tau is estimated from what no shape explains: station_spread.h.
 #pragma once
 

@@ -13,7 +13,7 @@ constexpr double least_gap = 30;                      // s between the times of 
 constexpr double mean_gaps = 50;                      // and at least this number of mean gaps between points
 constexpr std::size_t least_points_of_a_station = 8;  // on the average, of the coarsest points
 
-// Of a station there are many points, even among the coarsest ones; other numbers are names of something else.
+// A station has many points, even among the coarsest ones; numbers of few points name something else.
 bool may_be_stations(std::vector<double> values)
 {
     const std::size_t points = values.size();
@@ -31,7 +31,7 @@ std::vector<double> coarse_values(const Tree& tree, std::size_t attribute)
     const Attribute& row = tree.info().schema[attribute];
     std::size_t parts = 0;
     for (NodeId node : tree.part_roots()) {
-        if (node == no_node || parts++ == most_parts) continue;
+        if (node == no_node || parts++ >= most_parts) continue;
         const Chunk chunk = tree.read_chunk(node, columns);
         for (std::uint32_t i = 0; i < chunk.points; ++i)
             values.push_back(chunk.attributes[attribute]->value(i) * row.scale + row.offset);

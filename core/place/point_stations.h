@@ -33,7 +33,7 @@ private:
     std::string attribute_;
     std::size_t place_ = 0;  // in the schema
     double scale_ = 1, offset_ = 0;
-    std::vector<double> begins_;  // of the time of each station but the first
+    std::vector<double> begins_;  // start times of all stations but the first
 };
 
 }  // namespace pcm

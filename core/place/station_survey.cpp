@@ -24,7 +24,7 @@ using PatchVector = Eigen::VectorXd;
 
 constexpr std::size_t enough_patches = 150, enough_stations = 4;  // then no larger box is looked at
 constexpr std::size_t most_of_view = 60000;                       // points of a box
-constexpr std::size_t wanted_points = 100;                        // of a cube, about
+constexpr std::size_t wanted_points = 100;                        // per cube, approximately
 constexpr std::size_t least_points = 24, most_points = 400;       // of a patch
 constexpr std::size_t least_of_station = 5;
 constexpr double flatness = 0.05;          // of the variances of a patch, the least to the middle one
