@@ -20,7 +20,7 @@ struct VertexAttributes {
     const float* normals = nullptr;         // 3 per point
     const std::uint32_t* shapes = nullptr;  // 1 per point (view/point_shapes.h); null: unknown
     // Which points are selected: a byte per point, not 0 for these; null if none is. The number says which they are, so
-    // that the owner recognises vertices of another selection; 0 if none is.
+    // that the owner recognises vertices of another selection; 0: nothing is selected.
     const std::uint8_t* selected = nullptr;
     std::uint64_t selection = 0;
 };
