@@ -1,8 +1,10 @@
 // The pcmlab command; commands.cpp lists what it can do.
 #include "pcm/cli/commands.h"
+#include "pcm/cli/manual.h"
 #include "pcm/cli/usage.h"
 
 #include <cstdio>
+#include <cstring>
 
 namespace {
 
@@ -23,6 +25,8 @@ std::optional<int> print_usage(int argc, char** argv)
 
 int main(int argc, char** argv)
 {
+    if (argc == 2 && std::strcmp(argv[1], "manual") == 0) return pcm::cli::show_manual();
     if (const auto code = print_usage(argc, argv)) return *code;
-    return pcm::cli::run_program("pcmlab", "Out-of-core point clouds", pcm::cli::commands(), argc, argv);
+    return pcm::cli::run_program("pcmlab", "Out-of-core point clouds; 'pcmlab manual' opens the manual",
+                                 pcm::cli::commands(), argc, argv);
 }

@@ -1,13 +1,13 @@
 #include "plugin/settings/settings_dock.h"
 
+#include "plugin/panels/window_menu.h"
 #include "plugin/settings/settings.h"
 #include "plugin/settings/stored_defaults.h"
 
+#include <QAction>
 #include <QApplication>
 #include <QGridLayout>
 #include <QMainWindow>
-#include <QMenu>
-#include <QMenuBar>
 #include <QPushButton>
 #include <QScrollArea>
 #include <QSettings>
@@ -22,16 +22,6 @@ const char* const object_name = "PointCloudDock";
 const char* const hidden_key = "PointCloud/panelHidden";
 constexpr int panel_delay_ms = 400;  // MeshLab's panel is made anew; not at every step of a spin box
 
-void add_to_menu(QMainWindow& window, QAction* action)
-{
-    for (QMenu* menu : window.menuBar()->findChildren<QMenu*>(QString(), Qt::FindDirectChildrenOnly)) {
-        if (menu->title().remove('&') != "View") continue;
-        menu->addSeparator();
-        menu->addAction(action);
-        return;
-    }
-}
-
 }  // namespace
 
 void Dock::show_for(const SceneView& view)
@@ -41,7 +31,8 @@ void Dock::show_for(const SceneView& view)
     auto* dock = new Dock(window, view.settings());
     window->addDockWidget(Qt::LeftDockWidgetArea, dock);
     dock->setVisible(!QSettings().value(hidden_key, false).toBool());
-    add_to_menu(*window, dock->toggleViewAction());
+    add_to_menu(*window, "View", dock->toggleViewAction(), true);
+    add_manual_to_help(*window);
     // Only by the user: MeshLab itself hides panels, too.
     connect(dock->toggleViewAction(), &QAction::triggered, dock,
             [](bool shown) { QSettings().setValue(hidden_key, !shown); });

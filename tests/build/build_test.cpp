@@ -304,8 +304,7 @@ TEST(Build, PCM_NOT_UNDER_SANITIZERS(MemoryTooSmallForOneBinMakesManyAndLosesNot
     EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
 }
 
-// The strided sample sees none of the points that pile up at the end of the file.
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+// The strided sample misses the points at the end of the file. Under the thread sanitizer others have these threads.
 TEST(Build, PCM_NOT_UNDER_THREAD(ADenseSpotThatTheSampleMissed))
 {
     const TemporaryFolder folder;

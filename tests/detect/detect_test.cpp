@@ -256,7 +256,7 @@ TEST_F(Detect, CloudsWithoutShapesHaveNone)
 }
 
 // Its noise is wider than the spacing of its coarsest level.
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+// Not under the thread sanitizer: its threads are those that other tests of the room watch; so below.
 TEST_F(Detect, PCM_NOT_UNDER_THREAD(AManyTimesDividedCloudOfNoiseAloneHasNone))
 {
     Dice dice(9);
@@ -357,7 +357,6 @@ TEST_F(Detect, CanBeCancelledAtAnyStage)
     }
 }
 
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
 TEST_F(Detect, PCM_NOT_UNDER_THREAD(LabelsBecomeAnAttribute))
 {
     make(scene, 0.002);
@@ -404,7 +403,6 @@ TEST_F(Detect, LabelsCanBeCancelledAndTheTreeStaysAsItWas)
 }
 
 // Caps and outlines are those of all points, not of some.
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
 TEST_F(Detect, PCM_NOT_UNDER_THREAD(BoundsReachTheOutermostPoints))
 {
     make(scene, 0.002);
@@ -421,7 +419,6 @@ TEST_F(Detect, PCM_NOT_UNDER_THREAD(BoundsReachTheOutermostPoints))
 }
 
 // The noise of a stereo camera grows with the distance: the table's is three times that of most surfaces.
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
 TEST_F(Detect, PCM_NOT_UNDER_THREAD(RougherSurfacesThanMostHaveAWiderThreshold))
 {
     PCM_REQUIRE_SAMPLE("primitives/table_scene_mug_stereo_textured.pcd");
@@ -443,7 +440,6 @@ TEST_F(Detect, PCM_NOT_UNDER_THREAD(RougherSurfacesThanMostHaveAWiderThreshold))
 }
 
 // A floor whose scans lie in layers, some of them whole at the cloud's threshold.
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
 TEST_F(Detect, PCM_NOT_UNDER_THREAD(AFloorInLayersIsOnePlane))
 {
     PCM_REQUIRE_SAMPLE("primitives/room_scan1.pcd");

@@ -118,12 +118,16 @@ class Looks(MeshLabTest):
             open {tree}
             wait-layers 1
             print-menu Point Clouds
+            print-menu Help
             trigger Remove Outliers...
             print-field Output folder
             press Close
             """)
         self.assertDriven(run)
         entries = re.findall(r"driver: menu (.*)", run.text)
+        help_begins = entries.index("About")
+        self.assertIn("Point Clouds", entries[help_begins:])
+        entries = entries[:help_begins]
         groups = list(dict.fromkeys(entry.split(" > ")[0] for entry in entries))
         self.assertEqual(groups, ["Open and Build", "Look", "Select", "Clean and Thin", "Move and Align", "Measure", "Fit", "Export"])
         self.assertEqual(len(entries), 34)

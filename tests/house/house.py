@@ -374,7 +374,7 @@ def check_plain_words(texts, folders=PLAIN_FOLDERS):
 def other_texts(root=ROOT):
     """Read-me files, shaders, and the scripts that speak to a person."""
     paths = [*root.glob("*.md"), *root.glob("core/**/*.md"), *root.glob("plugin/*.md"), *root.glob("bench/*.md"),
-             *root.glob("shaders/*"), *(path for path in root.glob("packaging/*") if path.is_file() and path.suffix != ".png")]
+             *root.glob("packaging/manual/pages/*.md"), *root.glob("packaging/manual/*.py"), *root.glob("shaders/*"), *(path for path in root.glob("packaging/*") if path.is_file() and path.suffix != ".png")]
     return {path.relative_to(root).as_posix(): path.read_text(encoding="utf-8") for path in paths}
 
 

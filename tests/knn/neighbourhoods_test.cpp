@@ -204,7 +204,7 @@ protected:
 
 const Grid millimetres{{0.001, 0.001, 0.001}, {500000, 4800000, 100}};
 
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+// Not under the thread sanitizer: its threads are those that other tests of the room watch; so below.
 TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ASurfaceInManyUnits))
 {
     const auto surface = [](std::mt19937_64& random, std::size_t) {
@@ -218,7 +218,6 @@ TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ASurfaceInManyUnits))
     expect_right_for(cloud_of(45000, std::nullopt, surface), 9);
 }
 
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
 TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(AVolumeOfDoubles))
 {
     expect_right_for(cloud_of(25000, std::nullopt,
@@ -250,7 +249,6 @@ TEST_F(NeighbourhoodsOf, DenseBesideSparse)
                      16);
 }
 
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
 TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(AGridALineAndManyAtOnePlace))
 {
     expect_right_for(cloud_of(22500, millimetres,
@@ -281,7 +279,6 @@ TEST_F(NeighbourhoodsOf, FewPoints)
     }
 }
 
-// Not under the thread sanitizer: its threads are those that other tests of the room watch.
 TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ATreeOfSeveralParts))
 {
     const auto part = [](double x) {

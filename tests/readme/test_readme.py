@@ -1,4 +1,4 @@
-"""The commands of README.md work as they stand there, one after the other, and those that select points select some."""
+"""README.md and the manual: their commands, programs and links work as they stand there, and are all there is to know."""
 
 import csv
 import json
@@ -7,16 +7,24 @@ import os
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
 
 SOURCE = pathlib.Path(os.environ["PCM_SOURCE_DIR"])
 PROGRAMS = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "bin"
+MANUAL = SOURCE / "packaging" / "manual"
+PAGES = MANUAL / "pages"
 
-# What the README speaks of and no command of it makes.
-TOUR = {"format": "pcm camera path", "version": 1, "coordinates": "source", "frames": [
-    {"eye": [500030, 4799960, 150], "target": [500030, 4800030, 100], "angle": 45},
-    {"eye": [500030, 4800030, 400], "target": [500030, 4800030, 100], "up": [0, 1, 0], "height": 100}]}
+sys.path.append(str(MANUAL))
+try:
+    import build as manual
+except ImportError:  # python3-markdown
+    manual = None
+
+
+def text_of(path):
+    return path.read_text(encoding="utf-8")
 
 
 def commands(text):
@@ -25,62 +33,120 @@ def commands(text):
     return [line for block in blocks for line in block.splitlines() if re.search(r"(^|; do )pcmlab ", line)]
 
 
-def without_points(output):
-    """Whether an output is that of a command that selected nothing."""
-    counts = [int(number.replace(",", "")) for number in re.findall(r"([\d,]+) points", output)]
-    return "no point is selected" in output or "the cloud's points lie" in output or (bool(counts) and counts[0] == 0)
+def python_blocks(text):
+    return re.findall(r"^```python\n(.*?)^```", text, re.MULTILINE | re.DOTALL)
 
 
-class Readme(unittest.TestCase):
-    def run_in(self, folder, line):
-        environment = dict(os.environ, PATH=f"{PROGRAMS}:{os.environ['PATH']}")
-        return subprocess.run(["bash", "-euc", line], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True)
+def run_in(folder, line):
+    environment = dict(os.environ, PATH=f"{PROGRAMS}:{os.environ['PATH']}")
+    return subprocess.run(["bash", "-euc", line], cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+                          capture_output=True, text=True, check=False)
 
-    def test_every_command_works_and_selects_points(self):
-        lines = commands((SOURCE / "README.md").read_text(encoding="utf-8"))
-        named = {word for line in lines for word in re.findall(r"pcmlab (\w+)", line)}
-        help_text = self.run_in(".", "pcmlab help").stdout
-        listed = set(re.findall(r"^  ([a-z]+)  ", help_text, re.MULTILINE))
-        self.assertEqual(listed - named, set(), "commands that the README does not show")
+
+def python_with_numpy():
+    pythons = [python for python in ("python3", os.environ.get("PCM_TEST_PYTHON", "")) if python and subprocess.run(
+        [python, "-c", "import numpy"], stderr=subprocess.DEVNULL, check=False).returncode == 0]
+    return pythons[0] if pythons else None
+
+
+class Python(unittest.TestCase):
+    """The programs in Python of a text, one after the other, in a folder."""
+
+    def run_blocks(self, text, folder):
+        module = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "python"
+        python = python_with_numpy()
+        if not module.is_dir() or not python:
+            self.skipTest("the Python module is not built, or no Python here has numpy")
+        blocks = python_blocks(text)
+        self.assertTrue(blocks)
+        printed = ""
+        for block in blocks:
+            result = subprocess.run([python, "-c", block], cwd=folder, env=dict(os.environ, PYTHONPATH=str(module)),
+                                    capture_output=True, text=True, check=False)
+            self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+            printed += result.stdout
+        return printed
+
+
+class Readme(Python):
+    def test_it_is_read_in_two_minutes(self):
+        self.assertLessEqual(len(text_of(SOURCE / "README.md").splitlines()), 150)
+
+    def test_every_command_works(self):
+        text = text_of(SOURCE / "README.md")
+        lines = commands(text)
+        self.assertGreaterEqual(len(lines), 6)
         with tempfile.TemporaryDirectory() as folder:
-            (pathlib.Path(folder) / "tour.json").write_text(json.dumps(TOUR))
             for line in lines:
                 with self.subTest(line):
-                    result = self.run_in(folder, line)
+                    result = run_in(folder, line)
                     self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-                    self.assertFalse(without_points(result.stdout), result.stdout)
-            self.assertTrue((pathlib.Path(folder) / "tour0002.png").is_file())
-            self.check_tutorial(pathlib.Path(folder))
+            self.assertTrue((pathlib.Path(folder) / "site.png").is_file())
+            self.assertTrue((pathlib.Path(folder) / "shapes.dxf").is_file())
+            self.assertRegex(self.run_blocks(text, folder), r"(?s)^\[5\.000\d+e\+05 .*uint16.*\bgood\b")
 
-    def test_the_lines_of_python_work(self):
-        module = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "python"
-        if not module.is_dir():
-            self.skipTest("the Python module is not built")
-        blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
-        self.assertTrue(blocks)
-        pythons = [python for python in ("python3", os.environ.get("PCM_TEST_PYTHON", "")) if python and subprocess.run(
-            [python, "-c", "import numpy"], stderr=subprocess.DEVNULL, check=False).returncode == 0]
-        if not pythons:
-            self.skipTest("no Python here has numpy")
+    def test_the_manual_is_found_or_its_absence_explained(self):
         with tempfile.TemporaryDirectory() as folder:
-            for i in (1, 2):
-                self.run_in(folder, f"pcmlab generate --points 100000 --seed {i} scan{i}.las")
-            for block in blocks:
-                result = subprocess.run([pythons[0], "-c", block], cwd=folder, env=dict(os.environ, PYTHONPATH=str(module)),
-                                        capture_output=True, text=True, check=False)
-                self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
-                self.assertRegex(result.stdout, r"(?s)^[1-9]\d* 9\d\.\d+ uint16.*Remove or label points")
+            program = pathlib.Path(folder) / "bin" / "pcmlab"
+            program.parent.mkdir()
+            program.write_bytes((PROGRAMS / "pcmlab").read_bytes())
+            program.chmod(0o755)
+            environment = {name: value for name, value in os.environ.items() if "DISPLAY" not in name}
+            ask = lambda: subprocess.run([program, "manual"], env=environment, capture_output=True, text=True, check=False)
+            missing = ask()
+            self.assertEqual((missing.returncode, missing.stdout), (1, ""))
+            self.assertIn("--target manual", missing.stderr)
+            page = pathlib.Path(folder) / "share" / "doc" / "pcmlab" / "manual" / "index.html"
+            page.parent.mkdir(parents=True)
+            page.write_text("<html>")
+            found = ask()
+            self.assertEqual((found.returncode, pathlib.Path(found.stdout.strip()).resolve()), (0, page.resolve()))
 
-    def check_tutorial(self, folder):
+
+@unittest.skipUnless(manual, "python3-markdown is not installed")
+class Manual(Python):
+    def test_its_commands_work_and_its_pages_are_whole(self):
+        with tempfile.TemporaryDirectory() as folder:
+            out, kept = pathlib.Path(folder) / "manual", pathlib.Path(folder) / "kept"
+            manual.build(PROGRAMS, out, kept)  # a command that fails or selects nothing is a Failure
+            for page in out.glob("*.html"):
+                text = text_of(page)
+                self.assertNotRegex(text, r"```|\]\(|\.md\b(?!</code>)", page.name)
+                for target in re.findall(r'(?:href|src)="([^":]+)"', text):
+                    self.assertTrue((out / target).is_file(), f"{page.name}: {target}")
+            self.assertTrue((out / "operation-build.html").is_file())
+            self.assertIn("at least 1; at most 1024", text_of(out / "operation-outliers.html"))
+            self.assertTrue((kept / "tile" / "tour0002.png").is_file())
+            self.check_drawing(kept / "drawing")
+            self.assertIn("Remove or label points", self.run_blocks(text_of(PAGES / "python.md"), kept / "python"))
+
+    def test_every_operation_is_shown(self):
+        shown = " ".join(text_of(page) for page in PAGES.glob("*.md"))
+        named = {word for line in commands(shown) for word in re.findall(r"pcmlab (\w+)", line)}
+        listed = set(re.findall(r"^  ([a-z]+)  ", run_in(".", "pcmlab help").stdout, re.MULTILINE))
+        self.assertGreater(len(listed), 20)
+        self.assertEqual(listed - named, set())
+
+    def test_messages_are_those_of_the_programs(self):
+        sources = [path for folder in ("core", "plugin", "packaging") for path in (SOURCE / folder).rglob("*")
+                   if path.is_file() and (path.suffix in (".cpp", ".h", ".py") or path.parent.name == "packaging") and path.suffix != ".png"]
+        # Literals in several pieces are one text.
+        texts = re.sub(r'"\s*\n\s*"', "", "\n".join(text_of(path) for path in sources)) + os.strerror(28)
+        messages = re.findall(r"^\| `([^`]+)` \|", text_of(PAGES / "messages.md"), re.MULTILINE)
+        self.assertGreater(len(messages), 10)
+        for message in messages:
+            self.assertIn(message, texts)
+
+    def check_drawing(self, folder):
         """What the way from a scan to a drawing ends with is what was generated, within four standard deviations."""
-        truth = json.loads((folder / "plant.truth.json").read_text(encoding="utf-8"))["primitives"]
+        truth = json.loads(text_of(folder / "plant.truth.json"))["primitives"]
         with open(folder / "plant.csv", newline="", encoding="utf-8") as file:
             rows = {row["name"]: row for row in csv.DictReader(file)}
         self.assertEqual(list(rows), ["Tank", "Roof", "Pipe", "Dome"])
         for name, kind in (("Tank", "cylinder"), ("Roof", "plane"), ("Pipe", "cylinder"), ("Dome", "sphere")):
             row = rows[name]
             self.assertEqual((row["kind"], row["verdict"]), (kind, "good"), name)
+            self.assertLess(float(row["sigma_position [m]"]), 0.002, name)
             place = [float(row[f"{axis} [m]"]) for axis in "xyz"]
             if kind == "plane":
                 found = min((one for one in truth if one["kind"] == kind), key=lambda one: math.dist(place, one["point"]))
@@ -90,21 +156,22 @@ class Readme(unittest.TestCase):
             found = min((one for one in truth if one["kind"] == kind),
                         key=lambda one: abs(one["radius"] - float(row["radius [m]"])))
             self.assertLess(abs(found["radius"] - float(row["radius [m]"])), 4 * float(row["sigma_radius [m]"]), name)
-        drawing = (folder / "plant.dxf").read_text(encoding="utf-8")
-        script = (folder / "plant.scr").read_text(encoding="utf-8")
+        drawing, script = text_of(folder / "plant.dxf"), text_of(folder / "plant.scr")
         for name in rows:
             self.assertIn(f"\n  8\n{name}\n", drawing)
             self.assertIn(f"; {name}\n", script)
         self.assertEqual((script.count("_.CYLINDER"), script.count("_.SPHERE")), (2, 1))
 
-    def test_a_command_that_selects_nothing_is_noticed(self):
+    def test_faults_of_a_page_are_noticed(self):
         with tempfile.TemporaryDirectory() as folder:
-            self.run_in(folder, "pcmlab generate --points 5000 scan.las && pcmlab build scan.las -o site.pct")
-            for command in ("query site.pct", "delete --count site.pct", "set site.pct intensity=1"):
-                for region, nothing in (("--sphere 0 0 0 1", True), ("--sphere 500000 4800000 100 1e4", False)):
-                    result = self.run_in(folder, f"pcmlab {command} {region}")
-                    self.assertEqual(result.returncode, 0, result.stderr)
-                    self.assertEqual(without_points(result.stdout), nothing, result.stdout)
+            for line in ("pcmlab build none.las", "pcmlab generate -q --points 5000 scan.las; pcmlab build -q scan.las -o site.pct; pcmlab query site.pct --sphere 0 0 0 1"):
+                with self.assertRaises(manual.Failure):
+                    manual.run_page("page", f"# Page\n\n```sh\n{line}\n```\n", PROGRAMS, folder)
+            manual.run_page("page", "# Page\n\n```sh\npcmlab query site.pct --sphere 500000 4800000 100 1e4\n```\n", PROGRAMS, folder)
+        for link in ("none.md", "../../none.md", "pages/index.md"):
+            with self.assertRaises(manual.Failure):
+                manual.check_links({"index": f"[a page]({link})"})
+        manual.check_links({"index": "[itself](index.md), [a file](../../README.md)"})
 
 
 if __name__ == "__main__":

@@ -3,13 +3,12 @@
 #include "plugin/panels/clouds/bookmark_list.h"
 #include "plugin/panels/clouds/layer_list.h"
 #include "plugin/panels/clouds/move_fields.h"
+#include "plugin/panels/window_menu.h"
 #include "plugin/scene/scene_view.h"
 
 #include <QAction>
 #include <QLabel>
 #include <QMainWindow>
-#include <QMenu>
-#include <QMenuBar>
 #include <QScrollArea>
 #include <QTimer>
 #include <QVBoxLayout>
@@ -30,12 +29,6 @@ public:
     QSize sizeHint() const override { return {200, QScrollArea::sizeHint().height()}; }
 };
 
-void add_to_view_menu(QMainWindow& window, QAction* action)
-{
-    for (QMenu* menu : window.menuBar()->findChildren<QMenu*>(QString(), Qt::FindDirectChildrenOnly))
-        if (menu->title().remove('&') == "View") menu->addAction(action);
-}
-
 }  // namespace
 
 void CloudsDock::show_for(const SceneView& view, CurrentView current_view)
@@ -51,7 +44,7 @@ void CloudsDock::show_for(const SceneView& view, CurrentView current_view)
             settings->raise();
         }
     }
-    add_to_view_menu(*window, dock->toggleViewAction());
+    add_to_menu(*window, "View", dock->toggleViewAction());
     connect(dock->toggleViewAction(), &QAction::triggered, dock, [dock](bool shown) {
         if (shown) dock->raise();
     });
