@@ -127,7 +127,7 @@ const std::vector<Piece> scene{
     {shape(ShapeKind::cylinder, {2, 2, -5}, {0, 0, 1}, 0.1), 3, 2 * pi, 4000},
 };
 
-// Not under the thread sanitizer: many fits, whose threads other tests watch.
+// Not under the thread sanitizer: many fits, whose threads other tests watch; so below.
 TEST_F(Detect, PCM_NOT_UNDER_THREAD(FindsEachShapeOfASceneAtMapCoordinatesAmongClutter))
 {
     make(scene, 0.002, 3000);
@@ -256,7 +256,6 @@ TEST_F(Detect, CloudsWithoutShapesHaveNone)
 }
 
 // Its noise is wider than the spacing of its coarsest level.
-// Not under the thread sanitizer: its threads are those that other tests of the room watch; so below.
 TEST_F(Detect, PCM_NOT_UNDER_THREAD(AManyTimesDividedCloudOfNoiseAloneHasNone))
 {
     Dice dice(9);
