@@ -14,8 +14,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t tile_points = 1'000'000;  // chosen points that are measured together
-
 // A box of the cloud at one level.
 struct Tile {
     std::size_t level;
@@ -98,8 +96,8 @@ private:
 
 class Measurement {
 public:
-    Measurement(const Tree& tree, unsigned threads, const ProgressFunction& progress)
-        : tree_(tree), info_(tree.info()), threads_(thread_count(threads)), watch_(progress)
+    Measurement(const Tree& tree, unsigned threads, const ProgressFunction& progress, std::size_t tile_points)
+        : tree_(tree), info_(tree.info()), threads_(thread_count(threads)), tile_points_(tile_points), watch_(progress)
     {
     }
 
@@ -203,7 +201,7 @@ private:
         for_points(around(tile.box, 2 * spacing), tile.level,
                    [&](const Vec3i& p, std::size_t) { chosen.push_back(p); });
         Sums sums;
-        if (chosen.size() > tile_points && divide(tile, chosen, parts)) return sums;
+        if (chosen.size() > tile_points_ && divide(tile, chosen, parts)) return sums;
 
         const Cubes cubes(chosen, tile.box.min, info_.grid.scale, spacing);
         for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -235,20 +233,20 @@ private:
     // Divides the tile at the median of the points inside, along the axis of their largest extent.
     bool divide(const Tile& tile, std::vector<Vec3i>& chosen, std::vector<Tile>& parts) const
     {
-        chosen.erase(
-            std::remove_if(chosen.begin(), chosen.end(), [&](const Vec3i& p) { return !tile.box.contains(p); }),
-            chosen.end());
-        if (chosen.size() < 2) return false;
+        // All of them stay: a tile that is not divided is measured with the points around it.
+        const auto end =
+            std::partition(chosen.begin(), chosen.end(), [&](const Vec3i& p) { return tile.box.contains(p); });
+        if (end - chosen.begin() < 2) return false;
         Box3i tight;
-        for (const Vec3i& p : chosen) tight.extend(p);
+        for (auto p = chosen.begin(); p != end; ++p) tight.extend(*p);
         std::size_t axis = 0;
         const auto extent = [&](std::size_t a) {
             return static_cast<double>(tight.max[a] - tight.min[a]) * info_.grid.scale[a];
         };
         for (std::size_t a = 1; a < 3; ++a)
             if (extent(a) > extent(axis)) axis = a;
-        const auto middle = chosen.begin() + static_cast<std::ptrdiff_t>(chosen.size() / 2);
-        std::nth_element(chosen.begin(), middle, chosen.end(),
+        const auto middle = chosen.begin() + (end - chosen.begin()) / 2;
+        std::nth_element(chosen.begin(), middle, end,
                          [&](const Vec3i& p, const Vec3i& q) { return p[axis] < q[axis]; });
         std::int64_t last = (*middle)[axis];  // last coordinate of the lower part
         if (last == tight.max[axis]) --last;
@@ -296,6 +294,7 @@ private:
     const Tree& tree_;
     const TreeInfo& info_;
     const unsigned threads_;
+    const std::size_t tile_points_;
     Watch watch_;
     Signal signal_;
     std::vector<Tile> tiles_;
@@ -306,9 +305,10 @@ private:
 
 }  // namespace
 
-LevelsReport verify_levels(const Tree& tree, unsigned threads, const ProgressFunction& progress)
+LevelsReport verify_levels(const Tree& tree, unsigned threads, const ProgressFunction& progress,
+                           std::size_t tile_points)
 {
-    return Measurement(tree, threads, progress).run();
+    return Measurement(tree, threads, progress, tile_points).run();
 }
 
 }  // namespace pcm

@@ -4,6 +4,7 @@
 #include "pcm/system/progress.h"
 #include "pcm/tree/tree.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -37,7 +38,9 @@ struct LevelsReport {
 
 // Exact: every point is compared with every other point that could matter, independently of the structures that the
 // build used. Memory is bounded by some hundred MB; time grows with points times levels. `threads` 0: one per
-// processor. Throws Error(cancelled) and what reading the tree throws.
-LevelsReport verify_levels(const Tree& tree, unsigned threads = 0, const ProgressFunction& progress = {});
+// processor. `tile_points`: number of a level's points that a thread measures together, which changes the memory, and
+// the result by rounding alone. Throws Error(cancelled) and what reading the tree throws.
+LevelsReport verify_levels(const Tree& tree, unsigned threads = 0, const ProgressFunction& progress = {},
+                           std::size_t tile_points = 1'000'000);
 
 }  // namespace pcm

@@ -185,6 +185,135 @@ TEST(StationSums, ShiftsLeaveTheNoiseOfThePoints)
     EXPECT_LT(still.sums().evidence(0.0002).spread().spread, 0.0001);
 }
 
+// From the distances that neither the ball nor, in the second case, shifts of its stations explain.
+TEST(StationSums, NoisesAreThoseOfWhatLeastSquaresLeaves)
+{
+    const Ball ball(0.0015, three_shifts, 6);
+    const StationSums sums = ball.sums();
+    const std::size_t n = ball.points.size();
+    const auto left_by = [&](const Rows& columns) {
+        Rows system = product(turned(columns), columns);
+        for (std::size_t k = 0; k < system.size(); ++k) system[k][k] += 1e-9;  // shifts of all are moves of the ball
+        const Rows answer = product(turned(columns), ball.distances);
+        double squares = 0;
+        for (const auto& distance : ball.distances) squares += distance[0] * distance[0];
+        return squares - product(turned(answer), product(inverse(system), answer))[0][0];
+    };
+    Rows both = ball.j;
+    for (std::size_t i = 0; i < n; ++i) both[i].insert(both[i].end(), ball.z[i].begin(), ball.z[i].end());
+    EXPECT_NEAR(sums.noise_as_one(), std::sqrt(left_by(ball.j) / (n - 4.0)), 1e-9);
+    EXPECT_NEAR(sums.noise_within(), std::sqrt(left_by(both) / (n - 4.0 - 6)), 1e-9);
+    // Sums do not depend on where they are computed from, nor on the unit of length.
+    StationSums other(ball.shape, ball.shape.point, 0);
+    for (std::size_t i = 0; i < n; ++i) other.add(ball.points[i], ball.stations[i]);
+    EXPECT_NEAR(other.noise_as_one(), sums.noise_as_one(), 1e-8);
+    EXPECT_NEAR(other.noise_within(), sums.noise_within(), 1e-8);
+    EXPECT_NEAR(other.errors_of_spread(1).radius, sums.errors_of_spread(1).radius, 1e-5);
+}
+
+// The squares of what is left, over the noise, and of the shifts, over the spread, are together the least.
+TEST(StationSums, ShiftsAndShapeAreTheMostProbableOnes)
+{
+    const Ball ball(0.0015, three_shifts, 8);
+    const StationSums sums = ball.sums();
+    for (const double spread : {0.0, 0.0005, 0.003}) {
+        const double noise = 0.001;
+        const ShiftedFit fit = sums.shifted(spread, noise);
+        ASSERT_EQ(fit.shifts.size(), 3u);
+        std::vector<double> by_shape(4, 0.0), by_shift(9, 0.0);
+        for (std::size_t i = 0; i < ball.points.size(); ++i) {
+            const double left = sums.distance(fit, ball.points[i], ball.stations[i]);
+            for (std::size_t k = 0; k < 4; ++k) by_shape[k] += ball.j[i][k] * left;
+            for (std::size_t k = 0; k < 9; ++k) by_shift[k] += ball.z[i][k] * left;
+        }
+        for (const double derivative : by_shape) EXPECT_NEAR(derivative, 0, 1e-8) << spread;
+        for (std::size_t k = 0; k < 9; ++k) {
+            const double shift = fit.shifts.at(3 + static_cast<std::uint32_t>(k / 3))[k % 3];
+            if (spread > 0)
+                EXPECT_NEAR(by_shift[k], std::pow(noise / spread, 2) * shift, 1e-8) << spread << " " << k;
+            else
+                EXPECT_EQ(shift, 0);
+        }
+    }
+    // A station that the fit does not know is not shifted.
+    const ShiftedFit fit = sums.shifted(0.003, 0.001);
+    const double known = sums.distance(fit, ball.points[0], 3), unknown = sums.distance(fit, ball.points[0], 77);
+    EXPECT_NEAR(unknown - known, dot(ball.normals[0], fit.shifts.at(3)), 1e-12);
+}
+
+// Stations that see shapes of every kind from all sides: their shifts are found, outwards and inwards.
+TEST(StationSums, ShiftsOfStationsAreFoundOnEachKindOfShape)
+{
+    for (const ShapeKind kind : {ShapeKind::plane, ShapeKind::sphere, ShapeKind::cylinder, ShapeKind::cone}) {
+        pcm::Shape shape;
+        shape.kind = kind;
+        shape.point = {300, -200, 50};
+        shape.axis = normalised({0.3, 0.2, 0.9});
+        shape.radius = kind == ShapeKind::plane ? 0 : 0.5;
+        if (kind == ShapeKind::cone) shape.radius = 0, shape.second = 0.4;
+        const auto [u, v] = across(shape.axis);
+        Dice dice(3);
+        StationSums sums(shape, shape.point, 2);
+        const Vec3d shift{0.002, -0.003, 0.001};
+        for (int i = 0; i < 4000; ++i) {
+            const Vec3d anywhere =
+                shape.point + dice.between(0.2, 1) * shape.axis + dice.between(-1, 1) * u + dice.between(-1, 1) * v;
+            const Vec3d n = normal_at(shape, anywhere);
+            const Vec3d place = anywhere - signed_distance(shape, anywhere) * n;
+            sums.add(place + 1e-5 * dice.normal() * n + (i % 2 ? shift : Vec3d{}), i % 2 ? 9 : 4);
+        }
+        const StationSpread found = sums.evidence(1e-5).spread();
+        EXPECT_GE(found.freedom, 1u);
+        EXPECT_LE(found.freedom, kind == ShapeKind::plane ? 1u : kind == ShapeKind::cylinder ? 2u : 3u);
+        Vec3d apart = found.shifts.at(9) - found.shifts.at(4), truth = shift;
+        if (kind == ShapeKind::plane) truth = dot(truth, shape.axis) * shape.axis;
+        if (kind == ShapeKind::cylinder) truth = truth - dot(truth, shape.axis) * shape.axis;
+        EXPECT_LT(length(apart - truth), 0.0001) << traits_of(kind).name;
+    }
+}
+
+TEST(StationSums, WhatPointsDoNotDetermineSaysNothing)
+{
+    Dice dice(5);
+    pcm::Shape ball;
+    ball.kind = ShapeKind::sphere;
+    ball.radius = 1;
+    StationSums few(ball, {}, 1), one_place(ball, {}, 1), enough(ball, {}, 1);
+    for (std::uint32_t i = 0; i < 5; ++i) {
+        const Vec3d n = dice.direction();
+        const double r = 1 + 0.001 * std::pow(i, 2);
+        if (i < 4) few.add(r * n, i % 2);
+        one_place.add({r, 0, 0}, i % 2);
+        enough.add(r * n, i % 2);
+    }
+    EXPECT_TRUE(enough.is_determined());
+    for (const StationSums* none : {&few, &one_place}) EXPECT_FALSE(none->is_determined());
+    EXPECT_EQ(few.noise_as_one(), 0) << "nothing is left to vary";
+    EXPECT_EQ(few.noise_within(), 0);
+    EXPECT_GT(enough.noise_as_one(), 0);
+    EXPECT_EQ(one_place.noise_as_one(), 0);
+    EXPECT_EQ(one_place.noise_within(), 0);
+    EXPECT_EQ(one_place.evidence(1).stations(), 0u);
+    EXPECT_EQ(one_place.errors_of_spread(1).position, 0);
+    EXPECT_TRUE(one_place.shifted(1, 1).shifts.empty());
+    EXPECT_EQ(enough.evidence(0).stations(), 0u);
+    EXPECT_EQ(enough.evidence(1).stations(), 2u);
+}
+
+TEST(StationSums, StationsAreComparedUpToTheirMaximumNumber)
+{
+    Dice dice(6);
+    pcm::Shape ball;
+    ball.kind = ShapeKind::sphere;
+    ball.radius = 1;
+    StationSums sums(ball, {}, 1);
+    for (std::uint32_t station = 0; station <= StationEvidence::most_stations; ++station) {
+        EXPECT_EQ(sums.evidence(0.1).stations(), station < 2 ? 0 : station);
+        for (int i = 0; i < 5; ++i) sums.add(1.001 * dice.direction(), station);
+    }
+    EXPECT_EQ(sums.evidence(0.1).stations(), 0u);
+}
+
 // Cylinders whose stations are shifted, fitted: their radii and axes scatter as the errors say.
 // Under the address sanitizer left out: a thousand fits, of code that other tests run too.
 TEST(StationSums, PCM_NOT_UNDER_ADDRESS(FitsOfShiftedStationsScatterAsTheErrorsSay))

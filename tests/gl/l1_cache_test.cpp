@@ -53,6 +53,18 @@ INSTANTIATE_TEST_SUITE_P(Settings, L1CacheWith, testing::ValuesIn(l1_settings),
 
 }  // namespace
 
+// Without a context, too.
+TEST(L1Cache, HasCountedNothingAtFirst)
+{
+    const L1Statistics s = L1Cache().statistics();
+    for (const std::uint64_t count : {s.hits, s.compulsory_misses, s.capacity_misses, s.forced_misses, s.evictions,
+                                      s.refused, s.uploaded_bytes, s.written_back_chunks, s.written_back_bytes,
+                                      s.failed_write_backs, s.resident_bytes, s.resident_chunks, s.allocated_bytes})
+        EXPECT_EQ(count, 0u);
+    EXPECT_EQ(s.upload_seconds, 0);
+    EXPECT_EQ(s.write_back_seconds, 0);
+}
+
 TEST_P(L1CacheWith, RandomUploadsOfVerticesAgreeWithANaiveModel)
 {
     PCM_REQUIRE_GL(context, Profile::core);

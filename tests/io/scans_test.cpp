@@ -39,7 +39,73 @@ TEST(Scans, KeysAreRenumbered)
 {
     EXPECT_EQ(renumbered("ptx.scan/2", 7), "ptx.scan/9");
     EXPECT_EQ(renumbered("e57.scan/12/pose", 3), "e57.scan/15/pose");
-    for (const char* key : {"e57.xml", "ptx.scan/", "ptx.scan/a", "las.scan/1", ""}) EXPECT_EQ(renumbered(key, 4), key);
+    for (const char* key :
+         {"e57.xml", "ptx.scan/", "ptx.scan/a", "las.scan/1", "", "ptx.scan/0", "ptx.scan/99999999999"})
+        EXPECT_EQ(renumbered(key, 4), key);
+}
+
+TEST(Scans, BlocksThatAreNoPosesHaveNoPosition)
+{
+    const std::string good = scan_at("1 2 3", "", 0);
+    const auto positions = scan_positions(
+        {block_of("ptx.scan/1/more", good), block_of("e57.scan/2", "1 2 3"), block_of("e57.scan/3/poses", "1 2 3"),
+         block_of("ptx.scan/4/pose", "7 8 9"), block_of("e57.scan/5/pose", "1 2"), block_of("e57.scan/6/pose", "1 2 x"),
+         block_of("ptx.scan/7", good.substr(0, good.find("1 2 3"))), block_of("e57.scan/8/pose", "inf 2 3"),
+         block_of("ptx.scan/0", good), block_of("e57.scan/4294967296/pose", "1 2 3"), block_of("e57.scan/9/pose", "")});
+    ASSERT_EQ(positions.size(), 1u);
+    EXPECT_EQ(positions.at(4), (Vec3d{7, 8, 9}));
+}
+
+TEST(Scans, FilesHaveAsManyScansAsTheirMetadataNumber)
+{
+    Schema plain, numbered;
+    plain.add({"intensity", ScalarType::u32, 1, 1, 0, ""});
+    numbered.add({scan_attribute, ScalarType::u32, 1, 1, 0, ""});
+    EXPECT_EQ(scans_of({}, plain), 0u);
+    EXPECT_EQ(scans_of({}, numbered), 0u);
+    EXPECT_EQ(scans_of({block_of("ptx.scan/1", "")}, plain), 1u);
+    // The others are not known before the file has been read.
+    EXPECT_EQ(scans_of({block_of("ptx.scan/1", "")}, numbered), 10000u);
+    for (const Schema& schema : {plain, numbered})
+        EXPECT_EQ(
+            scans_of({block_of("e57.scan/3/pose", ""), block_of("ptx.scan/12", ""), block_of("other/20", "")}, schema),
+            12u);
+}
+
+TEST(Scans, NumbersHaveAPlaceOfTheirOwnKind)
+{
+    Schema schema;
+    schema.add({"intensity", ScalarType::u16, 1, 1, 0, ""});
+    EXPECT_EQ(place_for_scan_numbers(schema), std::optional<std::size_t>(1));
+    ASSERT_EQ(schema.size(), 2u);
+    EXPECT_EQ(schema[1].name, scan_attribute);
+    EXPECT_EQ(schema[1].type, ScalarType::u32);
+    EXPECT_EQ(schema[1].scale, 1);
+    EXPECT_EQ(schema[1].offset, 0);
+    EXPECT_EQ(place_for_scan_numbers(schema), std::optional<std::size_t>(1)) << "it is there";
+    EXPECT_EQ(schema.size(), 2u);
+    const Attribute others[] = {{scan_attribute, ScalarType::u16, 1, 1, 0, ""},
+                                {scan_attribute, ScalarType::u32, 2, 1, 0, ""},
+                                {scan_attribute, ScalarType::u32, 1, 2, 0, ""},
+                                {scan_attribute, ScalarType::u32, 1, 1, 3, ""}};
+    for (const Attribute& other : others) {
+        Schema taken;
+        taken.add(other);
+        EXPECT_FALSE(place_for_scan_numbers(taken));
+        EXPECT_EQ(taken.size(), 1u);
+    }
+}
+
+TEST(Scans, NumbersFollowThoseOfTheFilesBefore)
+{
+    for (const bool numbered : {true, false}) {
+        Column column(ScalarType::u32, 1);
+        column.resize(4);
+        for (std::uint32_t i = 0; i < 4; ++i) column.as<std::uint32_t>()[i] = i % 3 + 1;
+        number_scans(column, 3, 10, numbered);
+        const std::uint32_t expected[] = {11, numbered ? 12u : 11u, numbered ? 13u : 11u, 1};
+        for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(column.as<std::uint32_t>()[i], expected[i]) << numbered << i;
+    }
 }
 
 // Files of one scan each, of two, and one of another format.

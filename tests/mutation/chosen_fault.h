@@ -1,4 +1,6 @@
-// Which fault of a build with many faults is at work: the number in the environment variable PCM_FAULT, -1 for none.
+// Which fault of a build with many faults is at work: the number in the environment variable PCM_CHOSEN_FAULT, -1 for
+// none. Not PCM_FAULT: tests that start a process whose calls fail set that (tests/faults.h), and the process has the
+// fault in its code, too.
 // packaging/mutate includes this header in the sources that it breaks.
 #pragma once
 
@@ -18,7 +20,7 @@ struct Chosen {
 
     Chosen()
     {
-        if (const char* number = std::getenv("PCM_FAULT")) fault = std::atoi(number);
+        if (const char* number = std::getenv("PCM_CHOSEN_FAULT")) fault = std::atoi(number);
         if (const char* path = std::getenv("PCM_FAULTS_REACHED")) {
             void* const bytes =
                 ::mmap(nullptr, room, PROT_READ | PROT_WRITE, MAP_SHARED, ::open(path, O_RDWR | O_CLOEXEC), 0);

@@ -228,7 +228,7 @@ def batches(tests, room):
 def noticed_by(copy, number, tests, room):
     """The first test that notices a fault, None where none does. A run that takes five times as long notices it."""
     for program, names, seconds in batches(tests, room):
-        found = copy.run(program, ":".join(names), 20 + 5 * seconds, PCM_FAULT=str(number))
+        found = copy.run(program, ":".join(names), 20 + 5 * seconds, PCM_CHOSEN_FAULT=str(number))
         if found:
             return found
     return None

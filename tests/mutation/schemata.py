@@ -1,5 +1,5 @@
 """Many faults in one build: each faulty expression or statement stands in the source next to the good one, and the environment
-variable PCM_FAULT says which of the faults is at work (chosen_fault.h)."""
+variable PCM_CHOSEN_FAULT says which of the faults is at work (chosen_fault.h)."""
 
 import re
 

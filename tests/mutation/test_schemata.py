@@ -130,8 +130,8 @@ class OneBuild(unittest.TestCase):
         def run(script, limit=30, filters="*"):
             program.write_text("#!/bin/sh\n" + script)
             program.chmod(0o755)
-            return self.copy.run("test_a", filters, limit, PCM_FAULT="3")
-        self.assertIsNone(run('test "$1$PCM_FAULT" = "--gtest_filter=A.*3"', filters="A.*"))
+            return self.copy.run("test_a", filters, limit, PCM_CHOSEN_FAULT="3")
+        self.assertIsNone(run('test "$1$PCM_CHOSEN_FAULT" = "--gtest_filter=A.*3"', filters="A.*"))
         begun = "echo '[ RUN      ] A.x'\necho '[       OK ] A.x'\necho '[ RUN      ] A.y'\n"
         self.assertEqual(run(begun + "exit 1"), "test_a A.y")
         self.assertEqual(run(begun + "kill -SEGV $$"), "test_a A.y")

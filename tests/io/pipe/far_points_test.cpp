@@ -87,6 +87,72 @@ TEST(FarPoints, NoDataValuesAreFoundWhateverTheirNumber)
         }
 }
 
+// Each point counts by its own coordinates, whichever was watched before it; around 1, too.
+TEST(FarPoints, TheOrderOfPointsDoesNotMatter)
+{
+    std::vector<Vec3d> points = scattered({1.5, 1.5, 1.5}, 0.4, 2000), odd = scattered({0, 0, 1e20}, 1, 700, 3);
+    for (const bool mixed : {false, true}) {
+        std::vector<Vec3d> all;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            all.push_back(points[i]);
+            if (mixed && i < odd.size()) all.push_back(odd[i]);
+        }
+        if (!mixed) all.insert(all.end(), odd.begin(), odd.end());
+        const auto found = find(all);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->points, odd.size());
+        EXPECT_EQ(found->first, odd[0]);
+        EXPECT_EQ(found->limit, 10);
+        FarPoints far;
+        for (const Vec3d& p : all) far.watch(p);
+        EXPECT_EQ(far.usual_magnitude(), 2);
+    }
+}
+
+// The limit lies between the two, be it a round number or not. Steps of a grid of 100 cells.
+TEST(FarPoints, TheLimitLeavesOutAllFarPoints)
+{
+    const auto coarse = [](const Box3d& box) {
+        Vec3d step{};
+        for (std::size_t a = 0; a < 3; ++a) step[a] = std::max(std::fabs(box.min[a]), std::fabs(box.max[a])) / 100;
+        return step;
+    };
+    std::vector<Vec3d> cloud = scattered({0, 0, 0}, 130, 1000);
+    cloud.push_back({130, 0, 0});
+    for (const auto& [nearest, limit] : {std::pair{600.0, 130.0}, {1010.0, 1000.0}}) {
+        FarPoints far;
+        for (const Vec3d& p : cloud) far.watch(p);
+        for (int i = 0; i < 10; ++i) far.watch(Vec3d{nearest + (i * 7) % 10, 0, 0});
+        const auto found = far.find(coarse);
+        ASSERT_TRUE(found);
+        EXPECT_EQ(found->points, 10u);
+        EXPECT_EQ(found->limit, limit);
+    }
+}
+
+// Places are told apart by 64ths of the power of two below them: sixteen are few.
+TEST(FarPoints, FewPlacesAreFarWhateverTheNumberOfTheirPoints)
+{
+    const std::vector<Vec3d> cloud = scattered({50, 50, 5}, 40, 500);
+    const auto at_places = [](int places, double step) {
+        std::vector<Vec3d> odd;
+        for (int k = 0; k < 40 * places; ++k) odd.push_back({0, std::ldexp(1 + step * (k % places), 100), 0});
+        return odd;
+    };
+    for (const int places : {1, 15, 16}) {
+        const auto found = find(cloud + at_places(places, 1.0 / 64));
+        ASSERT_TRUE(found) << places;
+        EXPECT_EQ(found->points, 40u * static_cast<unsigned>(places));
+    }
+    // As many far points as that at more places are the cloud, for all that is known.
+    EXPECT_FALSE(find(cloud + at_places(17, 1.0 / 64)));
+    // Places nearer to each other are one: 31 of them are 16.
+    const auto near = find(cloud + at_places(31, 1.0 / 128));
+    ASSERT_TRUE(near);
+    EXPECT_EQ(near->points, 1240u);
+    EXPECT_FALSE(find(cloud + at_places(33, 1.0 / 128)));
+}
+
 TEST(FarPoints, SeveralValuesAndGarbageAreFoundAtOnce)
 {
     std::vector<Vec3d> odd = {{1e300, 0, 0}, {0, 1e30, 0}, {0, 0, -3.4e38}, {1e20, 1e20, 1e20}};

@@ -1,0 +1,255 @@
+// Which attribute or gap of times says from which station a point is, and what the surfaces around say of two stations.
+#include "pcm/place/point_stations.h"
+#include "pcm/place/station_survey.h"
+#include "tests/memory_reader.h"
+#include "tests/place/shape_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+// Numbers of a point; those that are not written are not in the cloud.
+struct Numbers {
+    std::uint32_t scan = 0;
+    std::uint16_t source_id = 0;
+    double time = 0;
+    Vec3d place{};
+};
+
+class PointStationsTest : public testing::Test {
+protected:
+    using Make = std::function<Numbers(int i)>;
+    // The points i = 0 ... count - 1. `has`: of the letters s (scan), p (point_source_id), t (gps_time).
+    std::shared_ptr<const Tree> tree(const std::string& has, int count, const Make& make, std::uint32_t chunk = 1000)
+    {
+        const auto wants = [&](char letter) { return has.find(letter) != std::string::npos; };
+        std::ofstream file(folder_ / "in.ply", std::ios::binary);
+        file << "ply\nformat binary_little_endian 1.0\nelement vertex " << count << "\n";
+        for (const char* axis : {"x", "y", "z"}) file << "property double " << axis << "\n";
+        if (wants('s')) file << "property uint scan\n";
+        if (wants('p')) file << "property ushort point_source_id\n";
+        if (wants('t')) file << "property double gps_time\n";
+        file << "end_header\n";
+        for (int i = 0; i < count; ++i) {
+            const Numbers n = make(i);
+            file.write(reinterpret_cast<const char*>(n.place.data()), 24);
+            if (wants('s')) file.write(reinterpret_cast<const char*>(&n.scan), 4);
+            if (wants('p')) file.write(reinterpret_cast<const char*>(&n.source_id), 2);
+            if (wants('t')) file.write(reinterpret_cast<const char*>(&n.time), 8);
+        }
+        file.close();
+        BuildOptions options;
+        options.chunk_points = chunk;
+        options.overwrite = true;
+        build_tree({folder_ / "in.ply"}, folder_ / "in.pct", options);
+        return Tree::open(folder_ / "in.pct");
+    }
+    // The same with places all over a square.
+    std::shared_ptr<const Tree> square(const std::string& has, int count, const Make& make)
+    {
+        return tree(has, count, [&](int i) {
+            Numbers numbers = make(i);
+            numbers.place = {dice_.between(0, 10), dice_.between(0, 10), 0};
+            return numbers;
+        });
+    }
+    TemporaryFolder folder_;
+    Dice dice_{4};
+};
+
+// The station of each point, of a tree whose points' x is the expected one.
+std::size_t wrong_stations(const Tree& tree, const PointStations& stations)
+{
+    std::size_t wrong = 0;
+    for (NodeId node = 0; node < tree.nodes().size(); ++node) {
+        const Chunk chunk = tree.read_chunk(node, stations.columns());
+        for (std::uint32_t i = 0; i < chunk.points; ++i)
+            wrong += stations.at(chunk, i) != std::lround(tree.info().grid.to_source(chunk.positions->grid(i))[0]);
+    }
+    return wrong;
+}
+
+TEST_F(PointStationsTest, TheFirstAttributeOfSeveralValuesSaysIt)
+{
+    const auto two = tree("sp", 2000, [](int i) {
+        return Numbers{70000u + static_cast<unsigned>(i % 2),
+                       static_cast<std::uint16_t>(i % 3),
+                       0,
+                       {70000.0 + i % 2, 0.01 * i, 0}};
+    });
+    const PointStations scans(*two);
+    EXPECT_EQ(scans.source(), StationSource::attribute);
+    EXPECT_EQ(scans.attribute(), "scan");
+    EXPECT_TRUE(scans.columns().positions);
+    EXPECT_EQ(wrong_stations(*two, scans), 0u);
+    const auto one_scan = tree("sp", 2000, [](int i) {
+        return Numbers{5, static_cast<std::uint16_t>(i % 3), 0, {i % 3 + 0.0, 0.01 * i, 0}};
+    });
+    const PointStations ids(*one_scan);
+    EXPECT_EQ(ids.attribute(), "point_source_id");
+    EXPECT_EQ(wrong_stations(*one_scan, ids), 0u);
+    const auto nothing = square("sp", 500, [](int) { return Numbers{5, 7, 0, {}}; });
+    EXPECT_EQ(PointStations(*nothing).source(), StationSource::none);
+    EXPECT_EQ(PointStations(*nothing).attribute(), "");
+    EXPECT_TRUE(PointStations(*nothing).columns().positions);
+    EXPECT_TRUE(PointStations(*nothing).columns().attributes.none());
+    EXPECT_EQ(PointStations(*square("", 500, [](int) { return Numbers(); })).source(), StationSource::none);
+}
+
+// Eight points a station are enough, on the average; all points are in one chunk.
+TEST_F(PointStationsTest, NumbersOfFewPointsNameSomethingElse)
+{
+    const auto source = [&](int points, int numbers) {
+        return PointStations(*square("p", points,
+                                     [=](int i) {
+                                         return Numbers{0, static_cast<std::uint16_t>(i % numbers), 0, {}};
+                                     }))
+            .source();
+    };
+    EXPECT_EQ(source(80, 10), StationSource::attribute);
+    EXPECT_EQ(source(79, 10), StationSource::none);
+    EXPECT_EQ(source(16, 2), StationSource::attribute);
+}
+
+TEST_F(PointStationsTest, GapsAreHalfAMinuteAndFiftyMeanGaps)
+{
+    // Three blocks of 300 points, `apart` seconds from one to the next, points of a block `step` apart.
+    const auto blocks = [&](double step, double apart) {
+        return tree("t", 900, [=](int i) {
+            const int block = i / 300;
+            return Numbers{0, 0, 1e6 + block * (299 * step + apart) + i % 300 * step, {block + 0.0, 0.01 * i, 0}};
+        });
+    };
+    const auto apart = blocks(0.01, 31);
+    const PointStations stations(*apart);
+    EXPECT_EQ(stations.source(), StationSource::time_gaps);
+    EXPECT_EQ(stations.attribute(), "gps_time");
+    EXPECT_TRUE(stations.columns().positions);
+    EXPECT_EQ(wrong_stations(*apart, stations), 0u);
+    EXPECT_EQ(PointStations(*blocks(0.01, 29)).source(), StationSource::none);
+    // Mean gaps: 1 second between points, and a little more for the two gaps.
+    EXPECT_EQ(PointStations(*blocks(1, 45)).source(), StationSource::none);
+    EXPECT_EQ(PointStations(*blocks(1, 65)).source(), StationSource::time_gaps);
+}
+
+// Seconds are numbers times a scale, and an offset.
+TEST_F(PointStationsTest, TimesAreScaledNumbers)
+{
+    MemoryCloud cloud;
+    cloud.info.schema.add({"gps_time", ScalarType::i32, 1, 0.5, 1000, ""});
+    cloud.info.points = 400;
+    cloud.info.points_known = true;
+    shape_batch(cloud.points, cloud.info.schema, false, 400);
+    for (std::size_t i = 0; i < 400; ++i) {
+        cloud.points.xyz[0][i] = i < 200 ? 0 : 1;
+        cloud.points.xyz[1][i] = 0.01 * static_cast<double>(i);
+        cloud.points.xyz[2][i] = 0;
+        // 62 steps of half a second apart, or 58.
+        cloud.points.attributes[0].as<std::int32_t>()[i] = i < 200 ? -5000 : -5000 + 62;
+    }
+    const auto built = [&] {
+        BuildOptions options;
+        options.overwrite = true;
+        MemoryReader reader(cloud);
+        build_tree(reader, {"memory"}, folder_ / "m.pct", options);
+        return Tree::open(folder_ / "m.pct");
+    };
+    const auto apart = built();
+    const PointStations stations(*apart);
+    EXPECT_EQ(stations.source(), StationSource::time_gaps);
+    EXPECT_EQ(wrong_stations(*apart, stations), 0u);
+    for (std::size_t i = 200; i < 400; ++i) cloud.points.attributes[0].as<std::int32_t>()[i] -= 4;
+    EXPECT_EQ(PointStations(*built()).source(), StationSource::none);
+}
+
+TEST_F(PointStationsTest, TimesThatAreNotFiniteAreIgnored)
+{
+    const auto with = tree("t", 600, [](int i) {
+        const double time = i % 5 == 0   ? std::numeric_limits<double>::quiet_NaN()
+                            : i % 7 == 0 ? std::numeric_limits<double>::infinity()
+                                         : 0.01 * i + (i < 300 ? 0 : 100);
+        return Numbers{0, 0, time, {i % 5 == 0 || i % 7 == 0 || i >= 300 ? 1.0 : 0.0, 0.01 * i, 0}};
+    });
+    const PointStations stations(*with);
+    EXPECT_EQ(stations.source(), StationSource::time_gaps);
+    // A time that is not finite is after all others.
+    EXPECT_EQ(wrong_stations(*with, stations), 0u);
+    const auto none = square("t", 100, [](int) { return Numbers{0, 0, std::nan(""), {}}; });
+    EXPECT_EQ(PointStations(*none).source(), StationSource::none);
+}
+
+// A room of a floor and two walls, which two stations see with noise; the second one is shifted.
+class StationSurveyTest : public PointStationsTest {
+protected:
+    static constexpr double noise = 0.0005;
+    static constexpr Vec3d shift{0.004, -0.006, 0.005};
+    // `change` moves a place of a station.
+    StationSpread survey(const std::function<void(Vec3d& place, int station)>& change = {}, const Vec3d& middle = {})
+    {
+        const auto room = tree(
+            "p", 12000,
+            [&](int i) {
+                const int station = i / 3 % 2;
+                const double a = dice_.between(0, 4), b = dice_.between(0, 4), off = noise * dice_.normal();
+                Vec3d place = i % 3 == 0 ? Vec3d{a, b, off} : i % 3 == 1 ? Vec3d{off, a, b} : Vec3d{a, off, b};
+                if (station == 1) place = place + shift;
+                if (change) change(place, station);
+                return Numbers{0, static_cast<std::uint16_t>(8 + station), 0, middle + place};
+            },
+            3000);
+        return station_survey(*room, PointStations(*room), middle + Vec3d{2, 2, 0}).spread();
+    }
+};
+
+TEST_F(StationSurveyTest, ShiftsAreThoseOfTheWalls)
+{
+    for (const Vec3d& middle : {Vec3d{}, Vec3d{454321, 5412345, 310}}) {
+        const StationSpread found = survey({}, middle);
+        EXPECT_EQ(found.stations, 2u);
+        EXPECT_EQ(found.freedom, 3u);
+        ASSERT_EQ(found.shifts.size(), 2u);
+        EXPECT_LT(length(found.shifts.at(9) - found.shifts.at(8) - shift), 0.0006);
+        EXPECT_LT(length(found.shifts.at(9) + found.shifts.at(8)), 0.0002) << "half of it each";
+        // Three differences of 0.005 on the average, each of two shifts.
+        EXPECT_NEAR(found.spread, length(shift) / std::sqrt(6.0), 0.0003);
+    }
+}
+
+// A door that one station sees closed and the other open, and things that lie on the floor for one of them only.
+TEST_F(StationSurveyTest, WhatContradictsTheOthersIsLeftOut)
+{
+    const StationSpread found = survey([](Vec3d& place, int station) {
+        if (station != 1) return;
+        if (place[0] < 0.02 && place[1] < 1.2 && place[2] > 0.1) place[0] += 0.08;
+        if (place[2] < 0.02 && place[0] > 3 && place[1] > 3) place[2] += 0.06;
+    });
+    EXPECT_LT(length(found.shifts.at(9) - found.shifts.at(8) - shift), 0.0003);
+}
+
+TEST_F(StationSurveyTest, StationsThatSeeDifferentPartsOfAWallAreNotCompared)
+{
+    const auto evidence = [&](const std::function<Vec3d(int i)>& place) {
+        const auto made = tree(
+            "p", 12000,
+            [&](int i) {
+                return Numbers{0, static_cast<std::uint16_t>(i % 2), 0, place(i)};
+            },
+            3000);
+        const PointStations stations(*made);
+        EXPECT_EQ(stations.source(), StationSource::attribute);
+        if (stations.source() == StationSource::none) return std::size_t{99};
+        return station_survey(*made, stations, {}).stations();
+    };
+    const auto any = [&] { return dice_.between(0, 1); };
+    const auto small = [&] { return 0.001 * dice_.normal(); };
+    EXPECT_EQ(evidence([&](int) { return Vec3d{any(), any(), small()}; }), 2u) << "a wall";
+    EXPECT_EQ(evidence([&](int i) { return Vec3d{any() + i % 2, any(), small()}; }), 0u) << "halves of a wall";
+}
+
+}  // namespace
