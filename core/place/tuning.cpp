@@ -41,6 +41,8 @@ std::array<TunedValue, last_values> last_rows(PlaceTuning& place)
         PCM_TUNED(place.patches.min_overlap),
         PCM_TUNED(place.patches.max_noise),
         PCM_TUNED(place.patches.max_deviation),
+        PCM_TUNED(place.patches.min_mixed),
+        PCM_TUNED(place.patches.enough_by_chance),
     }};
 }
 

@@ -265,6 +265,13 @@ struct PatchTuning {
     // Maximum deviation of a patch from what all others say.
     // Chosen: not swept.
     double max_deviation = 4;  // medians of the deviations
+    // Minimum number of nearest neighbours of another station, where stations see the same surfaces: tiles and objects
+    // have fewer.
+    // Chosen: not swept.
+    double min_mixed = 0.6;  // shares of their number by chance
+    // With fewer by chance it is not said that stations do not mix.
+    // Chosen: with min_mixed; not swept.
+    double enough_by_chance = 500;  // neighbours
 };
 
 struct PlaceTuning {
