@@ -1,5 +1,6 @@
 #include "pcm/query/named_points.h"
 
+#include "pcm/query/query_source.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/source_rounding.h"
 

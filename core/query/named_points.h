@@ -4,13 +4,15 @@
 
 #include "pcm/cloud/geometry.h"
 #include "pcm/cloud/point_batch.h"
-#include "pcm/query/query_source.h"
+#include "pcm/tree/tree.h"
 
 #include <cstdint>
 #include <string>
 #include <vector>
 
 namespace pcm {
+
+struct QuerySource;
 
 struct PointName {
     NodeId node = no_node;
