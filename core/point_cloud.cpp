@@ -75,6 +75,11 @@ L2Cache& PointCloud::cache() { return state_->cache; }
 
 PointCursor PointCloud::points(const Query& query) { return PointCursor(state_, query); }
 
+NamedPoints PointCloud::values(const std::vector<PointName>& points, const std::vector<std::string>& attributes)
+{
+    return named_points(*state_, points, attributes);
+}
+
 Estimate PointCloud::estimate(const Query& query, EstimatePrecision precision)
 {
     const ColumnSet columns = columns_of(slots_of(*state_, query), Selector(query.selection(), info().schema));

@@ -27,6 +27,7 @@
 #include "pcm/cache/l2_cache.h"
 #include "pcm/query/edit_cursor.h"
 #include "pcm/query/estimate.h"
+#include "pcm/query/named_points.h"
 #include "pcm/query/nearest.h"
 #include "pcm/query/point_cursor.h"
 #include "pcm/query/query.h"
@@ -37,6 +38,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace pcm {
@@ -65,6 +67,9 @@ public:
     // Points in node order, streaming, in bounded memory. Throws Error(invalid_argument) for an unknown attribute and
     // what Selector throws.
     PointCursor points(const Query& query = {});
+
+    // Positions and raw values of points that are named by node and number; see query/named_points.h.
+    NamedPoints values(const std::vector<PointName>& points, const std::vector<std::string>& attributes);
 
     // What points(query) will find and cost. Throws what points() throws.
     Estimate estimate(const Query& query, EstimatePrecision precision = EstimatePrecision::index);

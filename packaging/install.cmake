@@ -11,7 +11,7 @@ set(package_folder ${CMAKE_INSTALL_LIBDIR}/cmake/pcm)
 # not for a program to name. tests/install holds the lists against the includes and compiles each header by itself.
 set(public_headers
   point_cloud.h make_cloud.h
-  query/query.h query/point_cursor.h query/edit_cursor.h query/estimate.h query/nearest.h query/point_set.h cache/l2_cache.h knn/neighbourhoods.h
+  query/query.h query/point_cursor.h query/edit_cursor.h query/estimate.h query/nearest.h query/named_points.h query/point_set.h cache/l2_cache.h knn/neighbourhoods.h
   build/builder.h convert/convert.h update/append.h update/compact.h update/erase.h update/repair.h update/target.h
   filter/neighbour_attributes.h filter/outliers.h filter/voxel_grid.h filter/subsample.h filter/merge.h
   tree/tree.h tree/tree_reader.h tree/verify.h tree/verify_levels.h bpc/bpc_array.h
@@ -33,7 +33,7 @@ set(reachable_headers
   io/text/text_layout.h system/file.h system/page_allocator.h
   system/tree_folder.h lists/undo_list.h tree/chunk_size.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
 set(public_gl_headers gl/draw/renderer.h gl/style/splat_style.h gl/compute/gpu_cursor.h gl/compute/gpu_radii.h gl/l1/l1_cache.h)
-set(reachable_gl_headers gl/style/colour_modes.h gl/l1/chunk_vertices.h gl/l1/l1_table.h gl/style/splat_modes.h gl/l1/vertex_format.h gl/l1/vertex_groups.h view/colour_ramps.h
+set(reachable_gl_headers gl/tuning.h gl/style/colour_modes.h gl/l1/chunk_vertices.h gl/l1/l1_table.h gl/style/splat_modes.h gl/l1/vertex_format.h gl/l1/vertex_groups.h view/colour_ramps.h
   view/point_colours.h view/value_range.h)
 set(public_offscreen_headers offscreen/image.h offscreen/offscreen.h offscreen/scene.h)
 

@@ -4,10 +4,12 @@
 //       viewer has it
 //   bench_pictures views TREE --path FILE --out FOLDER [options]        the camera arrives, and stays:
 //       frames with "rest" are drawn while the camera still moves, and again until nothing is to be added
-//   bench_pictures about                                                what it draws with
+//   bench_pictures --sweep NAME... views TREE ...                       its figures for several values of a tuned
+//   number bench_pictures about                                                what it draws with
 // Each prints a line of JSON with lists that have an entry for each frame (references: for each picture). Pictures are
 // transparent where nothing is drawn.
 #include "bench/caches/row.h"
+#include "bench/sweep/sweep.h"
 
 #include "pcm/offscreen/offscreen.h"
 #include "pcm/offscreen/scene.h"
@@ -32,6 +34,7 @@ constexpr double megabyte = 1 << 20;
 
 struct Arguments {
     std::string tree, path, size = "640x480";
+    std::vector<std::string> sweeps;
     std::filesystem::path out;
     double l1_mb = 512, l2_mb = 512, frame_budget_ms = 0, pace_ms = 33, longest_s = 120;
     unsigned loaders = 2, passes = 1, every = 1;
@@ -148,6 +151,7 @@ public:
                 if (last) {
                     row["moving_cpu_seconds"].push_back(mean(moving));
                     row["moving_points"].push_back(report.points_drawn);
+                    row["moving_error_px"].push_back(report.screen_error_px);
                     write(numbered(rests) + "-moving.png", screen_.read());
                 }
                 moving.clear();
@@ -269,14 +273,74 @@ void add_options(CLI::App& app, Arguments& a)
         ->check(CLI::PositiveNumber);
 }
 
+// A row of a sweep: means over the frames with "rest". A player of its own, for which the value counts.
+std::vector<std::string> figures_of_views(const Arguments& a)
+{
+    Row row;
+    Player(a).stay(row);
+    if (row.empty()) throw std::runtime_error(a.path + " has no frame with \"rest\", which views draws");
+    const auto cell = [&](const char* key, double factor) {
+        double sum = 0;
+        for (const auto& value : row.at(key)) sum += value.get<double>();
+        return text_of_value(factor * sum / static_cast<double>(std::max<std::size_t>(1, row.at(key).size())));
+    };
+    return {cell("moving_cpu_seconds", 1000), cell("moving_points", 1), cell("moving_error_px", 1),
+            cell("rest_cpu_seconds", 1),      cell("rest_frames", 1),   cell("frames_averaged", 1)};
+}
+
+Row about_this()
+{
+    Row row;
+    row["gl"] = Offscreen().renderer();
+    for (const SplatTraits& mode : splat_modes()) row["splats"].push_back(mode.name);
+    return row;
+}
+
+Row row_of(const Arguments& a, void (Player::*draw)(Row&))
+{
+    Row row;
+    Player player(a);
+    const double cpu = processor_seconds();
+    const auto start = Clock::now();
+    (player.*draw)(row);
+    row["seconds"] = seconds_since(start);
+    row["cpu_seconds"] = processor_seconds() - cpu;
+    row["gl"] = player.renderer();
+    return row;
+}
+
+// Does what the parsed subcommand asks for.
+void run(const std::string& command, Arguments& a)
+{
+    const std::vector<Sweep> sweeps = read_sweeps(a.sweeps);
+    if (!a.sweeps.empty() && sweeps.empty()) return;  // the names were listed
+    if (command.empty()) throw std::runtime_error("a subcommand was expected: about, reference, views or replay");
+    if (!sweeps.empty() && command != "views") throw std::runtime_error("--sweep draws the figures of views alone");
+    if (command != "about" && std::sscanf(a.size.c_str(), "%5dx%5d", &a.width, &a.height) != 2)
+        throw std::runtime_error("--size: WIDTHxHEIGHT in pixels was expected, not " + a.size);
+    for (const Sweep& sweep : sweeps)
+        print_sweep(
+            sweep, {"CPU ms, moving", "points, moving", "pixels apart", "CPU s, at rest", "frames at rest", "averaged"},
+            [&] { return figures_of_views(a); });
+    if (!sweeps.empty()) return;
+    const Row row = command == "about" ? about_this()
+                                       : row_of(a, command == "reference" ? &Player::draw_references
+                                                   : command == "views"   ? &Player::stay
+                                                                          : &Player::replay);
+    std::printf("%s\n", row.dump().c_str());
+}
+
 }  // namespace
 
 int main(int argc, char** argv)
 {
     CLI::App app("Draws the frames of a camera path; prints one line of JSON.");
-    app.require_subcommand(1);
+    app.require_subcommand(0, 1);
+    app.fallthrough();
     Arguments a;
-    CLI::App* const about = app.add_subcommand("about", "What it draws with");
+    app.add_option("--sweep", a.sweeps,
+                   "Tuned values whose figures views prints: NAME or NAME=FROM:TO:STEPS; 'list' prints the names");
+    app.add_subcommand("about", "What it draws with");
     CLI::App* const reference = app.add_subcommand("reference", "Each frame complete");
     add_options(*reference, a);
     reference->add_flag("--to-target", a.to_target, "Complete is what --target-px asks for, not every point in view");
@@ -309,22 +373,8 @@ int main(int argc, char** argv)
     }
     CLI11_PARSE(app, argc, argv);
     try {
-        Row row;
-        if (about->parsed()) {
-            row["gl"] = Offscreen().renderer();
-            for (const SplatTraits& mode : splat_modes()) row["splats"].push_back(mode.name);
-        } else {
-            if (std::sscanf(a.size.c_str(), "%5dx%5d", &a.width, &a.height) != 2)
-                throw std::runtime_error("--size: WIDTHxHEIGHT in pixels was expected, not " + a.size);
-            Player player(a);
-            const double cpu = processor_seconds();
-            const auto start = Clock::now();
-            reference->parsed() ? player.draw_references(row) : views->parsed() ? player.stay(row) : player.replay(row);
-            row["seconds"] = seconds_since(start);
-            row["cpu_seconds"] = processor_seconds() - cpu;
-            row["gl"] = player.renderer();
-        }
-        std::printf("%s\n", row.dump().c_str());
+        const std::vector<CLI::App*> parsed = app.get_subcommands();
+        run(parsed.empty() ? "" : parsed.front()->get_name(), a);
         return 0;
     } catch (const std::exception& error) {
         std::fprintf(stderr, "bench_pictures: %s\n", error.what());

@@ -3,6 +3,7 @@
 
     python3 bench/sweep/test_sweep.py FOLDER_OF_PROGRAMS WORK_FOLDER
 """
+import json
 import pathlib
 import re
 import subprocess
@@ -11,6 +12,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 BIN, WORK = (pathlib.Path(path).resolve() for path in sys.argv[1:3])
+DRAWS = ("bench_pictures",) if (BIN / "bench_pictures").exists() else ()
 
 
 def run(program, *arguments):
@@ -44,7 +46,7 @@ class Sweep(unittest.TestCase):
                 for name, value in re.findall(r"^    (?:double|std::size_t) (\w+) = ([^;]+);", body, re.MULTILINE):
                     written[f"{file.parent.name}.{members[struct]}.{name}"] = float(value)
         self.assertTrue(written)
-        for program in ("bench_fit", "bench_place", "bench_detect", "bench_neighbourhoods"):
+        for program in ("bench_fit", "bench_place", "bench_detect", "bench_neighbourhoods", *DRAWS):
             listed = run(program, "--sweep", "list").stdout
             self.assertEqual({name: float(value) for name, value in re.findall(r"(\S+) = (\S+)\n", listed)}, written, program)
 
@@ -60,6 +62,22 @@ class Sweep(unittest.TestCase):
         table = self.draw("bench_neighbourhoods", "site.pct", 8, 1, 64, "--sweep", "knn.margin.next_factor=0.01:1.1:2")
         self.assertEqual([row[0] for row in table], ["knn.margin.next_factor", "---:", "0.01", "**1.1**"])
         self.assertEqual(len({row[3] for row in table[2:]}), 1, "mean distance")
+
+    @unittest.skipUnless(DRAWS, "built without OpenGL")
+    def test_pictures_follow_the_value(self):
+        view = {"eye": [0, -2, 2], "target": [0, 0, 0], "angle": 60}
+        (WORK / "path.json").write_text(json.dumps({"format": "pcm camera path", "version": 1, "coordinates": "box",
+                                                    "frames": [dict(view, rest=True)]}))
+        table = self.draw("bench_pictures", "--sweep", "gl.smoothing.max_points=1000:100000000:2", "views", "site.pct", "--path", "path.json",
+                          "--out", "pictures", "--size", "64x48", "--converge", 8)
+        self.assertEqual([row[0] for row in table], ["gl.smoothing.max_points", "---:", "1000", "1e+08", "**2e+08**"])
+        self.assertEqual({len(row) for row in table}, {len(table[0])})
+        averaged = table[0].index("averaged")
+        self.assertEqual([int(row[averaged]) for row in table[2:]], [1, 8, 8])
+        for arguments, word in ((["about"], "views alone"), ([], "subcommand")):
+            done = run("bench_pictures", "--sweep", "gl.smoothing.max_points", *arguments)
+            self.assertEqual(done.returncode, 1)
+            self.assertIn(word, done.stderr)
 
     def test_figures_follow_the_value(self):
         table = self.draw("bench_fit", "--seeds", 1, "--sweep", "fit.consensus.max_chance=0.001:0.5:2", "fit.consensus.max_chance=0.4:0.5:2")

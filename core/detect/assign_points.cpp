@@ -114,7 +114,7 @@ private:
     {
         const double step = options_.sample.step;
         using Points = std::vector<std::uint32_t>;
-        std::map<std::array<std::int64_t, 3>, std::map<std::uint32_t, Points>> cells;  // by part
+        std::map<std::array<std::int64_t, 3>, std::map<std::uint32_t, Points>> cells;  // keyed by cell, then by part
         const auto cell_of = [&](const Vec3d& p) {
             std::array<std::int64_t, 3> cell{};
             for (std::size_t a = 0; a < 3; ++a) cell[a] = static_cast<std::int64_t>(std::floor(p[a] / step));
@@ -131,7 +131,7 @@ private:
             }
             return false;
         };
-        // Of the points in two cells; most parts are the only ones of their surface there.
+        // Joins the parts of points in two cells; most parts are the only ones of their surface there.
         const auto join = [&](const std::pair<const std::uint32_t, Points>& a,
                               const std::pair<const std::uint32_t, Points>& b) {
             const auto parts = std::minmax(a.first, b.first);
@@ -197,7 +197,7 @@ private:
         return sum / (SurfaceSample::most_neighbours + 1);
     }
 
-    // Whether the surface of the cloud continues smoothly beside point i, but not on the point's shape.
+    // Whether the surface of the cloud continues smoothly next to point i, but not on the point's shape.
     bool goes_beyond(std::uint32_t i, const Shape& shape, double cos_angle) const
     {
         const std::uint32_t* const near = sample_.neighbours(i);
@@ -296,11 +296,11 @@ private:
     const PieceTuning& tuned_ = detect_tuning().pieces;
     const SampleLattice lattice_;
     const SurfaceSample sample_;
-    std::vector<std::uint32_t> owner_, part_;  // of the sample's points: hypothesis and part, or `none`
+    std::vector<std::uint32_t> owner_, part_;  // hypothesis and part of the sample's points, or `none`
     std::vector<std::uint8_t> interior_;
     NumberPairs joined_;
     std::vector<SurfacePart> parts_;
-    std::vector<bool> at_border_;  // of parts
+    std::vector<bool> at_border_;  // one for each part
     std::uint32_t first_ = 0;
 };
 

@@ -16,9 +16,9 @@ namespace pcm {
 struct SurfacePart {
     std::uint32_t hypothesis = 0;
     std::uint64_t points = 0;
-    std::uint64_t sampled = 0;    // of the sample's points
-    std::uint64_t edge = 0;       // of these, those with a neighbour that is not of the part
-    std::uint64_t continued = 0;  // of these, those beside which the surface continues smoothly, but not on the shape
+    std::uint64_t sampled = 0;    // number of the sample's points in it
+    std::uint64_t edge = 0;       // number of these with a neighbour outside of the part
+    std::uint64_t continued = 0;  // number of these next to which the surface continues smoothly, but not on the shape
     // Sums over the sample's other points, inside: of squared distances from the shape, and of squared means of the
     // distances of a point and its neighbours, which are what noise leaves over.
     double squares = 0, smooth_squares = 0;
@@ -27,7 +27,7 @@ struct SurfacePart {
 };
 
 // Whether the part is a piece of a surface that bends away from the shape: its edge is often where the surface
-// continues, and its distances from the shape fill the threshold, neighbours' alike.
+// continues, and its distances from the shape fill the threshold, as those of their neighbours do.
 bool is_piece(const SurfacePart& part, double threshold);
 
 struct AssignOptions {
@@ -52,12 +52,12 @@ struct AssignedPoints {
     std::uint32_t part_of(std::uint32_t label) const;
 };
 
-// Of the surfaces within whose threshold it is and whose normal agrees, a point belongs to the nearest, in units of
-// their thresholds; connected by the edges of
-// the samples of the units. The parts do not depend on threads, the labels do; `labels` may be null. Memory: a sample
-// per thread, and per part of interest or at the border of a unit 32 bytes, per part of interest of all units some 150
-// more, with keep_some up to 100 KB; the rest lies in scratch files. Throws what reading and `labels` throw, what
-// options.progress throws, soon, and Error(unsupported) where there are more than 2^31 parts.
+// A point belongs to the nearest of the surfaces within whose threshold it is and whose normal agrees, in units of
+// their thresholds. Parts are connected by the edges of the samples of the units. The parts do not depend on threads,
+// the labels do; `labels` may be null. Memory: a sample per thread, and per part of interest or at the border of a unit
+// 32 bytes, per part of interest of all units some 150 more, with keep_some up to 100 KB; the rest lies in scratch
+// files. Throws what reading and `labels` throw, what options.progress throws, soon, and Error(unsupported) where there
+// are more than 2^31 parts.
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
                              PointLabels* labels);

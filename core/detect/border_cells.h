@@ -34,7 +34,7 @@ public:
     BorderCells();                                   // throws what creating a file throws
     void add(const std::vector<BorderCell>& cells);  // throws Error(no_space | io)
     // Calls join(a, b) for labels of one hypothesis that have a cell in common. Reads the file once for each `most`
-    // cells that it has: so many, or a little more, are in memory at once.
+    // cells that it has: this number, or a little more, are in memory at once.
     void join(const std::function<void(std::uint32_t, std::uint32_t)>& join, std::size_t most) const;
 
 private:

@@ -40,7 +40,7 @@ private:
     std::uint32_t stamp_ = 0;
 };
 
-// Standard deviation across a paraboloid: of a patch that is wide beside it, so that the noise does not choose the
+// Standard deviation across a paraboloid of a patch that is wide relative to it, so that the noise does not choose the
 // patch's points.
 double noise_at(const SurfaceSample& sample, const std::vector<std::uint32_t>& points)
 {

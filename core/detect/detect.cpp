@@ -37,12 +37,12 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t unit_points = 200000;  // of a sample, as far as numbers of points of nodes say
+constexpr std::uint64_t unit_points = 200000;  // points of a sample, estimated by the numbers of points of nodes
 constexpr std::size_t most_unit_points = 220000;
-constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // that a thread needs for them
+constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // memory of a thread for them
 constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
-constexpr double most_step_cells = 128;  // of the sample, in a step: all within a step of a unit is in memory
+constexpr double most_step_cells = 128;  // cells of the sample in a step: all within a step of a unit is in memory
 constexpr double margin_cells = 8;
 
 struct Resolution {
@@ -142,7 +142,7 @@ private:
         return true;
     }
 
-    // Boxes with about so many points of the cloud, of those that the selection touches.
+    // Boxes with about this number of points of the cloud, among those that the selection touches.
     std::vector<Box3i> plan(std::uint64_t count) const
     {
         const Selector selector(options_.limit, tree_->info().schema);

@@ -24,7 +24,7 @@ std::vector<ShapeKind> detected_kinds();
 struct DetectOptions {
     std::vector<ShapeKind> kinds = detected_kinds();  // no others
     double threshold = 0;              // largest distance of a point from its surface, source units; 0: from the noise
-    std::uint64_t least_points = 500;  // of a primitive
+    std::uint64_t least_points = 500;  // minimum points of a primitive
     double normal_angle = pi / 9;      // largest angle between a point's normal and the surface's, radians
     // Points farther apart are not of one primitive, source units, at most 128 cells of the sample (some 60 spacings);
     // 0: as the spacing around each allows.
@@ -41,14 +41,14 @@ struct DetectOptions {
 
 struct DetectReport {
     Outcome outcome;                    // in: points that the selection chooses; out: points that belong to a primitive
-    std::vector<Primitive> primitives;  // by points, descending; label = place in the list + 1
-    // That were used; step 0: as the spacing allows. A primitive may have a larger threshold of its own
+    std::vector<Primitive> primitives;  // most points first; label = place in the list + 1
+    // Values used; step 0: as the spacing allows. A primitive may have a larger threshold of its own
     // (Primitive::fit.threshold), up to eight times, where its surface is rougher than the cloud's noise.
     double threshold = 0, step = 0;
-    double spacing = 0, noise = 0;  // of the cloud, source units, as far as a few places say
+    double spacing = 0, noise = 0;  // those of the cloud, source units, estimated at a few places
     double sample = 0;              // shapes are searched in one point for each cell of this size, source units
     std::vector<std::string> notes;
-    std::shared_ptr<const PointLabels> labels;  // of all points: label, or 0
+    std::shared_ptr<const PointLabels> labels;  // label of each point, or 0
 };
 
 // In bounded memory; four bytes per point in a scratch file, in the system's folder for temporary files. Every point
@@ -72,7 +72,7 @@ void check_label_attribute(const Tree& tree, const LabelOptions& options);
 
 struct LabelReport {
     Outcome outcome;             // in: points of the tree; out: points whose value was changed
-    std::filesystem::path tree;  // that was changed or written
+    std::filesystem::path tree;  // the one that was changed or written
 };
 
 // Writes which primitive each point belongs to, as detect_primitives() found. Atomic. Throws Error(invalid_argument)

@@ -34,7 +34,7 @@ struct Candidate {
     bool interior = true;  // is fitted to points inside, not to those at edges
 };
 
-// What bounds and errors need of a candidate's points beside the sums.
+// What bounds and errors need of a candidate's points in addition to the sums.
 struct PartFacts {
     explicit PartFacts(const Candidate& c)
         : ends(c.shape, c.middle), alike(c.corner, c.extent / place_tuning().growth.agreement_cubes)
@@ -263,7 +263,7 @@ private:
     PointLabels& labels_;
     const FinalFitOptions& options_;
     std::vector<Candidate> candidates_;
-    std::vector<std::uint32_t> candidate_of_;  // of a part
+    std::vector<std::uint32_t> candidate_of_;  // one for each part
     std::map<ShapeKind, int> numbers_;
     FinalFit result_;
 };

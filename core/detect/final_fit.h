@@ -18,7 +18,7 @@ struct FinalFitOptions {
 };
 
 struct FinalFit {
-    std::vector<Primitive> primitives;  // by points, descending
+    std::vector<Primitive> primitives;  // most points first
     // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
     // out by the threshold.
     std::uint64_t pieces = 0, piece_points = 0;

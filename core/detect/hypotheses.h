@@ -11,8 +11,8 @@ namespace pcm {
 
 struct Hypothesis {
     Shape shape;              // source coordinates
-    Box3d box;                // of its points
-    std::vector<Vec3d> some;  // of its points, evenly; source coordinates
+    Box3d box;                // around its points
+    std::vector<Vec3d> some;  // an even choice of its points; source coordinates
     double area = 0;          // about, source units squared
     double rms = 0;
     double threshold = 0;  // largest distance of its points, source units
@@ -25,7 +25,7 @@ inline constexpr std::size_t hypothesis_points = 256;  // in `some`
 Box3d reached_box(const Hypothesis& one, double least_reach);
 
 struct MergeOptions {
-    double gap = 0;           // of boxes that touch, source units; or the reach of the larger one
+    double gap = 0;           // between boxes that touch, source units; or the reach of the larger one
     double normal_angle = 0;  // between two shapes' normals at one place
 };
 

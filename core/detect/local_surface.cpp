@@ -26,7 +26,7 @@ Vector6 row_of(double x, double y)
 
 struct Solution {
     Vector6 values = Vector6::Zero();
-    double curvature_variance = 0;  // of unit noise
+    double curvature_variance = 0;  // for unit noise
 };
 
 // The points of `flat` (x, y, z in units of the extent) up to `limit` from `from`.

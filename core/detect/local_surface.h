@@ -19,7 +19,7 @@ inline constexpr std::array<std::size_t, 3> patch_sizes{24, 96, 384};
 struct LocalSurface {
     Vec3d place{}, x{}, y{}, z{};
     double c0 = 0, c1 = 0, c2 = 0, xx = 0, xy = 0, yy = 0;
-    double rms = 0;              // of the points near it, with the degrees of freedom
+    double rms = 0;              // rms distance of the points near it, with the degrees of freedom
     double curvature_error = 0;  // standard deviation of a curvature
     double near = 0;             // share of the points that are near it
     double extent = 0;           // largest distance of a point from the place across the normal

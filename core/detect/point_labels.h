@@ -19,9 +19,9 @@ public:
     // All are 0. Throws what creating a file throws.
     explicit PointLabels(const Tree& tree);
 
-    // Of the points `numbers` (ascending) of a node. Throws Error(no_space | io).
+    // Sets those of the points `numbers` (ascending) of a node. Throws Error(no_space | io).
     void set(NodeId node, const std::vector<std::uint32_t>& numbers, const std::uint32_t* labels);
-    // Of all points of the node.
+    // Sets those of all points of the node.
     void set_all(NodeId node, const std::vector<std::uint32_t>& labels);
     std::vector<std::uint32_t> get(NodeId node) const;
 

@@ -13,7 +13,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t refit_points = 1500;  // of which a shape is fitted again while it grows
+constexpr std::size_t refit_points = 1500;  // maximum for another fit of a shape while it grows
 
 std::uint64_t mixed(std::uint64_t x)
 {
@@ -67,7 +67,7 @@ private:
         return seeds;
     }
 
-    // Also the points beside it that its noise may have put there: no shape of their own.
+    // Also the points next to it that its noise may have put there: they are not a shape of their own.
     void take(const FoundShape& found)
     {
         const double shadow = tuned_.shadow * options_.threshold;

@@ -21,8 +21,8 @@ struct ShapeSearchOptions {
 
 struct FoundShape {
     Shape shape;                        // relative to the sample's origin
-    std::vector<std::uint32_t> points;  // of the sample
-    double rms = 0;                     // of their distances
+    std::vector<std::uint32_t> points;  // numbers of points of the sample
+    double rms = 0;                     // rms of their distances
 };
 
 // Shapes that have at least `least` connected points, none of them in two shapes. `taken`: for each point, whether it
@@ -30,8 +30,8 @@ struct FoundShape {
 //
 // From points of which the surroundings are smooth, in an order that the seed decides: a paraboloid is fitted to
 // patches of growing size, the shapes that curve as it does are grown along edges from point to point, fitted again
-// each time that they have twice the points, and the one with the most points is taken; a curved one only if the plane
-// has clearly fewer.
+// each time that they have twice the points, and the one with the maximum of points is taken; a curved one only if the
+// plane has fewer by detect.search.curved_gain.
 std::vector<FoundShape> search_shapes(const SurfaceSample& sample, const ShapeSearchOptions& options,
                                       std::vector<std::uint8_t>& taken);
 

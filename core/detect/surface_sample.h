@@ -79,12 +79,12 @@ struct SurfaceSample {
     std::vector<std::array<float, 3>> normal;  // unit, of any sign; 0 0 0 for points on one line
     std::vector<float> rough;                  // rms distance of the neighbours from their plane, source units
     std::vector<float> spacing;                // distance to the fourth neighbour (or the last), source units
-    std::vector<std::uint8_t> inside;          // of the box, not of the margin
+    std::vector<std::uint8_t> inside;          // 1: in the box, 0: in the margin
     std::vector<std::uint32_t> edges;          // most_neighbours for each point, nearest first; itself where fewer
     std::unordered_map<std::uint64_t, std::uint32_t> by_cell;  // the point of a cell, by SampleLattice::key_of()
 
     static constexpr std::size_t block_points = 64;
-    std::vector<Box3d> blocks;  // of so many points each, in their order
+    std::vector<Box3d> blocks;  // around block_points points each, in their order
 
     std::size_t size() const { return at.size(); }
     const std::uint32_t* neighbours(std::size_t i) const { return edges.data() + i * most_neighbours; }
@@ -114,8 +114,8 @@ std::vector<Box3i> halves_of(const Box3i& box, const Vec3d& scale);
 
 // Calls use() with the sample of the box; where that has more than settings.most points in the box, or a third more
 // with the margin, with those of its halves, in turn, and so on. After each, freed memory goes back to the system.
-// Throws what reading, settings.check and `use` throw, and Error(invalid_argument) where a box that is small beside the
-// step has more than twice as many points around it as settings.most.
+// Throws what reading, settings.check and `use` throw, and Error(invalid_argument) where a box that is small relative
+// to the step has more than twice as many points around it as settings.most.
 void for_each_sample(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings,
                      const std::function<void(const Box3i&, SurfaceSample)>& use);
 

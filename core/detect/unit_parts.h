@@ -13,7 +13,7 @@
 
 namespace pcm {
 
-// Numbers of parts, each given once: of all units there are as many as a label has room for beside interior_label. Any
+// Numbers of parts of all units, each given once: as many as a label has room for in addition to interior_label. Any
 // number of threads.
 class PartNumbers {
 public:
@@ -44,8 +44,8 @@ public:
     // some call. Throws Error(no_space | io).
     void add(std::size_t unit, const std::vector<UnitPart>& parts, const NumberPairs& joined);
     // Adds those together that are one, in the order of units: those in pairs, and those of one hypothesis with a cell
-    // in common. What has fewer than so many points, or points of the sample, is left out. Once, when all are added: 20
-    // bytes per part are in memory, and of those that are returned all. Throws what reading throws.
+    // in common. What has fewer points, or points of the sample, than the minimum is left out. Once, when all are
+    // added: 20 bytes per part are in memory, and of those that are returned all. Throws what reading throws.
     AssignedPoints together(const BorderCells& border, std::uint64_t least_points, std::uint64_t least_sampled);
 
 private:

@@ -22,7 +22,7 @@ struct WidenOptions {
 // Noise varies over a cloud: it grows with the distance from the scanner, and parts of one floor may lie in layers. The
 // threshold cuts pieces out of such surfaces, as it does out of ground. A piece's threshold is doubled up to
 // three times: where that shows the whole surface, to where it ends, the wider shape replaces the pieces that it
-// explains, and parts of it that were even; ground continues beyond any threshold, and its pieces stay as they are: a
+// explains, and parts of it that were even; ground continues beyond any threshold, and its pieces are not changed: a
 // coarse sample shows which do at the widest one, and these are not tried in between. The result does not depend on
 // threads. Throws what assign_points() throws.
 std::vector<Hypothesis> with_wider_shapes(const ChosenPoints& points, std::vector<Hypothesis> all,

@@ -52,12 +52,15 @@ Json usage_of(const Argument& argument)
     }
     json["required"] = argument.is_required();
     json["advanced"] = argument.is_advanced();
+    json["positional"] = argument.is_positional();
+    json["list"] = argument.is_list();
+    json["on"] = argument.is_switched_off();
     return json;
 }
 
 }  // namespace
 
-Json usage_of(const Row& row)
+Json usage_of(const Row& row, std::optional<Face> face)
 {
     Json json{{"name", row.name}};
     json["title"] = row.title ? Json(row.title) : Json();
@@ -65,7 +68,8 @@ Json usage_of(const Row& row)
     json["details"] = row.details;
     json["arguments"] = Json::array();
     const auto operation = row.make();
-    for (const Argument& argument : operation->arguments().list()) json["arguments"].push_back(usage_of(argument));
+    for (const Argument& argument : operation->arguments().list())
+        if (!face || (argument.is_in(*face) && argument.is_shown())) json["arguments"].push_back(usage_of(argument));
     json["results"] = Json::array();
     for (const ResultKey& key : row.results)
         json["results"].push_back({{"key", key.key}, {"type", key.type}, {"unit", key.unit}, {"help", key.help}});

@@ -137,8 +137,8 @@ const std::vector<Row>& operations();
 const Row* find_operation(const std::string& name);  // null: there is none
 
 // All that a row says, for programs: name, title, help, arguments (key, option, script, label, help, unit, type,
-// default, least, most, choices, required, advanced), results. Made from a new operation, so defaults are the real
-// ones.
-Json usage_of(const Row& row);
+// default, least, most, choices, required, advanced, positional, list, on: whether it is a flag that is on by default),
+// results. Made from a new operation, so defaults are the real ones. `face`: only the arguments that it shows.
+Json usage_of(const Row& row, std::optional<Face> face = {});
 
 }  // namespace pcm::ops

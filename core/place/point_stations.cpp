@@ -1,6 +1,7 @@
 #include "pcm/place/point_stations.h"
 
 #include "pcm/cloud/attribute.h"
+#include "pcm/place/tuning.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,18 +9,13 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_parts = 64;                // whose coarsest points are looked at
-constexpr double least_gap = 30;                      // s between the times of two stations
-constexpr double mean_gaps = 50;                      // and at least this number of mean gaps between points
-constexpr std::size_t least_points_of_a_station = 8;  // on the average, of the coarsest points
-
 // A station has many points, even among the coarsest ones; numbers of few points name something else.
 bool may_be_stations(std::vector<double> values)
 {
     const std::size_t points = values.size();
     std::sort(values.begin(), values.end());
     const auto different = static_cast<std::size_t>(std::unique(values.begin(), values.end()) - values.begin());
-    return different > 1 && different * least_points_of_a_station <= points;
+    return different > 1 && different * place_tuning().stations.min_points <= points;
 }
 
 std::vector<double> coarse_values(const Tree& tree, std::size_t attribute)
@@ -29,6 +25,7 @@ std::vector<double> coarse_values(const Tree& tree, std::size_t attribute)
     columns.positions = false;
     columns.attributes.set(attribute);
     const Attribute& row = tree.info().schema[attribute];
+    const std::size_t most_parts = place_tuning().stations.max_parts;
     std::size_t parts = 0;
     for (NodeId node : tree.part_roots()) {
         if (node == no_node || parts++ >= most_parts) continue;
@@ -65,12 +62,13 @@ void PointStations::look_at_times(std::vector<double> times)
 {
     times.erase(std::remove_if(times.begin(), times.end(), [](double t) { return !std::isfinite(t); }), times.end());
     if (times.size() < 2) return;
+    const StationTuning& tuned = place_tuning().stations;
     std::sort(times.begin(), times.end());
     const double mean = (times.back() - times.front()) / static_cast<double>(times.size() - 1);
-    const double gap = std::max(least_gap, mean_gaps * mean);
+    const double gap = std::max(tuned.min_gap, tuned.mean_gaps * mean);
     for (std::size_t i = 1; i < times.size(); ++i)
         if (times[i] - times[i - 1] >= gap) begins_.push_back((times[i] + times[i - 1]) / 2);
-    if ((begins_.size() + 1) * least_points_of_a_station > times.size()) begins_.clear();
+    if ((begins_.size() + 1) * tuned.min_points > times.size()) begins_.clear();
     if (begins_.empty()) return;
     source_ = StationSource::time_gaps;
     attribute_ = attribute_name::gps_time;

@@ -3,6 +3,7 @@
 #include "pcm/cloud/box_distance.h"
 #include "pcm/cloud/numbers.h"
 #include "pcm/cloud/symmetric_eigen.h"
+#include "pcm/place/tuning.h"
 #include "pcm/tree/source_rounding.h"
 
 #include <Eigen/Cholesky>
@@ -22,18 +23,6 @@ namespace {
 using PatchMatrix = Eigen::MatrixXd;
 using PatchVector = Eigen::VectorXd;
 
-constexpr std::size_t enough_patches = 150, enough_stations = 4;  // then no larger box is looked at
-constexpr std::size_t most_of_view = 60000;                       // points of a box
-constexpr std::size_t wanted_points = 100;                        // per cube, approximately
-constexpr std::size_t least_points = 24, most_points = 400;       // of a patch
-constexpr std::size_t least_of_station = 5;
-constexpr double flatness = 0.05;          // of the variances of a patch, the least to the middle one
-constexpr double widest = 0.1;             // and the middle one to the largest, at least
-constexpr double least_overlap = 0.6;      // of what differences show, relative to stations that see all of a patch
-constexpr double most_noise = 2;           // of a patch, relative to the quarter with the least noise
-constexpr double most_deviations = 4;      // of patches from the others
-constexpr double least_mixed = 0.6;        // neighbours of another station, relative to their number by chance
-constexpr double enough_by_chance = 500;   // for saying that they do not mix
 constexpr Eigen::Index surface_terms = 6;  // of a height of the second degree
 
 struct StationPoint {
@@ -92,8 +81,9 @@ bool frame_of(const std::vector<StationPoint>& points, Vec3d& middle, std::array
             for (std::size_t b = 0; b < 3; ++b) moments[a][b] += d[a] * d[b];
     }
     const Eigensystem<3> system = eigensystem<3>(moments);
-    if (!(system.values[2] > 0) || system.values[1] < widest * system.values[2] ||
-        system.values[0] > flatness * system.values[1])
+    const PatchTuning& tuned = place_tuning().patches;
+    if (!(system.values[2] > 0) || system.values[1] < tuned.min_width * system.values[2] ||
+        system.values[0] > tuned.max_thickness * system.values[1])
         return false;
     for (std::size_t k = 0; k < 3; ++k)
         axes[2 - k] = {system.vectors[k][0], system.vectors[k][1], system.vectors[k][2]};
@@ -126,10 +116,11 @@ void count_mixed(const std::vector<std::array<double, 2>>& places, const std::ve
 // surface.
 bool patch_of(std::vector<StationPoint> points, Patch& patch)
 {
+    const PatchTuning& tuned = place_tuning().patches;
     std::map<std::uint32_t, std::size_t> counts;
     for (const StationPoint& p : points) ++counts[p.station];
     for (const auto& [station, count] : counts)
-        if (count >= least_of_station) patch.stations.push_back(station);
+        if (count >= tuned.min_station_points) patch.stations.push_back(station);
     if (patch.stations.size() < 2) return false;
     const auto number = [&](std::uint32_t station) {
         const auto at = std::lower_bound(patch.stations.begin(), patch.stations.end(), station);
@@ -141,7 +132,7 @@ bool patch_of(std::vector<StationPoint> points, Patch& patch)
     Vec3d middle;
     std::array<Vec3d, 3> axes;
     double size = 0;
-    if (points.size() < least_points || !frame_of(points, middle, axes, size)) return false;
+    if (points.size() < tuned.min_points || !frame_of(points, middle, axes, size)) return false;
     patch.normal = axes[2];
     const auto n = static_cast<Eigen::Index>(points.size()),
                stations = static_cast<Eigen::Index>(patch.stations.size());
@@ -165,7 +156,8 @@ bool patch_of(std::vector<StationPoint> points, Patch& patch)
               of_station.transpose() * terms * solver.solve(terms.transpose() * of_station);
     // Stations that see different parts of it differ by what is assumed of the surface between them.
     const PatchVector counts_of = of_station.colwise().sum();
-    if (patch.h.trace() < least_overlap * (static_cast<double>(n) - counts_of.squaredNorm() / static_cast<double>(n)))
+    if (patch.h.trace() <
+        tuned.min_overlap * (static_cast<double>(n) - counts_of.squaredNorm() / static_cast<double>(n)))
         return false;
     patch.u =
         of_station.transpose() * heights - of_station.transpose() * terms * solver.solve(terms.transpose() * heights);
@@ -196,7 +188,8 @@ public:
             look_at(view);
             if (is_enough()) break;
         }
-        return {agreeing(), mixed_by_chance_ < enough_by_chance || mixed_ >= least_mixed * mixed_by_chance_};
+        const PatchTuning& tuned = place_tuning().patches;
+        return {agreeing(), mixed_by_chance_ < tuned.enough_by_chance || mixed_ >= tuned.min_mixed * mixed_by_chance_};
     }
 
 private:
@@ -235,24 +228,25 @@ private:
     // Cubes that hold about the wanted number of points where they are on a surface.
     void look_at(const View& view)
     {
+        const PatchTuning& tuned = place_tuning().patches;
         const Box3d& box = view.box;
         std::vector<StationPoint> inside;
         for (std::size_t i = view.begin; i < view.end; ++i)
             if (box.contains(points_[i].place)) inside.push_back(points_[i]);
         thin(inside);
-        if (inside.size() < wanted_points) return;
+        if (inside.size() < tuned.cube_points) return;
         double edge = box.diagonal() / 16;
         // The points of a cube on a surface grow with the square of its edge.
         for (int round = 0; round < 3; ++round)
-            edge *=
-                std::clamp(std::sqrt(static_cast<double>(wanted_points) / held(inside, box.min, edge)), 1.0 / 64, 4.0);
+            edge *= std::clamp(std::sqrt(static_cast<double>(tuned.cube_points) / held(inside, box.min, edge)),
+                               1.0 / 64, 4.0);
         const std::vector<CubePoint> order = divided(inside, box.min, edge);
         for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
             std::vector<StationPoint> some;
             for (end = begin; end < order.size() && order[end].first == order[begin].first; ++end)
                 some.push_back(inside[order[end].second]);
             Patch patch;
-            const bool shows = some.size() <= most_points && patch_of(some, patch);
+            const bool shows = some.size() <= tuned.max_points && patch_of(some, patch);
             mixed_ += patch.mixed;
             mixed_by_chance_ += patch.mixed_by_chance;
             if (shows) patches_.push_back(std::move(patch));
@@ -261,7 +255,7 @@ private:
 
     static void thin(std::vector<StationPoint>& points)
     {
-        const std::size_t step = points.size() / most_of_view + 1;
+        const std::size_t step = points.size() / place_tuning().patches.box_points + 1;
         std::size_t kept = 0;
         for (std::size_t i = 0; i < points.size(); i += step) points[kept++] = points[i];
         points.resize(kept);
@@ -298,11 +292,13 @@ private:
     {
         std::set<std::uint32_t> stations;
         for (const Patch& patch : patches_) stations.insert(patch.stations.begin(), patch.stations.end());
-        return patches_.size() >= enough_patches && stations.size() >= enough_stations;
+        return patches_.size() >= place_tuning().patches.enough &&
+               stations.size() >= place_tuning().patches.enough_stations;
     }
 
     StationEvidence agreeing() const
     {
+        const PatchTuning& tuned = place_tuning().patches;
         StationEvidence all;
         if (patches_.empty()) return all;
         std::vector<double> noises;
@@ -311,7 +307,7 @@ private:
         std::nth_element(noises.begin(), quarter, noises.end());
         std::vector<const Patch*> smooth;
         for (const Patch& patch : patches_)
-            if (patch.noise <= most_noise * *quarter) smooth.push_back(&patch);
+            if (patch.noise <= tuned.max_noise * *quarter) smooth.push_back(&patch);
         for (const Patch* patch : smooth) patch->add_to(all);
         const StationSpread first = all.spread();
         std::vector<double> deviations;
@@ -321,7 +317,7 @@ private:
         std::nth_element(sorted.begin(), middle, sorted.end());
         StationEvidence agreeing;
         for (std::size_t i = 0; i < smooth.size(); ++i)
-            if (deviations[i] <= most_deviations * *middle) smooth[i]->add_to(agreeing);
+            if (deviations[i] <= tuned.max_deviation * *middle) smooth[i]->add_to(agreeing);
         return agreeing;
     }
 

@@ -9,15 +9,51 @@ namespace {
 
 PlaceTuning place_values;
 
+// A value without a row does not compile, neither one of these nor one of the others.
+constexpr std::size_t last_values =
+    (sizeof(TurnedTuning) + sizeof(FollowingTuning) + sizeof(StationTuning) + sizeof(PatchTuning)) / sizeof(double);
+
+std::array<TunedValue, last_values> last_rows(PlaceTuning& place)
+{
+    return {{
+        PCM_TUNED(place.turned.counted),
+        PCM_TUNED(place.turned.cube_noises),
+        PCM_TUNED(place.turned.min_block_points),
+        PCM_TUNED(place.turned.deviations),
+        PCM_TUNED(place.following.min_narrow_points),
+        PCM_TUNED(place.following.max_noise_growth),
+        PCM_TUNED(place.following.max_close_noise),
+        PCM_TUNED(place.following.min_shared_bend),
+        PCM_TUNED(place.following.max_noise_share),
+        PCM_TUNED(place.stations.max_parts),
+        PCM_TUNED(place.stations.min_gap),
+        PCM_TUNED(place.stations.mean_gaps),
+        PCM_TUNED(place.stations.min_points),
+        PCM_TUNED(place.patches.enough),
+        PCM_TUNED(place.patches.enough_stations),
+        PCM_TUNED(place.patches.box_points),
+        PCM_TUNED(place.patches.cube_points),
+        PCM_TUNED(place.patches.min_points),
+        PCM_TUNED(place.patches.max_points),
+        PCM_TUNED(place.patches.min_station_points),
+        PCM_TUNED(place.patches.max_thickness),
+        PCM_TUNED(place.patches.min_width),
+        PCM_TUNED(place.patches.min_overlap),
+        PCM_TUNED(place.patches.max_noise),
+        PCM_TUNED(place.patches.max_deviation),
+        PCM_TUNED(place.patches.min_mixed),
+        PCM_TUNED(place.patches.enough_by_chance),
+    }};
+}
+
 }  // namespace
 
 const PlaceTuning& place_tuning() { return place_values; }
 
-// A value without a row does not compile.
 std::vector<TunedValue> place_tuned_values()
 {
     PlaceTuning& place = place_values;
-    const std::array<TunedValue, sizeof(PlaceTuning) / sizeof(double)> all{{
+    const std::array<TunedValue, sizeof(PlaceTuning) / sizeof(double) - last_values> first{{
         PCM_TUNED(place.neighbourhood.first_points),
         PCM_TUNED(place.neighbourhood.closer_points),
         PCM_TUNED(place.neighbourhood.widening),
@@ -62,17 +98,11 @@ std::vector<TunedValue> place_tuned_values()
         PCM_TUNED(place.even_noise.first_points),
         PCM_TUNED(place.even_noise.widening),
         PCM_TUNED(place.even_noise.level),
-        PCM_TUNED(place.turned.counted),
-        PCM_TUNED(place.turned.cube_noises),
-        PCM_TUNED(place.turned.min_block_points),
-        PCM_TUNED(place.turned.deviations),
-        PCM_TUNED(place.following.min_narrow_points),
-        PCM_TUNED(place.following.max_noise_growth),
-        PCM_TUNED(place.following.max_close_noise),
-        PCM_TUNED(place.following.min_shared_bend),
-        PCM_TUNED(place.following.max_noise_share),
     }};
-    return {all.begin(), all.end()};
+    const auto last = last_rows(place);
+    std::vector<TunedValue> all(first.begin(), first.end());
+    all.insert(all.end(), last.begin(), last.end());
+    return all;
 }
 
 }  // namespace pcm

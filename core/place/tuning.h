@@ -213,6 +213,67 @@ struct FollowingTuning {
     double max_noise_share = 0.46;  // thresholds
 };
 
+// Which points are of which station of a scanner, where no attribute says it (point_stations.h).
+struct StationTuning {
+    // Parts of a tree whose coarsest points are looked at.
+    // Chosen: not swept.
+    std::size_t max_parts = 64;  // parts
+    // Minimum gap between the times of two stations: moving a tripod takes longer.
+    // Chosen: not swept.
+    double min_gap = 30;  // seconds
+    // Minimum gap where the times of points are far apart.
+    // Chosen: with min_gap; not swept.
+    double mean_gaps = 50;  // mean gaps between points
+    // Mean number of the coarsest points of a station: numbers of fewer points name something else.
+    // Chosen: not swept.
+    std::size_t min_points = 8;  // points
+};
+
+// Pieces of surface by which stations are compared (station_survey.h).
+struct PatchTuning {
+    // With these no larger box around the place is looked at.
+    // Chosen: not swept.
+    std::size_t enough = 150;  // patches
+    // Chosen: with enough; not swept.
+    std::size_t enough_stations = 4;  // stations
+    // Maximum number of points of a box: of more, every second or third is taken.
+    // Chosen: not swept.
+    std::size_t box_points = 60000;  // points
+    // Points of a cube that holds a surface, approximately.
+    // Chosen: not swept.
+    std::size_t cube_points = 100;  // points
+    // Points of a patch.
+    // Chosen: not swept.
+    std::size_t min_points = 24;  // points
+    // Chosen: with cube_points; not swept.
+    std::size_t max_points = 400;  // points
+    // Minimum number of points of a station in a patch.
+    // Chosen: not swept.
+    std::size_t min_station_points = 5;  // points
+    // Maximum variance across a patch.
+    // Chosen: not swept.
+    double max_thickness = 0.05;  // middle variances
+    // Minimum variance across its longest direction.
+    // Chosen: not swept.
+    double min_width = 0.1;  // largest variances
+    // What differences show, relative to stations that see all of a patch.
+    // Chosen: not swept.
+    double min_overlap = 0.6;  // share
+    // Maximum noise of a patch, relative to the quarter with the least noise.
+    // Chosen: not swept.
+    double max_noise = 2;  // noises of that quarter
+    // Maximum deviation of a patch from what all others say.
+    // Chosen: not swept.
+    double max_deviation = 4;  // medians of the deviations
+    // Minimum number of nearest neighbours of another station, where stations see the same surfaces: tiles and objects
+    // have fewer.
+    // Chosen: not swept.
+    double min_mixed = 0.6;  // shares of their number by chance
+    // With fewer by chance it is not said that stations do not mix.
+    // Chosen: with min_mixed; not swept.
+    double enough_by_chance = 500;  // neighbours
+};
+
 struct PlaceTuning {
     NeighbourhoodTuning neighbourhood;
     EvidenceTuning evidence;
@@ -222,6 +283,8 @@ struct PlaceTuning {
     EvenNoiseTuning even_noise;
     TurnedTuning turned;
     FollowingTuning following;
+    StationTuning stations;
+    PatchTuning patches;
 };
 
 // The values above, unless a benchmark has set one (tuned_values.h). Constant while anything works. A loop over points

@@ -9,9 +9,7 @@
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
-#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -25,7 +23,7 @@ namespace {
 using Cloud = std::shared_ptr<PointCloud>;
 using Points = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-py::array_t<double> array_of(const Box3d& box)
+py::array_t<double> ends_of(const Box3d& box)
 {
     py::array_t<double> ends({2, 3});
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -190,49 +188,15 @@ py::dict values_of(const Cloud& cloud, const py::array_t<std::uint32_t>& node, c
 {
     if (node.ndim() != 1 || number.ndim() != 1 || node.shape(0) != number.shape(0))
         throw py::value_error("node and number are arrays of one dimension and the same length");
-    const auto tree = cloud->tree();
-    const Schema& schema = cloud->info().schema;
-    ColumnSet columns;
-    std::vector<std::size_t> slots;
-    std::vector<Rows> rows;
-    for (const std::string& name : names) {
-        const auto slot = schema.find(name);
-        if (!slot) throw py::key_error(name + " is not an attribute of the cloud");
-        slots.push_back(*slot);
-        columns.attributes.set(*slot);
-        rows.emplace_back(schema[*slot].type, schema[*slot].components);
-    }
-    const auto count = static_cast<std::size_t>(node.shape(0));
-    const std::vector<std::uint32_t> nodes(node.data(), node.data() + count);
-    const std::vector<std::uint32_t> numbers(number.data(), number.data() + count);
-    std::vector<std::size_t> order(count);
-    for (std::size_t i = 0; i < count; ++i) order[i] = i;
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return nodes[a] < nodes[b]; });
-    Rows xyz(ScalarType::f64, 3);
-    Call(py::none()).run([&] {
-        const SourceRounding rounding(cloud->info());
-        auto* const xyz_out = reinterpret_cast<double*>(xyz.add(count));
-        std::vector<std::byte*> out;
-        for (Rows& r : rows) out.push_back(r.add(count));
-        L2Cache::Handle chunk;
-        NodeId held = no_node;
-        for (const std::size_t i : order) {
-            if (nodes[i] >= tree->nodes().size() || numbers[i] >= tree->node(nodes[i]).points)
-                throw Error(ErrorCode::invalid_argument, tree->folder(),
-                            "there is no point " + std::to_string(numbers[i]) + " of node " + std::to_string(nodes[i]),
-                            "take node and number from a query of this cloud as it is now");
-            if (nodes[i] != held) chunk = cloud->cache().get(held = nodes[i], columns);
-            const Vec3d p = rounding(cloud->info().grid.to_source(chunk->positions->grid(numbers[i])));
-            std::copy(p.begin(), p.end(), xyz_out + 3 * i);
-            for (std::size_t a = 0; a < slots.size(); ++a) {
-                const std::size_t bytes = rows[a].row_bytes();
-                std::memcpy(out[a] + i * bytes, chunk->attributes[slots[a]]->data() + numbers[i] * bytes, bytes);
-            }
-        }
-    });
+    for (const std::string& name : names)
+        if (!cloud->info().schema.find(name)) throw py::key_error(name + " is not an attribute of the cloud");
+    std::vector<PointName> points;
+    for (py::ssize_t i = 0; i < node.shape(0); ++i) points.push_back({node.at(i), number.at(i)});
+    NamedPoints found;
+    Call(py::none()).run([&] { found = cloud->values(points, names); });
     py::dict answer;
-    answer["xyz"] = xyz.take();
-    for (std::size_t a = 0; a < names.size(); ++a) answer[py::str(names[a])] = rows[a].take();
+    answer["xyz"] = array_of(std::move(found.positions));
+    for (std::size_t a = 0; a < names.size(); ++a) answer[py::str(names[a])] = array_of(std::move(found.columns[a]));
     return answer;
 }
 
@@ -286,7 +250,7 @@ void add_cloud(py::module_& module)
         .def("__next__", &Edits::next);
     py::class_<PointCloud, Cloud>(module, "PointCloud")
         .def_property_readonly("points", [](const Cloud& cloud) { return cloud->info().points; })
-        .def_property_readonly("bounds", [](const Cloud& cloud) { return array_of(cloud->info().bounds()); })
+        .def_property_readonly("bounds", [](const Cloud& cloud) { return ends_of(cloud->info().bounds()); })
         .def_property_readonly("folder", [](const Cloud& cloud) { return cloud->tree()->folder().string(); })
         .def_property_readonly("attributes", &attributes_of)
         .def_property_readonly("levels", &levels_of)

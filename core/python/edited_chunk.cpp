@@ -1,5 +1,6 @@
 #include "pcm/python/edited_chunk.h"
 
+#include "pcm/python/copied_rows.h"
 #include "pcm/python/values.h"
 #include "pcm/system/error.h"
 
@@ -50,17 +51,12 @@ py::array EditedChunk::get(const std::string& name)
     EditView& view = open();
     if (name == "xyz") {
         Rows rows(ScalarType::f64, 3);
-        auto* out = reinterpret_cast<double*>(rows.add(view.size()));
-        for (std::size_t i = 0; i < view.size(); ++i)
-            for (const double x : view.position(i)) *out++ = x;
+        add_positions(rows, view);
         return rows.take();
     }
     const EditedColumn& from = column(name);
     Rows rows(from.attribute.type, from.attribute.components);
-    const std::size_t bytes = rows.row_bytes();
-    std::byte* out = rows.add(view.size());
-    const std::byte* const values = view.chunk().attributes[from.slot]->data();  // with what was set
-    for (std::size_t i = 0; i < view.size(); ++i, out += bytes) std::memcpy(out, values + view.index(i) * bytes, bytes);
+    add_values(rows, *view.chunk().attributes[from.slot], view);  // with what was set
     return rows.take();
 }
 

@@ -16,29 +16,11 @@ namespace pcm::python {
 
 namespace {
 
-// What the functions of Python are made of: the usage of the rows that need no window, and of each argument also
-// "positional", "list" and "on": whether a switch is on where nothing is said.
+// What the functions of Python are made of.
 std::string usage()
 {
     ops::Json rows = ops::Json::array();
-    for (const ops::Row& row : ops::operations()) {
-        const auto operation = row.make();
-        ops::Json usage = ops::usage_of(row);
-        ops::Json arguments = ops::Json::array();
-        for (const ops::Argument& argument : operation->arguments().list()) {
-            if (!argument.is_in(ops::Face::command) || !argument.is_shown()) continue;
-            for (ops::Json& json : usage["arguments"]) {
-                if (json["key"] != argument.key()) continue;
-                json["positional"] = argument.is_positional();
-                json["list"] = argument.is_list();
-                json["on"] = argument.is_switched_off();
-                arguments.push_back(json);
-                break;
-            }
-        }
-        usage["arguments"] = std::move(arguments);
-        rows.push_back(std::move(usage));
-    }
+    for (const ops::Row& row : ops::operations()) rows.push_back(ops::usage_of(row, ops::Face::command));
     return rows.dump(-1, ' ', false, ops::Json::error_handler_t::replace);
 }
 

@@ -2,8 +2,8 @@
 
 #include "pcm/cloud/condition.h"
 #include "pcm/cloud/selection.h"
+#include "pcm/python/copied_rows.h"
 
-#include <cstring>
 #include <utility>
 
 namespace py = pybind11;
@@ -11,33 +11,6 @@ namespace py = pybind11;
 namespace pcm::python {
 
 namespace {
-
-template <std::size_t bytes>
-void copy_rows(std::byte* out, const std::byte* values, const PointView& view)
-{
-    for (std::size_t i = 0; i < view.size(); ++i, out += bytes) std::memcpy(out, values + view.index(i) * bytes, bytes);
-}
-
-void copy_rows(std::byte* out, const Column& column, const PointView& view)
-{
-    const std::byte* const values = column.data();
-    const std::size_t bytes = column.point_bytes();
-    switch (bytes) {
-        case 1:
-            return copy_rows<1>(out, values, view);
-        case 2:
-            return copy_rows<2>(out, values, view);
-        case 4:
-            return copy_rows<4>(out, values, view);
-        case 6:
-            return copy_rows<6>(out, values, view);
-        case 8:
-            return copy_rows<8>(out, values, view);
-        default:
-            for (std::size_t i = 0; i < view.size(); ++i, out += bytes)
-                std::memcpy(out, values + view.index(i) * bytes, bytes);
-    }
-}
 
 Box3d box_of(const std::vector<double>& ends)
 {
@@ -86,14 +59,12 @@ Gathered::Gathered(std::vector<Attribute> attributes, bool ids, bool own_units)
 
 void Gathered::add(const PointView& view)
 {
-    auto* xyz = reinterpret_cast<double*>(xyz_.add(view.size()));
-    for (std::size_t i = 0; i < view.size(); ++i, xyz += 3) {
-        const Vec3d p = view.position(i);
-        xyz[0] = p[0];
-        xyz[1] = p[1];
-        xyz[2] = p[2];
-    }
-    for (std::size_t a = 0; a < attributes_.size(); ++a) add_values(a, view.column(a), view);
+    add_positions(xyz_, view);
+    for (std::size_t a = 0; a < attributes_.size(); ++a)
+        if (own_units_)
+            add_own_units(a, view.column(a), view);
+        else
+            add_values(values_[a], view.column(a), view);
     if (!nodes_) return;
     auto* const node = reinterpret_cast<std::uint32_t*>(nodes_->add(view.size()));
     auto* const number = reinterpret_cast<std::uint32_t*>(numbers_->add(view.size()));
@@ -103,12 +74,10 @@ void Gathered::add(const PointView& view)
     }
 }
 
-void Gathered::add_values(std::size_t a, const Column& column, const PointView& view)
+void Gathered::add_own_units(std::size_t a, const Column& column, const PointView& view)
 {
-    std::byte* const out = values_[a].add(view.size());
-    if (!own_units_) return copy_rows(out, column, view);
     const Attribute& attribute = attributes_[a];
-    auto* value = reinterpret_cast<double*>(out);
+    auto* value = reinterpret_cast<double*>(values_[a].add(view.size()));
     for (std::size_t i = 0; i < view.size(); ++i)
         for (std::uint32_t k = 0; k < attribute.components; ++k)
             *value++ = column.value(view.index(i), k) * attribute.scale + attribute.offset;

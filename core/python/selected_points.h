@@ -44,7 +44,7 @@ public:
     pybind11::dict take();
 
 private:
-    void add_values(std::size_t attribute, const Column& column, const PointView& view);
+    void add_own_units(std::size_t attribute, const Column& column, const PointView& view);
 
     const std::vector<Attribute> attributes_;
     const bool own_units_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
 #include <new>
 #include <utility>
 #include <vector>
@@ -46,6 +47,37 @@ ScalarType type_of(const py::dtype& dtype, const std::string& name)
         if (size_of(type) == size && dtype_of(type).attr("kind").cast<std::string>() == kind) return type;
     throw py::value_error(name + ": values of the type " + py::repr(dtype).cast<std::string>() +
                           " cannot be kept: an attribute has integers of 8 to 64 bits, float32 or float64");
+}
+
+namespace {
+
+// An array that keeps what holds its values. Strides are given, because those of pybind11 2.10 are wrong with numpy 2.
+template <class Values>
+py::array owned(ScalarType type, std::vector<py::ssize_t> shape, Values values)
+{
+    std::vector<py::ssize_t> strides(shape.size(), static_cast<py::ssize_t>(size_of(type)));
+    if (shape.size() > 1) strides[0] *= shape[1];
+    auto held = std::make_unique<Values>(std::move(values));
+    const void* const first = held->data();
+    const py::capsule owner(held.get(), [](void* v) { delete static_cast<Values*>(v); });
+    static_cast<void>(held.release());
+    return py::array(dtype_of(type), std::move(shape), std::move(strides), first, owner);
+}
+
+}  // namespace
+
+py::array array_of(std::vector<Vec3d> positions)
+{
+    const auto points = static_cast<py::ssize_t>(positions.size());
+    return owned(ScalarType::f64, {points, 3}, std::move(positions));
+}
+
+py::array array_of(Column column)
+{
+    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(column.size())};
+    if (column.components() > 1) shape.push_back(static_cast<py::ssize_t>(column.components()));
+    const ScalarType type = column.type();
+    return owned(type, std::move(shape), std::move(column));
 }
 
 void Rows::Free::operator()(std::byte* bytes) const { std::free(bytes); }

@@ -2,18 +2,26 @@
 #pragma once
 
 #include "pcm/cloud/attribute.h"
+#include "pcm/cloud/geometry.h"
+#include "pcm/cloud/point_batch.h"
 
 #include <pybind11/numpy.h>
 
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace pcm::python {
 
 pybind11::dtype dtype_of(ScalarType type);
 // Throws ValueError, naming `name`, for a type that no attribute has: text, objects, complex numbers.
 ScalarType type_of(const pybind11::dtype& dtype, const std::string& name);
+
+// Arrays of the same values, without a copy: (points, 3), and (points,) or, of several components, (points,
+// components).
+pybind11::array array_of(std::vector<Vec3d> positions);
+pybind11::array array_of(Column column);
 
 // Rows of equal values that grow at the end and become an array without a copy. Grows without the interpreter's lock.
 class Rows {

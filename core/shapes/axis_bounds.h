@@ -33,11 +33,11 @@ void bound_length(const Shape& shape, const std::vector<Vec3d>& points, const He
 // All but the largest gap between neighbours about the axis, where that is too wide to be one between points.
 void bound_arc(const Shape& shape, const std::vector<Vec3d>& inliers, ShapeBounds& bounds);
 
-// Of a closed shape, which nothing bounds but an arc.
+// For closed shapes, which nothing bounds but an arc.
 inline void closed_in_box(const Shape&, const Box3d&, ShapeBounds&) {}
 inline void closed_points(const Shape&, const std::vector<Vec3d>&, const OutlineOptions&, ShapeBounds&) {}
 
-void extend_around(const Vec3d& centre, double radius, Box3d& box);                                  // by a cube
-void extend_about_axis(const Shape& shape, const ShapeBounds& bounds, RadiusAt radius, Box3d& box);  // by both ends
+void extend_around(const Vec3d& centre, double radius, Box3d& box);                                  // adds a cube
+void extend_about_axis(const Shape& shape, const ShapeBounds& bounds, RadiusAt radius, Box3d& box);  // adds both ends
 
 }  // namespace pcm::shapes

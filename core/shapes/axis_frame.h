@@ -23,7 +23,7 @@ struct AxisFrame {
     }
     // The unit vector at an angle, radians counter-clockwise about the axis from u.
     Vec3d at(double angle) const { return std::cos(angle) * u + std::sin(angle) * v; }
-    // Of the part of d across the axis, -pi to pi.
+    // The angle of the part of d across the axis, -pi to pi.
     double angle_of(const Vec3d& d) const { return std::atan2(dot(d, v), dot(d, u)); }
 };
 

@@ -9,8 +9,8 @@ namespace pcm::shapes {
 namespace {
 
 constexpr double chord_of_radius = 1.0 / 500;
-constexpr int least_segments = 8, most_segments = 720;  // of a whole circle
-constexpr double overhang = 0.05;                       // of its length, an axis is longer at either end
+constexpr int least_segments = 8, most_segments = 720;  // per whole circle
+constexpr double overhang = 0.05;                       // an axis is longer at either end: share of its length
 
 int segments(double radius, const ShapeLineOptions& options)
 {

@@ -8,7 +8,7 @@
 
 namespace pcm::shapes {
 
-inline constexpr int lines_around = 8;  // of a whole circle
+inline constexpr int lines_around = 8;  // per whole circle
 
 // Two directions across the axis, perpendicular to each other.
 struct LineFrame {

@@ -13,7 +13,7 @@ namespace pcm {
 
 enum class OutlineKind : std::uint8_t {
     box,        // the cloud's box cuts the shape: 3 to 6 corners of a plane, the caps of a cylinder
-    rectangle,  // of least area around the inliers
+    rectangle,  // the one of least area around the inliers
     convex,     // their convex hull
     concave,    // follows gaps that are wider than an edge length
 };
@@ -21,10 +21,10 @@ std::optional<OutlineKind> outline_kind(const std::string& name);
 const char* name_of(OutlineKind kind);
 
 struct ShapeBounds {
-    // Of a plane: corners in order, source coordinates, counter-clockwise as seen from the tip of the normal; the last
+    // Corners of a plane in order, source coordinates, counter-clockwise as seen from the tip of the normal; the last
     // is joined to the first. Empty: not known.
     std::vector<Vec3d> outline;
-    // Of a cylinder or cone: places along the axis, relative to Shape::point, source units. From == to: not known.
+    // Places along the axis of a cylinder or cone, relative to Shape::point, source units. From == to: not known.
     double from = 0, to = 0;
     // The arc about the axis (of a torus along its circle) that points cover, radians counter-clockwise about the axis
     // from `zero`, a unit vector across it: 0 <= begin < 2 pi, begin < end <= begin + 2 pi. The whole circle: 0 to 2
@@ -39,7 +39,7 @@ struct ShapeBounds {
     }
 };
 
-// The part inside of a box. Of a plane that misses the box, or touches it at a corner or an edge, the outline is empty,
+// The part inside of a box. A plane that misses the box, or touches it at a corner or an edge, has an empty outline,
 // else it has 3 to 6 corners; a plane in a flat box has the box's four. Cylinders and cones are cut where their axis
 // leaves the box (slabs); one whose axis misses the box is cut by the box's corners projected on it. A cone begins at
 // its apex. An empty box bounds nothing. Throws Error(invalid_argument) for a box that is not finite, and what check()
@@ -48,7 +48,7 @@ ShapeBounds bounds_in_box(const Shape& shape, const Box3d& box);
 
 struct OutlineOptions {
     OutlineKind kind = OutlineKind::rectangle;
-    // Of a concave outline: gaps narrower than this are closed, source units. 0: three times the median of the longest
+    // Gaps of a concave outline narrower than this are closed, source units. 0: three times the median of the longest
     // sides of the triangles between points.
     double edge = 0;
 };

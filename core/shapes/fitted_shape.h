@@ -24,9 +24,9 @@ enum class FitIssue : std::uint8_t {
     collinear,     // all points on one line
     coplanar,      // all points in one plane, where a curved surface was asked for
     thin_arc,      // the points cover too little of the surface for their noise, or for errors that neighbours share
-    no_consensus,  // no sample has enough inliers; doubtful: almost as many points are beside the surface as on it, or
+    no_consensus,  // no sample has enough inliers; doubtful: almost as many points are next to the surface as on it, or
                    // as many would be near some surface by chance
-    out_of_range,  // of the asked radii
+    out_of_range,  // its radius is outside of those asked for
     not_converged,
     other_surface,  // the points are those of another surface: a ring or strip of it, or of a kind that fits far better
 };
@@ -34,13 +34,12 @@ const char* name_of(FitIssue issue);      // "thin arc"
 const char* name_of(FitVerdict verdict);  // "good"
 
 // Standard deviations, to first order in independent errors of the inliers along the normal; infinite where the points
-// do not determine it, 0 where the shape has no such number. Of shapes that are almost planes errors are larger where
-// those of neighbouring points are alike.
+// do not determine it, 0 where the shape has no such number. Errors of shapes that are almost planes are larger where
+// neighbouring points share theirs.
 struct ShapeErrors {
-    double position = 0;  // of the plane along its normal and of an axis across it, at the inliers' middle; of the
-                          // centre of sphere and torus and of the cone's apex; in the direction where it is largest;
-                          // source units
-    double angle = 0;     // of the normal or axis about its least certain direction, radians
+    double position = 0;  // a plane along its normal, an axis across it, at the inliers' middle; the centre of sphere
+                          // and torus and the cone's apex in the direction where it is largest; source units
+    double angle = 0;     // turn of the normal or axis about its least certain direction, radians
     double radius = 0;    // source units
     double second = 0;    // radians (cone) or source units (torus)
 };
@@ -51,10 +50,10 @@ struct ShapeFit {
     std::string message;  // a sentence for people: what, and what to do; empty when good
     Shape shape;          // source coordinates
     ShapeErrors errors;
-    double condition = 0;  // of the normal equations, each parameter in units of the shape's extent
+    double condition = 0;  // condition number of the normal equations, each parameter in units of the shape's extent
     double threshold = 0;  // threshold used, source units
     double noise = 0;      // standard deviation of one inlier's distance: rms with the degrees of freedom
-    double rms = 0;        // of the inliers' distances
+    double rms = 0;        // rms distance of the inliers
     std::uint64_t inliers = 0;
     std::vector<std::uint8_t> is_inlier;  // a byte per point, 1 or 0; empty without points in memory
     std::uint64_t iterations = 0;         // samples drawn

@@ -11,7 +11,7 @@ namespace pcm {
 
 struct FlatPoint {
     std::int32_t x, y;    // 0 to FlatPoints::steps
-    std::uint32_t index;  // of the given point; of several at one place the first
+    std::uint32_t index;  // number of the given point; the first of several at one place
 };
 
 // Points in the order of x, then y, each place once. The grid divides the larger extent by 2^30, so that hulls and
@@ -24,7 +24,7 @@ public:
     const std::vector<FlatPoint>& points() const { return points_; }
     std::size_t size() const { return points_.size(); }
     const FlatPoint& operator[](std::size_t i) const { return points_[i]; }
-    double step() const { return step_; }  // of the grid; 0 where all points are at one place
+    double step() const { return step_; }  // step of the grid; 0 where all points are at one place
 
     // Places in points() of the corners of the convex hull, counter-clockwise, none on the line between its neighbours.
     // Two places, or one, where all points are on one line.

@@ -10,7 +10,7 @@ namespace {
 
 bool is_rectangle(const std::vector<Vec3d>& corners)
 {
-    constexpr double right = 1e-6;  // of the cosine
+    constexpr double right = 1e-6;  // tolerance of the cosine
     if (corners.size() != 4) return false;
     for (std::size_t i = 0; i < 4; ++i) {
         const Vec3d one = corners[(i + 1) % 4] - corners[i], other = corners[(i + 3) % 4] - corners[i];

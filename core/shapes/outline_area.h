@@ -22,7 +22,7 @@ struct OutlineArea {
     double area = 0;  // squared units of the corners
     // One standard deviation; 0: not known. The surface ends somewhere between its last points and where the next would
     // be, so by half of the spacing on average: perimeter times spacing / 2, the spacing being the root of the area of
-    // a point. Of a rectangle it is not known: how much of it the points cover is no matter of their spacing.
+    // a point. That of a rectangle is not known: how much of it the points cover does not follow from their spacing.
     double uncertainty = 0;
 };
 
@@ -31,10 +31,10 @@ struct OutlineArea {
 OutlineArea outline_area(const std::vector<Vec3d>& corners, std::uint64_t points);
 
 struct Primitive;
-OutlineArea area_of(const Primitive& primitive);  // by the row of its kind
+OutlineArea area_of(const Primitive& primitive);  // as the row of its kind computes it
 
 struct ShapeBounds;
-inline OutlineArea no_area(const ShapeBounds&, std::uint64_t) { return {}; }  // of a kind that has no outline
+inline OutlineArea no_area(const ShapeBounds&, std::uint64_t) { return {}; }  // for kinds without outline
 
 // "in the rectangle around its points", "in the convex outline of its points", ...; empty for none.
 std::string words_of(OutlineForm form);

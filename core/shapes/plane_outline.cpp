@@ -103,7 +103,7 @@ struct PlanePoints {
 
 void check_extent(const std::vector<Vec2d>& points)
 {
-    constexpr double largest = 1e150;  // of which products are finite
+    constexpr double largest = 1e150;  // products of such numbers are finite
     for (const Vec2d& p : points)
         if (!(std::fabs(p[0]) < largest && std::fabs(p[1]) < largest))
             throw Error(ErrorCode::invalid_argument, {}, "the plane's points are too far apart to have an outline");

@@ -20,8 +20,8 @@ struct Primitive {
     ShapeFit fit;                          // without is_inlier
     std::optional<StationFacts> stations;  // what the errors contain of them; nothing: the noise alone, not looked at
     ShapeBounds bounds;
-    std::uint64_t points = 0;  // of the cloud that belong to it
-    std::uint32_t label = 0;   // of its points in an attribute; 0: none
+    std::uint64_t points = 0;  // number of points of the cloud that belong to it
+    std::uint32_t label = 0;   // value of its points in an attribute; 0: none
     std::string estimator;     // "msac"
 };
 

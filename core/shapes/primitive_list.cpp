@@ -21,7 +21,7 @@ void PrimitiveList::add_all(std::vector<Primitive> primitives)
     std::unordered_set<std::string> names;
     for (std::size_t i = 0; i < size(); ++i) names.insert((*this)[i].name);
     for (const Primitive& primitive : primitives) names.insert(primitive.name);
-    std::vector<std::size_t> next(shape_kinds().size(), 1);  // of each kind, the first number that may be free
+    std::vector<std::size_t> next(shape_kinds().size(), 1);  // the first number of each kind that may be free
     for (Primitive& primitive : primitives) {
         const ShapeKind kind = primitive.fit.shape.kind;
         while (primitive.name.empty()) {

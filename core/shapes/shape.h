@@ -16,9 +16,9 @@ namespace pcm {
 // Lengths are in source units, angles in radians. What a kind does not name is not used by it.
 struct Shape {
     ShapeKind kind = ShapeKind::plane;
-    Vec3d point{};        // of the plane; of the cylinder's axis; centre of sphere and torus; apex of the cone
+    Vec3d point{};        // a point of the plane or the cylinder's axis; centre of sphere and torus; apex of the cone
     Vec3d axis{0, 0, 1};  // unit: normal of the plane; of cylinder and torus; of the cone, from its apex inwards
-    double radius = 0;    // of cylinder and sphere; of the circle that the torus' tube follows
+    double radius = 0;    // radius of cylinder, sphere, and the circle that the torus' tube follows
     double second = 0;    // the cone's half angle, between 0 and pi / 2; the radius of the torus' tube
 };
 

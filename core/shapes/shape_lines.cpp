@@ -5,7 +5,7 @@
 namespace pcm {
 namespace {
 
-constexpr double margin = 0.01;  // of a box around curved lines
+constexpr double margin = 0.01;  // share of a box around curved lines
 
 bool all_finite(const std::vector<ShapeLine>& lines)
 {

@@ -20,8 +20,8 @@ struct ShapeLineOptions {
 };
 
 // Planes: the outline, and a short normal at its middle. Cylinders and cones: circles at both ends and in the middle
-// (arcs, where bounds say so), lines along them, the axis. Spheres: meridians and parallels. Tori: circles along and
-// across the tube. Empty for bounds that are not known, and for a shape or bounds with numbers that are not finite.
+// (arcs, where the bounds have them), lines along them, the axis. Spheres: meridians and parallels. Tori: circles along
+// and across the tube. Empty for bounds that are not known, and for a shape or bounds with numbers that are not finite.
 // Circles have from 8 to 720 segments.
 std::vector<ShapeLine> shape_lines(const Shape& shape, const ShapeBounds& bounds, const ShapeLineOptions& options = {});
 

@@ -30,7 +30,7 @@ struct ShapeLines;
 // What Shape::axis is.
 enum class ShapeAxis : std::uint8_t {
     none,
-    normal,      // of a flat shape
+    normal,      // the shape is flat
     revolution,  // the surface turns about it, and may cover an arc only
 };
 
@@ -54,7 +54,7 @@ struct ShapeSize {
     SizeUnit unit;
 };
 
-// Of one kind: lengths before angles, the greatest length first.
+// Sizes of one kind: lengths before angles, the greatest length first.
 class ShapeSizes {
 public:
     constexpr ShapeSizes() = default;
@@ -78,14 +78,14 @@ struct PlaceWords {
     const char* in;     // between the shape's name and the numbers: " through "
 };
 
-using FaceVisitor = std::function<void(const std::array<Vec3d, 4>&)>;  // of a MeshFace
+using FaceVisitor = std::function<void(const std::array<Vec3d, 4>&)>;  // called with the corners of a MeshFace
 
 // A row. No column has a default, and the last ones are references: a row that lacks a column does not compile.
 struct ShapeTraits {
     ShapeKind kind;
     const char* name;        // in commands and files: "plane"
     const char* label;       // for people: "Plane"
-    const char* form;        // of text_of(): "plane X Y Z NX NY NZ"
+    const char* form;        // what text_of() writes: "plane X Y Z NX NY NZ"
     std::size_t parameters;  // degrees of freedom
     PlaceWords place;
     ShapeAxis axis;
@@ -96,14 +96,14 @@ struct ShapeTraits {
     const char* (&fault)(const Shape& shape);
     double (&signed_distance)(const Shape& shape, const Vec3d& p);  // shapes/shape.h
     Vec3d (&normal_at)(const Shape& shape, const Vec3d& p);
-    double (&bend_radius)(const Shape& shape, const Vec3d& p);  // of the narrowest bend near p; infinite: it is flat
+    double (&bend_radius)(const Shape& shape, const Vec3d& p);  // narrowest bend near p; infinite: flat
     // Shape::point moved within the shape to where it is nearest to p; itself where it has one place only.
     Vec3d (&place_near)(const Shape& shape, const Vec3d& p);
     // shapes/bounds.h. Arcs are bounded by the points of every kind with an axis of revolution.
     void (&bound_in_box)(const Shape& shape, const Box3d& box, ShapeBounds& bounds);
     void (&bound_points)(const Shape& shape, const std::vector<Vec3d>& points, const OutlineOptions& options,
                          ShapeBounds& bounds);
-    void (&extend)(const Shape& shape, const ShapeBounds& bounds, Box3d& box);  // by a box around all of the part
+    void (&extend)(const Shape& shape, const ShapeBounds& bounds, Box3d& box);  // adds a box around the part
     OutlineArea (&area)(const ShapeBounds& bounds, std::uint64_t points);       // shapes/outline_area.h
     std::vector<ShapeLine> (&lines)(const Shape& shape, const ShapeBounds& bounds, const ShapeLineOptions& options);
     void (&mesh)(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options, const FaceVisitor& visit);

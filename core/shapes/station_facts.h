@@ -15,7 +15,7 @@ enum class StationSource : std::uint8_t {
 
 struct StationFacts {
     StationSource source = StationSource::none;
-    std::uint32_t stations = 0;  // that see the shape; 0: unknown
+    std::uint32_t stations = 0;  // number of stations that see the shape; 0: unknown
     // How far stations are apart after their registration: standard deviation of a station's shift along one axis,
     // source units; as the points of several stations on the same surfaces show it. 0: they show none.
     double spread = 0;

@@ -26,7 +26,7 @@ public:
     std::uint32_t origin(Edge e) const { return origin_[e >> 1]; }
     std::uint32_t target(Edge e) const { return origin(opposite(e)); }
     static Edge opposite(Edge e) { return e ^ 2u; }
-    // Of the face to the left, counter-clockwise.
+    // The next edge of the face to the left, counter-clockwise.
     Edge around_left(Edge e) const { return turned(next_[turned_back(e)]); }
 
     // Counter-clockwise: all triangles are to the left.
@@ -55,8 +55,8 @@ private:
     Edge right_candidate(Edge base);
 
     const FlatPoints& points_;
-    std::vector<Edge> next_;             // of each directed edge and its dual ones
-    std::vector<std::uint32_t> origin_;  // of each directed edge
+    std::vector<Edge> next_;             // one for each directed edge and its dual ones
+    std::vector<std::uint32_t> origin_;  // one for each directed edge
     std::vector<Edge> free_;
     Edge on_hull_ = 0;
 };

@@ -21,8 +21,8 @@ namespace pcm::host {
 class AnnotationPass {
 public:
     // Into the current framebuffer; `camera` is in source coordinates of the document's scene (its origin is the
-    // document's), and of the viewport's size. `ratio` pixels of the picture are one of Qt's. Of a snapshot's tile,
-    // `tile` says which part of the picture it is.
+    // document's), and of the viewport's size. `ratio` pixels of the picture are one of Qt's. For a snapshot's tile,
+    // `tile` gives the part of the picture that it is.
     void draw(Scene& scene, const Camera& camera, const SnapshotTile& tile, double ratio);
     void release() { lines_.release(); }
 
@@ -30,7 +30,7 @@ private:
     const QImage& image_of(const QString& text, double ratio);
 
     LinePass lines_;
-    std::map<QString, QImage> images_;  // of labels, for `ratio_`
+    std::map<QString, QImage> images_;  // labels for `ratio_`
     double ratio_ = 1;
 };
 

@@ -22,7 +22,7 @@ public:
 private:
     bool on_ = false;
     std::string text_;
-    const Tree* tree_ = nullptr;  // of the clips seen last; compared only
+    const Tree* tree_ = nullptr;  // tree of the clips seen last; compared only
     std::optional<Clipped> hidden_;
 };
 

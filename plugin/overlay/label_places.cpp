@@ -12,7 +12,7 @@ namespace pcm::host {
 namespace {
 
 constexpr int label_distance = 8;  // from its anchor, pixels of the screen
-constexpr int label_rows = 6;      // of places that are tried above and below each other
+constexpr int label_rows = 6;      // places that are tried above and below each other
 constexpr int label_margin = 4;    // within its box, Qt's pixels
 
 }  // namespace

@@ -19,7 +19,7 @@ struct PlacedLabel {
     QRect place;  // its y is that of the lower edge
 };
 
-// Places for labels beside their anchors (window coordinates), in order: each on the first side where it covers no
+// Places for labels next to their anchors (window coordinates), in order: each on the first side where it covers no
 // earlier one, or up to five rows farther above or below, moved into the view. An anchor outside of the view has no
 // label.
 std::vector<PlacedLabel> place_labels(const std::vector<std::pair<QString, QPointF>>& anchors,

@@ -103,7 +103,7 @@ LegendPicture draw_legends(const std::vector<LayerLegend>& legends, int most_hei
     QStringList titles;
     int width = 0, height = 0;
     for (const LayerLegend& shown : legends) {
-        // Of several, each names its layers.
+        // Several legends name their layers.
         const QString title = text_of(shown.legend.title);
         titles << (legends.size() == 1 ? title : shown.layers.join(", ") + ": " + title);
         const Layout layout(shown.legend, titles.last());

@@ -15,7 +15,7 @@ namespace pcm::host {
 
 struct LayerLegend {
     Legend legend;
-    QStringList layers;  // whose colours these are
+    QStringList layers;  // layers with these colours
 };
 
 // Adds the legend of a layer. One that says the same as an earlier one is added to that.
@@ -28,7 +28,7 @@ QStringList lines_of(const std::vector<LayerLegend>& legends);
 // the screen, `ratio` of which are one of Qt's; the rectangles of classes and of ramps are in Qt's.
 struct LegendPicture {
     struct Bar {
-        QRect place;  // with the values beside it
+        QRect place;  // with the values next to it
         ValueRange range;
     };
     QImage image;

@@ -15,7 +15,7 @@ class LegendBox {
 public:
     // Draws the legends into the current framebuffer of a compatibility context, over what is there; depth is not
     // written. `view` is the view's size in Qt's pixels, `ratio` of which are one of them on the screen. Leaves the GL
-    // state as it was. None: nothing is drawn. `corner`: of the framebuffer in the picture, pixels of the screen.
+    // state as it was. None: nothing is drawn. `corner`: place of the framebuffer in the picture, pixels of the screen.
     void draw(const std::vector<LayerLegend>& legends, const QSize& view, double ratio, const QPoint& corner = {});
 
     // The class whose row is at this place of the view.
@@ -25,7 +25,7 @@ public:
 
 private:
     LegendPicture picture_;
-    QPoint corner_;  // of the box, Qt's pixels
+    QPoint corner_;  // the box's, Qt's pixels
 };
 
 }  // namespace pcm::host

@@ -23,8 +23,8 @@ public:
     struct Change {
         QString range;  // LOW:HIGH; empty: automatic
     };
-    // What the event does to the range, if it is for the legend's bar; `taken` says whether it is. `bars`: of the
-    // legends that are drawn. A double click shows a dialog of `window`.
+    // What the event does to the range, if it is for the legend's bar; `taken` is set to whether it is. `bars`: those
+    // of the legends that are drawn. A double click shows a dialog of `window`.
     std::optional<Change> take(const QMouseEvent& event, const std::vector<LegendPicture::Bar>& bars, QWidget* window,
                                bool& taken);
 

@@ -15,9 +15,9 @@ namespace pcm::host {
 
 namespace {
 
-constexpr double most_tilt = 2 * pi / 180;           // of a plan view
-constexpr double least_across = 0.1;                 // of an arrow to north
-constexpr double most_lines = 200;                   // of a grid, in each direction
+constexpr double most_tilt = 2 * pi / 180;           // from the vertical, in a plan view
+constexpr double least_across = 0.1;                 // share of an arrow to north
+constexpr double most_lines = 200;                   // per direction of a grid
 constexpr int bar_margin = 6, scale_bar_height = 6;  // Qt's pixels
 constexpr double arrow = 44;                         // size of its image, Qt's pixels
 

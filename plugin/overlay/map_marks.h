@@ -1,5 +1,5 @@
-// What a map has beside its content: a scale bar, an arrow to north, and a grid of coordinates in plan view. No OpenGL
-// here. Cameras are in source coordinates; everything is computed in double, relative to the eye.
+// What a map has in addition to its content: a scale bar, an arrow to north, and a grid of coordinates in plan view. No
+// OpenGL here. Cameras are in source coordinates; everything is computed in double, relative to the eye.
 #pragma once
 
 #include "pcm/cloud/geometry.h"
@@ -42,7 +42,7 @@ struct PlanGrid {
         labels;  // and where each line meets the border; pixels from the lower left
 };
 // Lines about this many pixels apart, through the place of the view's axis at a depth in eye units. Absent for views
-// that are not orthographic or look down by more than 2 degrees beside the vertical.
+// that are not orthographic or look down more than 2 degrees from the vertical.
 std::optional<PlanGrid> plan_grid(const Camera& camera, double depth, double least_pixels);
 
 // Images for blend_image(), for a screen with `ratio` pixels to one of Qt's.

@@ -9,7 +9,7 @@
 
 namespace pcm::host {
 
-// What a map has beside its content.
+// What a map has in addition to its content.
 struct MapSettings {
     bool scale_bar = true, north = false, grid = false;
 };
@@ -21,8 +21,8 @@ double distance_to_pivot(float fov);
 class MapOverlay {
 public:
     // Into the current framebuffer; `camera` is in source coordinates and of the viewport's size. `ratio` pixels of the
-    // picture are one of Qt's. `above_text`: MeshLab writes its own text at the bottom of the view. Of a snapshot's
-    // tile, `tile` says which part of the picture it is.
+    // picture are one of Qt's. `above_text`: MeshLab writes its own text at the bottom of the view. For a snapshot's
+    // tile, `tile` gives the part of the picture that it is.
     void draw(const Camera& camera, const SnapshotTile& tile, double depth, const std::string& unit,
               const MapSettings& settings, double ratio, bool above_text);
     void release() { lines_.release(); }

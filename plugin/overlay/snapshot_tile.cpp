@@ -29,7 +29,7 @@ SnapshotTile tile_of(const Camera& camera, float fov)
     for (std::size_t axis = 0; axis < 2; ++axis) {
         double& across = projection[(parallel ? 12 : 8) + axis];
         const double shift = parallel ? across : -across;
-        const double number = std::round((times - 1 - shift) / 2);  // of the tile, from the left or from below
+        const double number = std::round((times - 1 - shift) / 2);  // place of the tile, from the left or from below
         (axis == 0 ? tile.corner.rx() : tile.corner.ry()) =
             static_cast<int>(number) * (axis == 0 ? camera.width : camera.height);
         projection[5 * axis] /= times;

@@ -10,9 +10,9 @@
 namespace pcm::host {
 
 struct SnapshotTile {
-    Camera whole;          // of the whole snapshot
+    Camera whole;          // camera of the whole snapshot
     QPoint corner;         // the tile's lower left corner in it, pixels from its lower left corner
-    double magnified = 1;  // the snapshot is so many times as wide and high as the view
+    double magnified = 1;  // width and height of the snapshot, in those of the view
     bool is_part() const { return magnified > 1; }
 };
 

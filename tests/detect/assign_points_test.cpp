@@ -32,7 +32,7 @@ protected:
         one.threshold = threshold;
         return one;
     }
-    // Of the plane z = 0 and one part, to which all points with a label belong.
+    // The fit of the plane z = 0 and one part, to which all points with a label belong.
     FinalFit fit_all(const std::function<std::uint32_t(const Vec3d&)>& label) const
     {
         PointLabels labels(*tree_);
@@ -115,10 +115,10 @@ TEST_F(AssignPoints, PartsAreJoinedAcrossUnitsAndCornersAreNotInside)
     ASSERT_EQ(assigned.parts.size(), 2u);
     for (const SurfacePart& part : assigned.parts) {
         EXPECT_NEAR(static_cast<double>(part.points), part.hypothesis == 0 ? 5000 : 2450, 60);
-        EXPECT_GT(part.edge, 15u);  // one cell beside the other surface, or two
+        EXPECT_GT(part.edge, 15u);  // one cell next to the other surface, or two
         EXPECT_LT(part.edge, 120u);
         EXPECT_EQ(part.continued, 0u);
-        EXPECT_NEAR(part.box.extent(1), 0.98, 1e-9);  // of all points, not of the sample's
+        EXPECT_NEAR(part.box.extent(1), 0.98, 1e-9);  // extent of all points, not only the sample's
         if (part.hypothesis == 0) EXPECT_NEAR(part.box.min[0], -1.997, 1e-9);
     }
     for (const PlacedPoint& p : all_points(*tree_)) {
@@ -200,7 +200,7 @@ TEST_F(AssignPoints, PointsOnOneLineEndNoDetection)
     EXPECT_EQ(result.unbounded, 1u);
 }
 
-// Of 10,000 points of the sample 400 are at the edge.
+// 400 of 10,000 points of the sample are at the edge.
 TEST_F(AssignPoints, PiecesContinueAlongTheEdgeAndFillTheThresholdTogether)
 {
     const double threshold = 0.01;

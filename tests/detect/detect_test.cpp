@@ -136,7 +136,7 @@ TEST_F(Detect, PCM_NOT_UNDER_THREAD(FindsEachShapeOfASceneAtMapCoordinatesAmongC
     EXPECT_GT(report.threshold, 0.005);
     EXPECT_LT(report.threshold, 0.02);
     EXPECT_EQ(report.outcome.points_in, 122000u);
-    for (std::size_t i = 0; i < scene.size(); ++i) {  // by points, as in the scene
+    for (std::size_t i = 0; i < scene.size(); ++i) {  // most points first, as in the scene
         SCOPED_TRACE(text_of(scene[i].shape));
         expect_same(report.primitives[i], scene[i].shape);
         EXPECT_NEAR(static_cast<double>(report.primitives[i].points), static_cast<double>(scene[i].points),

@@ -129,7 +129,7 @@ TEST_F(ManyParts, NothingIsKeptOfSmallOnesAwayFromBorders)
     const AssignedPoints assigned = assign(labels);
     ASSERT_EQ(assigned.parts.size(), 1u);
     EXPECT_EQ(assigned.parts[0].points, 60000u);
-    EXPECT_LE(assigned.numbers.size(), units_.size());  // of 900
+    EXPECT_LE(assigned.numbers.size(), units_.size());  // there were 900
     std::uint64_t floor = 0, islands = 0;
     for (const PlacedPoint& p : all_points(*tree_)) {
         const std::uint32_t label = labels.get(p.node)[p.number] & ~interior_label;
@@ -154,7 +154,7 @@ TEST_F(ManyParts, CancellingIsHeardInsideAUnit)
     options_.sample.check = [&] { ++checks; };
     assign(labels);
     const int all = checks;
-    ASSERT_GT(all, 100);  // beside those for each node
+    ASSERT_GT(all, 100);  // in addition to those for each node
     checks = 0;
     options_.sample.check = [&] {
         ++checks;

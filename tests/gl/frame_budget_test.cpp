@@ -159,11 +159,11 @@ TEST(FrameBudget, TheMarginIsLearntWithinItsBounds)
         budget.measured_overhead(0);
     };
     next(10);
-    EXPECT_DOUBLE_EQ(margin(), FrameBudget::first_margin);
+    EXPECT_DOUBLE_EQ(margin(), gl_tuning().late.first_margin);
     next(10);
     next(10);
-    EXPECT_DOUBLE_EQ(margin(), FrameBudget::first_margin);  // too few frames to learn from
-    double expected = FrameBudget::first_margin;
+    EXPECT_DOUBLE_EQ(margin(), gl_tuning().late.first_margin);  // too few frames to learn from
+    double expected = gl_tuning().late.first_margin;
     for (int i = 0; i < 7; ++i) {
         next(10);
         EXPECT_NEAR(margin(), expected *= 0.9985, 1e-9);
@@ -177,7 +177,7 @@ TEST(FrameBudget, TheMarginIsLearntWithinItsBounds)
     next(1.5 * budget.expected(work(1'000'000)));
     EXPECT_NEAR(margin(), expected *= 0.9985, 1e-9);
     for (double slow = 100; slow < 1e7; slow *= 10) next(slow);
-    EXPECT_DOUBLE_EQ(margin(), FrameBudget::largest_margin);
+    EXPECT_DOUBLE_EQ(margin(), gl_tuning().late.max_margin);
     for (int i = 0; i < 2000; ++i) next(10);
     EXPECT_NEAR(margin(), 1.05, 1e-9);
 }
@@ -223,7 +223,7 @@ TEST(FrameBudget, KeepsItsBounds)
     EXPECT_EQ(budget.available(33), std::numeric_limits<double>::infinity());
     EXPECT_EQ(budget.expected(work(1'000'000)), 0);
     for (int i = 0; i < 10; ++i) frame(budget, cost_of_points(1), 33, 1'000'000'000);
-    EXPECT_EQ(budget.points(0, 1'000'000'000), FrameBudget::least);
+    EXPECT_EQ(budget.points(0, 1'000'000'000), gl_tuning().budget.min_points);
     EXPECT_EQ(budget.points(250'000, 1'000'000'000), 250'000u);  // the coarsest chunk is always drawn
     EXPECT_EQ(budget.points(250'000, 5'000), 5'000u);            // but the user's limit wins
     EXPECT_FALSE(budget.can_grow(5'000));

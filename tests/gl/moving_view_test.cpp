@@ -1,7 +1,7 @@
 // What a moving view draws when there is no time for it.
 #include "tests/gl/gl_support.h"
 
-#include "pcm/gl/draw/frame_budget.h"
+#include "pcm/gl/tuning.h"
 
 using namespace pcm;
 using namespace pcm::test;
@@ -11,10 +11,11 @@ TEST(MovingView, HasTheLeastNumberOfPointsInViewHoweverSlowTheMachineIs)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
+    const double least = gl_tuning().budget.min_points_in_view;
     constexpr std::uint32_t chunk_points = 1000;
     const auto cloud =
         make_cloud(folder, "sheet", grid_at(map_offset), sheet(300, [](std::int32_t) { return 0; }), chunk_points);
-    ASSERT_GT(cloud->info().points, 4 * FrameBudget::least_in_view);
+    ASSERT_GT(cloud->info().points, 4 * least);
     const Framebuffer framebuffer(160, 120);
     Drawing drawing(cloud);
     RenderOptions options;
@@ -31,9 +32,8 @@ TEST(MovingView, HasTheLeastNumberOfPointsInViewHoweverSlowTheMachineIs)
         ASSERT_EQ(report.error, "");
         cloud->cache().wait_idle();
         if (frame < 20) continue;  // chunks are loaded, and their time is known
-        EXPECT_GE(static_cast<double>(report.points_drawn), FrameBudget::least_in_view) << "frame " << frame;
-        EXPECT_LT(static_cast<double>(report.points_drawn), FrameBudget::least_in_view + chunk_points)
-            << "frame " << frame;
+        EXPECT_GE(static_cast<double>(report.points_drawn), least) << "frame " << frame;
+        EXPECT_LT(static_cast<double>(report.points_drawn), least + chunk_points) << "frame " << frame;
     }
     drawing.release();
 }

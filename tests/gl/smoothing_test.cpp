@@ -104,7 +104,7 @@ TEST(Smoothing, FramesAreWorthwhileWhereTheyAreFewPoints)
     EXPECT_EQ(frames_worthwhile(16, 0), 16u);
     EXPECT_EQ(frames_worthwhile(16, 12'500'000), 16u);
     EXPECT_EQ(frames_worthwhile(16, 12'500'001), 15u);
-    EXPECT_EQ(frames_worthwhile(16, 50'000'000), least_smooth_frames);
+    EXPECT_EQ(frames_worthwhile(16, 50'000'000), gl_tuning().smoothing.min_frames);
     EXPECT_EQ(frames_worthwhile(16, 50'000'001), 1u);
     EXPECT_EQ(frames_worthwhile(16, ~std::uint64_t(0)), 1u);
     EXPECT_EQ(frames_worthwhile(1, 1000), 1u);

@@ -330,11 +330,11 @@ PLAIN_WORDS = {
     r"\blets? expect\b": "explains, predicts",
 }
 PLAIN_FOLDERS = tuple(f"core/{room}/" for room in (
-    "align bpc build cache cad cli cloud convert decoders examples filter fit generate gl io knn lists measure offscreen ops pick "
-    "query select system threads tree update view").split()) + (
+    "align bpc build cache cad cli cloud convert decoders detect examples filter fit generate gl io knn lists measure offscreen ops pick "
+    "query select shapes system threads tree update view").split()) + (
     "core/make_cloud", "core/point_cloud", "core/README.md", "core/ADDING.md", "bench/", "shaders/", "packaging/", "README.md") + tuple(
-    f"plugin/{folder}" for folder in ("filter/", "meshlab/", "panels/", "scene/", "settings/", "tools/", "README.md")) + (
-    "tests/cli/", "tests/ops/", "tests/plugin/", "tests/e2e/")
+    f"plugin/{folder}" for folder in ("filter/", "meshlab/", "overlay/", "panels/", "scene/", "settings/", "tools/", "README.md")) + (
+    "tests/cli/", "tests/detect/", "tests/ops/", "tests/plugin/", "tests/shapes/", "tests/e2e/")
 # Keys of answers, which scripts spell.
 SPELLED = {"core/ops/pick.cpp": "beside"}
 COMMENTED = (".h", ".cpp", ".vert", ".frag", ".comp")

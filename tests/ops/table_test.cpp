@@ -110,6 +110,23 @@ TEST_P(EveryRow, IsToldToProgramsAsItIs)
         if (argument.allowed().most) {
             EXPECT_EQ(usage["arguments"][i]["most"], *argument.allowed().most);
         }
+        EXPECT_EQ(usage["arguments"][i]["positional"], argument.is_positional());
+        EXPECT_EQ(usage["arguments"][i]["list"], argument.is_list());
+        EXPECT_EQ(usage["arguments"][i]["on"], argument.is_switched_off());
+    }
+}
+
+TEST_P(EveryRow, IsToldToAFaceWithTheArgumentsThatTheFaceShows)
+{
+    for (const Face face : {Face::command, Face::dialog}) {
+        const auto operation = GetParam()->make();
+        std::vector<Json> shown;
+        for (const Argument& argument : operation->arguments().list())
+            if (argument.is_in(face) && argument.is_shown()) shown.push_back(argument.key());
+        const Json usage = usage_of(*GetParam(), face);
+        std::vector<Json> keys;
+        for (const Json& argument : usage["arguments"]) keys.push_back(argument["key"]);
+        EXPECT_EQ(keys, shown);
     }
 }
 

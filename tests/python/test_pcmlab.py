@@ -223,6 +223,11 @@ class Searches(CloudTest):
             numpy.testing.assert_array_equal(values[name], found[name][order])
         with self.assertRaisesRegex(pcmlab.Error, "no point"):
             self.cloud.values([10**6], [0])
+        with self.assertRaises(KeyError):
+            self.cloud.values([0], [0], ["nix"])
+        with self.assertRaises(ValueError):
+            self.cloud.values([0, 0], [0])
+        self.assertEqual(self.cloud.values([], [], ["rgb"])["rgb"].shape, (0, 3))
 
 
 class Changes(CloudTest):
@@ -246,6 +251,20 @@ class Changes(CloudTest):
         numpy.testing.assert_array_equal(found["above"], expected)
         numpy.testing.assert_array_equal(found["pair"], numpy.where(low[:, None], [3, 4], 0))
         numpy.testing.assert_array_equal(found["level"], numpy.where(low, numpy.where(found["id"] % 2, -7, 7), 0))
+
+    def test_a_chunk_has_the_values_of_a_query_for_values_of_any_size(self):
+        numbers = numpy.random.default_rng(8)
+        sizes = {f"{kind}_{components}": numbers.integers(0, 100, (20_000, components)).astype(kind)
+                 for kind in ("u1", "i2", "f4", "f8") for components in (1, 2, 3)}
+        path = self.fresh("sizes.pct", **sizes)
+        expected = pcmlab.open(path).query(where="z<95")
+        with pcmlab.edit(path) as cloud:
+            found = [{name: chunk[name] for name in chunk.keys()} for chunk in cloud.changes(where="z<95")]
+        self.assertLess(len(expected["id"]), 20_000)
+        self.assertEqual(sorted(found[0]), sorted(expected))
+        for name, values in expected.items():
+            numpy.testing.assert_array_equal(numpy.concatenate([chunk[name] for chunk in found]), values, name)
+            self.assertEqual(found[0][name].dtype, values.dtype)
 
     def test_an_exception_leaves_nothing(self):
         path = self.fresh("kept.pct", value=numpy.ones(20_000, "u1"))

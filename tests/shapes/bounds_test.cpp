@@ -141,7 +141,7 @@ TEST(BoundsInBox, AnAxisIsCutBySlabs)
     const ShapeBounds bounds = bounds_in_box(tilted, box);
     EXPECT_NEAR(tilted.point[0] + bounds.from * tilted.axis[0], 0, 1e-12);
     EXPECT_NEAR(tilted.point[0] + bounds.to * tilted.axis[0], 100, 1e-12);
-    // An axis beside the box: its corners decide.
+    // An axis that misses the box: its corners decide.
     const ShapeBounds beside = bounds_in_box(parse_shape("cylinder 0 -3 0 1 0 0 3.2"), box);
     EXPECT_DOUBLE_EQ(beside.from, 0);
     EXPECT_DOUBLE_EQ(beside.to, 100);

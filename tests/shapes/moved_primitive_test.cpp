@@ -50,9 +50,9 @@ TEST(MovedPrimitive, IsDrawnWhereItsPointsAre)
                    here = shape_lines(after.fit.shape, after.bounds);
         ASSERT_EQ(there.size(), here.size()) << text;
         ASSERT_FALSE(there.empty()) << text;
-        if (before.fit.shape.kind != ShapeKind::sphere)  // whose circles are about x, y and z
+        if (before.fit.shape.kind != ShapeKind::sphere)  // its circles are about x, y and z
             for (std::size_t i = 0; i < there.size(); ++i)
-                if (!there[i].is_axis)  // of a plane it is as long as the outline's box
+                if (!there[i].is_axis)  // a plane's is as long as the outline's box
                     for (std::size_t k = 0; k < there[i].points.size(); ++k)
                         EXPECT_LT(length(map(there[i].points[k]) - here[i].points[k]), 1e-8) << text;
         EXPECT_LT(length(map(before.fit.shape.point) - after.fit.shape.point), 1e-8) << text;

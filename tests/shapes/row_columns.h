@@ -15,7 +15,7 @@ template <class Row, class... Columns>
 struct IsMadeOf<Row, std::void_t<decltype(Row{std::declval<Columns>()...})>, Columns...> : std::true_type {
 };
 
-// Of the columns of a tuple, in their order, those before `Left` and those after it.
+// Whether a row is made of a tuple's columns before `Left` and after it, in their order.
 template <class Row, class Columns, std::size_t Left, std::size_t... I>
 constexpr bool is_made_without(std::index_sequence<I...>)
 {

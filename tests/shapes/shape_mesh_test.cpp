@@ -32,7 +32,7 @@ struct Mesh {
         }
         return !edges.empty();
     }
-    // Of what the faces enclose, by tetrahedra from a place near: above 0 where faces look outwards.
+    // The volume that the faces enclose, by tetrahedra from a place near: above 0 where faces look outwards.
     double volume(const Vec3d& near) const
     {
         double sum = 0;
@@ -143,7 +143,8 @@ TEST(ShapeMeshes, WhatHasNoLengthHasNone)
     EXPECT_THROW(Mesh(parse_shape("sphere 0 0 0 1"), {}, {std::nan(""), false}), Error);
 }
 
-// Numbers that are no shape are refused, not drawn, wherever they come from; for planes, which have no mesh, too.
+// Numbers that do not make a shape are refused, not drawn, wherever they come from; for planes, which have no mesh,
+// too.
 TEST(ShapeMeshes, OfNoShapeAreRefused)
 {
     const double nan = std::nan(""), infinity = HUGE_VAL;

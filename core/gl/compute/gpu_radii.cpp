@@ -5,6 +5,7 @@
 #include "pcm/gl/compute/chunk_boxes.h"
 #include "pcm/gl/compute/gpu_cursor.h"
 #include "pcm/gl/compute/radius_search.h"
+#include "pcm/gl/tuning.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/watch.h"
 
@@ -175,10 +176,9 @@ private:
 // Boxes of the chunks used last; all are dropped when they take too much memory.
 const ChunkBoxes& RadiiPass::boxes_of(NodeId id)
 {
-    constexpr std::size_t most_bytes = std::size_t(32) << 20;
     const auto place = boxes_.find(id);
     if (place != boxes_.end()) return place->second;
-    if (boxes_bytes_ > most_bytes) {
+    if (boxes_bytes_ > gl_tuning().radii.box_megabytes << 20) {
         boxes_.clear();
         boxes_bytes_ = 0;
     }

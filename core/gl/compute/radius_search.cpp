@@ -1,6 +1,7 @@
 #include "pcm/gl/compute/radius_search.h"
 
 #include "pcm/gl/base/gl_state.h"
+#include "pcm/gl/tuning.h"
 #include "pcm/system/error.h"
 
 #include <GL/glew.h>
@@ -15,8 +16,6 @@ namespace {
 
 constexpr std::size_t group_points = 64;                   // the shader's workgroup
 constexpr std::size_t heap_bytes = std::size_t(16) << 20;  // the size of a shader storage block that every driver has
-// Maximum pairs of points that a dispatch compares, so that it ends before a driver takes it for hung.
-constexpr std::uint64_t most_pairs = std::uint64_t(1) << 31;
 
 std::vector<std::string> defines_of(const RadiusSearch::Options& options, bool finish)
 {
@@ -146,6 +145,7 @@ void RadiusSearch::compare(const GpuPiece& piece, const PieceBoxes& piece_boxes,
     glUniform1ui(search_.uniform("stride"), static_cast<GLuint>(stride_));
     glUniform1ui(search_.uniform("groups"), piece_boxes.groups);
     glUniform1ui(search_.uniform("group_size"), piece_boxes.group_blocks);
+    const auto most_pairs = std::uint64_t(gl_tuning().radii.dispatch_pairs) << 20;
     const std::size_t most =
         std::clamp<std::size_t>(most_pairs / (std::uint64_t(group_points) * piece.count), 1, 65535);
     for (std::size_t first = 0; first < block_list.size(); first += most) {

@@ -1,17 +1,12 @@
 #include "pcm/gl/draw/chunk_feed.h"
 
 #include "pcm/gl/draw/view_clips.h"
+#include "pcm/gl/tuning.h"
 
 #include <algorithm>
 #include <utility>
 
 namespace pcm {
-namespace {
-
-// A chunk that could not be loaded is requested again after this time: the network may be back.
-constexpr std::chrono::seconds retry_after{5};
-
-}  // namespace
 
 ChunkFeed::ChunkFeed(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1)
     : cloud_(std::move(cloud)), l1_(std::move(l1)), owner_(l1_->add_owner()), facts_(cloud_)
@@ -118,7 +113,7 @@ bool ChunkFeed::has_failed(NodeId node)
 {
     const auto found = failed_.find(node);
     if (found == failed_.end()) return false;
-    if (Clock::now() - found->second < retry_after) return true;
+    if (Clock::now() - found->second < std::chrono::duration<double>(gl_tuning().loading.retry_after)) return true;
     failed_.erase(found);
     if (failed_.empty()) error_.clear();
     return false;
@@ -132,9 +127,10 @@ void ChunkFeed::fail(NodeId node, std::string error)
 
 std::vector<NodeId> ChunkFeed::window_of(const DetailSelection& selection, const std::vector<bool>& current)
 {
+    const std::size_t most = gl_tuning().loading.window;
     std::vector<NodeId> window;
     std::vector<bool> blocked(selection.wanted.size(), false);
-    for (std::size_t i = 0; i < selection.wanted.size() && window.size() < window_size; ++i) {
+    for (std::size_t i = 0; i < selection.wanted.size() && window.size() < most; ++i) {
         const DetailNode& node = selection.wanted[i];
         blocked[i] = (node.ancestor != no_ancestor && blocked[node.ancestor]) || (!current[i] && has_failed(node.node));
         if (!current[i] && !blocked[i]) window.push_back(node.node);
@@ -144,10 +140,11 @@ std::vector<NodeId> ChunkFeed::window_of(const DetailSelection& selection, const
 
 std::vector<NodeId> ChunkFeed::ahead_of(const DetailSelection& later, std::size_t missing_now) const
 {
+    const std::size_t most = gl_tuning().loading.window;
     std::vector<NodeId> nodes;
-    if (missing_now >= window_size / 2) return nodes;
+    if (missing_now >= most / 2) return nodes;
     for (const DetailNode& node : later.wanted) {
-        if (nodes.size() + missing_now >= window_size) break;
+        if (nodes.size() + missing_now >= most) break;
         if (!l1_->find(owner_, node.node) && !failed_.count(node.node)) nodes.push_back(node.node);
     }
     return nodes;
@@ -232,7 +229,7 @@ void ChunkFeed::receive(NodeId node, Delivery delivery)
         fail(node, delivery.error);
     } else if (!delivery.maker) {
         arrival.loaded = true;
-    } else if (is_of_now && ++arrival.lost >= 3) {
+    } else if (is_of_now && ++arrival.lost >= gl_tuning().loading.max_lost) {
         fail(node, "chunk " + std::to_string(node) + " of " + cloud_->tree()->folder().string() +
                        " does not stay in the point cache; give the cache more memory");
     }

@@ -34,9 +34,6 @@ public:
     ChunkFeed(const ChunkFeed&) = delete;
     ChunkFeed& operator=(const ChunkFeed&) = delete;
 
-    // Maximum chunks in flight. More would not arrive sooner, and chunks that wait for their upload are pinned in L2.
-    static constexpr std::size_t window_size = 32;
-
     L1Cache::Owner owner() const { return owner_; }
     const VertexEntry* find(NodeId node) const { return l1_->find(owner_, node); }
     // Whether the node's entry, which may be null, has what this format needs, and the selected points of now.

@@ -1,5 +1,7 @@
 #include "pcm/gl/draw/cloud_facts.h"
 
+#include "pcm/gl/tuning.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -33,14 +35,15 @@ bool varies_smoothly(const std::vector<double>& values)
 }
 
 // Whether at least two classes that say what a point belongs to (LAS 1.4: not unclassified, noise or overlap) have a
-// share of a hundredth each.
+// share of the sample each.
 bool says_classes(const std::vector<double>& values)
 {
     std::map<double, std::size_t> counts;
     for (const double v : values) ++counts[v];
     for (const double nothing : {0.0, 1.0, 7.0, 12.0, 18.0}) counts.erase(nothing);
+    const std::size_t points = gl_tuning().sample.points_per_classified;
     return std::count_if(counts.begin(), counts.end(),
-                         [&](const auto& entry) { return 100 * entry.second >= values.size(); }) >= 2;
+                         [&](const auto& entry) { return points * entry.second >= values.size(); }) >= 2;
 }
 
 // The first points of several columns, one after the other.

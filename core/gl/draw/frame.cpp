@@ -11,14 +11,11 @@
 namespace pcm {
 namespace {
 
-// Gaps wider than this are not filled any further, pixels: such a picture shows nothing anyway.
-constexpr double largest_fill = 32;
-
 // The spacing on the screen that a style's own splats are assumed to cover.
 double spacing_covered(const CloudStyle& style)
 {
     return traits_of(style.splats).shape == SplatShape::pixels
-               ? static_cast<double>(style.point_size_px) / fill_of_spacing
+               ? static_cast<double>(style.point_size_px) / gl_tuning().splats.fill
                : 1;
 }
 
@@ -32,7 +29,8 @@ double milliseconds_since(Frame::Clock::time_point start)
 float fill_of(double spacing_px, const CloudStyle& style)
 {
     if (spacing_px <= spacing_covered(style)) return 0;
-    return static_cast<float>(std::ceil(fill_of_spacing * std::min(spacing_px, largest_fill)));
+    const SplatTuning& tuned = gl_tuning().splats;
+    return static_cast<float>(std::ceil(tuned.fill * std::min(spacing_px, tuned.max_fill)));
 }
 
 Finish Frame::finish(bool fast) const
@@ -85,8 +83,9 @@ void Frame::begin(const FrameCloud& cloud)
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)
 {
     std::vector<NodeId>& window = clouds[clouds[item].leader].window;
+    const std::size_t most = gl_tuning().loading.window;
     for (const NodeId node : nodes)
-        if (window.size() < ChunkFeed::window_size && std::find(window.begin(), window.end(), node) == window.end())
+        if (window.size() < most && std::find(window.begin(), window.end(), node) == window.end())
             window.push_back(node);
 }
 

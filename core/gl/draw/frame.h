@@ -5,6 +5,7 @@
 #include "pcm/gl/draw/splat_pass.h"
 #include "pcm/gl/draw/view_clips.h"
 #include "pcm/gl/l1/vertex_format.h"
+#include "pcm/gl/tuning.h"
 
 #include <array>
 #include <chrono>
@@ -78,10 +79,6 @@ struct Frame {
 
 double milliseconds_since(Frame::Clock::time_point start);
 
-// Splats of this many times the spacing leave few gaps: the points of a level are a maximal Poisson-disk sample, no two
-// nearer than the spacing and no disc of that radius empty.
-inline constexpr double fill_of_spacing = 1.4;
-
 // The size of splats, in whole pixels, that fills gaps of this spacing; 0 where the style's own size does.
 float fill_of(double spacing_px, const CloudStyle& style);
 
@@ -105,7 +102,7 @@ public:
         ChunkLook look;
         look.level = static_cast<float>(cloud.tree->nodes()[node.node].first_level);
         look.error_px = residual;
-        look.least_radius = static_cast<float>(0.5 * fill_of_spacing * gap.spacing);
+        look.least_radius = static_cast<float>(0.5 * gl_tuning().splats.fill * gap.spacing);
         look.least_px = fill_of(gap.spacing_px, cloud.style);
         return frame_.splats.draw(entry, look);
     }

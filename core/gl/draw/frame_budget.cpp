@@ -5,16 +5,6 @@
 #include <limits>
 
 namespace pcm {
-namespace {
-
-// Initial costs, in proportion to each other.
-constexpr std::array<double, 3> first_costs{1, 1, 0.2};
-// Relative standard deviations: initial costs, their change from frame to frame, a measured time.
-constexpr double first_deviation = 0.7, change = 0.03, noise = 0.1;
-// A frame that took much longer than expected was probably delayed by something else: its time is clamped.
-constexpr double largest_surprise = 0.5;
-
-}  // namespace
 
 FrameBudget::Features FrameBudget::features(const FrameWork& work)
 {
@@ -29,16 +19,19 @@ double FrameBudget::expected(const FrameWork& work) const
 
 void FrameBudget::measured(const FrameWork& work, double milliseconds)
 {
+    const CostTuning& tuned = gl_tuning().cost;
+    const double nearly_empty = gl_tuning().budget.nearly_empty * static_cast<double>(gl_tuning().budget.min_points);
     last_ms_ = milliseconds;
     expected_ms_ = 0;
     // A nearly empty frame measures the fixed cost: it gives only an upper bound of the cost per point.
     const Features x = features(work);
-    if (!(milliseconds > 0) || (x[0] < least / 4 && (measures_ == 0 || milliseconds > expected(work)))) return;
+    if (!(milliseconds > 0) || (x[0] < nearly_empty && (measures_ == 0 || milliseconds > expected(work)))) return;
     if (measures_++ == 0) {
+        const Features first_costs{tuned.vertex, tuned.splat, tuned.pixel};
         const double scale = milliseconds / (x[0] * first_costs[0] + x[1] * first_costs[1] + x[2] * first_costs[2]);
         for (std::size_t i = 0; i < 3; ++i) {
             costs_[i] = scale * first_costs[i];
-            covariance_[i][i] = first_deviation * first_deviation;
+            covariance_[i][i] = tuned.first_deviation * tuned.first_deviation;
         }
         return;
     }
@@ -47,19 +40,20 @@ void FrameBudget::measured(const FrameWork& work, double milliseconds)
     Features z{}, gain{};
     for (std::size_t i = 0; i < 3; ++i) {
         z[i] = x[i] * costs_[i] / std::max(expected_ms_, 1e-9);
-        covariance_[i][i] = std::min(covariance_[i][i] + change * change, first_deviation * first_deviation);
+        covariance_[i][i] =
+            std::min(covariance_[i][i] + tuned.change * tuned.change, tuned.first_deviation * tuned.first_deviation);
     }
-    double variance = noise * noise;
+    double variance = tuned.noise * tuned.noise;
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) gain[i] += covariance_[i][j] * z[j];
         variance += z[i] * gain[i];
     }
     const double surprise =
-        std::clamp(milliseconds / std::max(expected_ms_, 1e-9) - 1, -largest_surprise, largest_surprise);
+        std::clamp(milliseconds / std::max(expected_ms_, 1e-9) - 1, -tuned.max_surprise, tuned.max_surprise);
     const Features before = gain;  // covariance * z
     for (std::size_t i = 0; i < 3; ++i) {
         gain[i] /= variance;
-        costs_[i] *= std::max(0.25, 1 + gain[i] * surprise);
+        costs_[i] *= std::max(tuned.min_factor, 1 + gain[i] * surprise);
     }
     for (std::size_t i = 0; i < 3; ++i)
         for (std::size_t j = 0; j < 3; ++j) covariance_[i][j] -= gain[i] * before[j];
@@ -67,24 +61,25 @@ void FrameBudget::measured(const FrameWork& work, double milliseconds)
 
 void FrameBudget::measured_overhead(double milliseconds)
 {
-    if (measures_ > 3 && expected_ms_ > 0) {
-        // A quantile by steps: upward steps are larger than downward ones by the factor at which they balance when one
-        // frame in 150 exceeds it.
+    const LateFrameTuning& tuned = gl_tuning().late;
+    if (measures_ > tuned.first_frames && expected_ms_ > 0) {
         const double ratio = (last_ms_ + milliseconds) / (expected_ms_ + overhead_ms_);
-        margin_ = std::clamp(margin_ * (ratio > margin_ ? 1.25 : 0.9985), 1.05, largest_margin);
+        margin_ = std::clamp(margin_ * (ratio > margin_ ? tuned.up : tuned.down), tuned.min_margin, tuned.max_margin);
         expected_ms_ = 0;  // each measured frame counts once
     }
-    overhead_ms_ += (overhead_ms_ == 0 ? 1.0 : 0.2) * (milliseconds - overhead_ms_);
+    overhead_ms_ += (overhead_ms_ == 0 ? 1.0 : gl_tuning().budget.overhead_share) * (milliseconds - overhead_ms_);
 }
 
 std::uint64_t FrameBudget::points(std::uint64_t floor, std::uint64_t ceiling)
 {
+    const BudgetTuning& tuned = gl_tuning().budget;
     const auto current = static_cast<double>(points_);
     if (goal_ < current)
         points_ = static_cast<std::uint64_t>(goal_);
-    else if (goal_ > worthwhile * current)
-        points_ = static_cast<std::uint64_t>(std::min({goal_, most_growth * current, 1e12}));
-    points_ = std::min(std::max({points_, floor, least}), std::max(ceiling, std::uint64_t(1)));
+    else if (goal_ > tuned.min_growth * current)
+        points_ = static_cast<std::uint64_t>(std::min({goal_, tuned.max_growth * current, 1e12}));
+    points_ =
+        std::min(std::max({points_, floor, std::uint64_t(tuned.min_points)}), std::max(ceiling, std::uint64_t(1)));
     return std::min(points_, ceiling);
 }
 

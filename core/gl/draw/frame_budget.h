@@ -7,6 +7,8 @@
 // small changes are not followed (hysteresis), so that the density does not flicker.
 #pragma once
 
+#include "pcm/gl/tuning.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -24,15 +26,6 @@ struct FrameWork {
 
 class FrameBudget {
 public:
-    static constexpr std::uint64_t first_guess = 300'000;
-    static constexpr std::uint64_t least = 20'000;  // fewer points show nothing; most devices draw these in no time
-    // In the view, whatever the time: on a slow machine a late picture shows more than a few squares for a village.
-    // With these, splats that fill the gaps are some 10 pixels wide in a view of 1600 x 1000.
-    static constexpr double least_in_view = 20'000;
-    static constexpr double most_growth = 1.5;                        // factor on points, from one frame to the next
-    static constexpr double first_margin = 1.25, largest_margin = 2;  // factors
-    static constexpr double most_at_rest = 50;  // milliseconds beyond the budget: the delay when the view moves again
-
     // The drawing of a frame took this long.
     void measured(const FrameWork& work, double milliseconds);
     // The rest of a frame's time, as in a moving view: choice of nodes, uploads, compositing.
@@ -43,11 +36,11 @@ public:
     // The expected drawing time that fits into the budget, milliseconds; infinite while nothing has been measured.
     double available(double budget_ms) const;
     // Milliseconds for uploading and drawing what a frame adds to a resting view: all that the budget leaves after
-    // the overhead, as no frame is too late; but at least as much as the overhead (up to most_at_rest), or a small rest
-    // would take minutes to draw.
+    // the overhead, as no frame is too late; but at least as much as the overhead (up to gl.budget.max_rest_ms), or a
+    // small rest would take minutes to draw.
     double at_rest(double budget_ms) const
     {
-        return std::max(budget_ms - overhead_ms_, std::min(overhead_ms_, most_at_rest));
+        return std::max(budget_ms - overhead_ms_, std::min(overhead_ms_, gl_tuning().budget.max_rest_ms));
     }
     double expected(const FrameWork& work) const;
     // There was time only for the first `points` of the points that points() allowed.
@@ -62,7 +55,7 @@ public:
     // Whether points() would give more when asked again.
     bool can_grow(std::uint64_t ceiling) const
     {
-        return points_ < ceiling && goal_ > worthwhile * static_cast<double>(points_);
+        return points_ < ceiling && goal_ > gl_tuning().budget.min_growth * static_cast<double>(points_);
     }
     double last_measured_ms() const { return last_ms_; }  // drawing time; 0 before the first
 
@@ -75,19 +68,18 @@ public:
     }
 
 private:
-    static constexpr double worthwhile = 1.2;  // growth
     using Features = std::array<double, 3>;
     static Features features(const FrameWork& work);
 
-    std::uint64_t points_ = first_guess;
-    double goal_ = first_guess;
+    std::uint64_t points_ = gl_tuning().budget.first_points;
+    double goal_ = static_cast<double>(points_);
     Features costs_{};                      // milliseconds: a vertex, a splat, a pixel
     std::array<Features, 3> covariance_{};  // covariance of costs_, relative to themselves
     double overhead_ms_ = 0;
     double expected_ms_ = 0;  // expected time of the latest frame's drawing, before it was known
-    double margin_ = first_margin;
+    double margin_ = gl_tuning().late.first_margin;
     double last_ms_ = 0;
-    unsigned measures_ = 0;
+    std::size_t measures_ = 0;
 };
 
 }  // namespace pcm

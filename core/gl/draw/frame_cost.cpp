@@ -1,5 +1,7 @@
 #include "pcm/gl/draw/frame_cost.h"
 
+#include "pcm/gl/tuning.h"
+
 #include <algorithm>
 
 namespace pcm {
@@ -37,7 +39,7 @@ FrameWork FrameCost::work(const Stroke& stroke, const FrameCloud::Gap& gap) cons
     FrameWork work{stroke.entry->points, stroke.vertices, 0, 0};
     for (std::size_t i = stroke.first_part; i < stroke.first_part + stroke.parts; ++i) {
         const auto& [points, pixels_per_unit] = parts_[i];
-        const double filled = std::min(most_filled, fill_of_spacing * gap.spacing * pixels_per_unit);
+        const double filled = std::min(most_filled, gl_tuning().splats.fill * gap.spacing * pixels_per_unit);
         const double side = std::min(std::max({least, 2 * radius * pixels_per_unit, filled}), largest);
         work.splats += points;
         work.pixels += points * side * side;

@@ -1,4 +1,5 @@
 #include "pcm/gl/draw/frame_cost.h"
+#include "pcm/gl/tuning.h"
 #include "pcm/view/motion.h"
 
 #include <algorithm>
@@ -63,8 +64,8 @@ std::size_t fit_to_time(Frame& frame, const SceneSelection& selection, const Fra
     const auto is_coarsest = [&](const Stroke& stroke) {
         return selection.trees[stroke.place.tree].wanted[stroke.place.index].ancestor == no_ancestor;
     };
-    for (double seen = 0; fits < strokes.size() && (is_coarsest(strokes[fits]) || seen < FrameBudget::least_in_view);
-         ++fits)
+    const double least_in_view = gl_tuning().budget.min_points_in_view;
+    for (double seen = 0; fits < strokes.size() && (is_coarsest(strokes[fits]) || seen < least_in_view); ++fits)
         seen += cost.work(strokes[fits], {}).splats;
     double expected = take(count);
     if (expected > available && fits < count) {
@@ -129,7 +130,9 @@ bool can_converge(const Frame& frame)
 
 void adapt_page_share(PictureState& p, bool refused)
 {
-    p.page_share = refused ? std::max(0.05, 0.9 * p.page_share) : std::min(p.most_page_share, 1.01 * p.page_share);
+    const VideoMemoryTuning& tuned = gl_tuning().memory;
+    p.page_share = refused ? std::max(tuned.min_share, tuned.after_refusal * p.page_share)
+                           : std::min(tuned.max_share, tuned.after_success * p.page_share);
 }
 
 std::optional<SceneSelection> predicted(const Frame& frame)

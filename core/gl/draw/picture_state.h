@@ -6,6 +6,7 @@
 #include "pcm/gl/draw/frame_budget.h"
 #include "pcm/gl/draw/frame_clock.h"
 #include "pcm/gl/draw/renderer.h"
+#include "pcm/gl/tuning.h"
 
 #include <memory>
 #include <optional>
@@ -73,14 +74,14 @@ struct PictureState {
     FrameBudget rest_budget;  // what splats of a resting view cost
     std::optional<PictureKey> key;
     std::vector<Camera> views;  // cameras of the items, in the latest frame
-    unsigned unmeasured = 2;    // this many next frames include the driver's compilation and are not measured
+    // This many next frames include the driver's compilation and are not measured.
+    std::size_t unmeasured = gl_tuning().budget.unmeasured_frames;
 
     std::set<std::pair<std::uint64_t, NodeId>> kept;  // (cloud, node) drawn in the latest frame of a moving view
 
     // The share of the available video memory for what a moving view draws; chunks that only a resting view needs
     // stream through the rest. It shrinks after a refusal, as entries may hold more attributes than were counted.
-    double page_share = most_page_share;
-    static constexpr double most_page_share = 0.75;
+    double page_share = gl_tuning().memory.max_share;
 
     // A resting view.
     struct Rest {

@@ -3,6 +3,7 @@
 #include "pcm/gl/base/gl_state.h"
 #include "pcm/gl/draw/frame.h"
 #include "pcm/gl/draw/smoothing.h"
+#include "pcm/gl/tuning.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/view/seen_points.h"
@@ -168,7 +169,7 @@ struct Renderer::Impl {
     static SceneSelection select_moving(Frame& frame, DetailLimits& limits)
     {
         SceneSelection selection =
-            select_scene_seen(frame.trees(), limits, FrameBudget::least_in_view, frame.options.point_budget);
+            select_scene_seen(frame.trees(), limits, gl_tuning().budget.min_points_in_view, frame.options.point_budget);
         frame.report.effective_point_budget = limits.point_budget;
         return selection;
     }
@@ -185,7 +186,7 @@ struct Renderer::Impl {
         }
         frame.report.samples = p.target.samples();
         if (!p.key || !key.looks_as(*p.key)) {
-            p.unmeasured = 2;
+            p.unmeasured = gl_tuning().budget.unmeasured_frames;
             p.budget.forget();
             p.rest_budget.forget();
         }

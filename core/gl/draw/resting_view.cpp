@@ -1,4 +1,5 @@
 #include "pcm/gl/draw/frame_cost.h"
+#include "pcm/gl/tuning.h"
 
 #include <algorithm>
 #include <set>
@@ -6,9 +7,6 @@
 
 namespace pcm {
 namespace {
-
-// Maximum number of nodes that one frame prepares.
-constexpr std::size_t rest_window = 64;
 
 // Whether splats of their own sizes fill gaps of this spacing in all clouds.
 bool has_no_gaps(const Frame& frame, double spacing_px)
@@ -149,6 +147,7 @@ private:
     // again: these stay.
     void choose_next()
     {
+        const std::size_t most = gl_tuning().loading.rest_window;
         std::uint64_t pages = frame_.l1.pages_available(frame_.owners);
         for (std::size_t i = 0; i < rest_.held; ++i) {
             frame_.l1.use(cloud_at(i).feed->owner(), node_at(i).node);
@@ -156,7 +155,7 @@ private:
         }
         const auto consider = [&](std::size_t i) {
             const std::uint64_t needed = i < rest_.held ? 0 : pages_at(i);
-            if (!next_.empty() && (next_.size() >= rest_window || needed > pages)) return false;
+            if (!next_.empty() && (next_.size() >= most || needed > pages)) return false;
             pages -= std::min(pages, needed);
             next_.push_back(i);
             return true;

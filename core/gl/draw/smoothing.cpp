@@ -1,5 +1,6 @@
 #include "pcm/gl/draw/smoothing.h"
 
+#include "pcm/gl/tuning.h"
 #include "pcm/view/pixel_offset.h"
 
 #include <algorithm>
@@ -45,9 +46,10 @@ void begin_mean(Frame& frame, Compositor& compositor, const Matrix4d& projection
 
 unsigned frames_worthwhile(unsigned asked, std::uint64_t points)
 {
-    const std::uint64_t affordable = most_smooth_points / std::max<std::uint64_t>(points, 1);
+    const SmoothingTuning& tuned = gl_tuning().smoothing;
+    const std::uint64_t affordable = tuned.max_points / std::max<std::uint64_t>(points, 1);
     const auto frames = static_cast<unsigned>(std::min<std::uint64_t>(affordable, std::min(asked, most_smooth_frames)));
-    return frames < std::min(asked, least_smooth_frames) ? 1 : std::max(frames, 1u);
+    return frames < std::min<std::size_t>(asked, tuned.min_frames) ? 1 : std::max(frames, 1u);
 }
 
 void begin_smoothing(Frame& frame, bool resting)

@@ -13,12 +13,6 @@
 
 namespace pcm {
 
-// Fewer frames would hardly smooth anything.
-inline constexpr unsigned least_smooth_frames = 4;
-// All frames of a mean draw no more points than this together: some 0.2 seconds of a graphics card, and a minute of a
-// software renderer.
-inline constexpr std::uint64_t most_smooth_points = 200'000'000;
-
 // The number of frames for a picture of this number of points: at most `asked`; 1 where it is not worth it.
 unsigned frames_worthwhile(unsigned asked, std::uint64_t points);
 

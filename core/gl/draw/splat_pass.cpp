@@ -3,6 +3,7 @@
 #include "pcm/gl/base/gl_state.h"
 #include "pcm/gl/draw/splat_program.h"
 #include "pcm/gl/draw/splat_sieve.h"
+#include "pcm/gl/tuning.h"
 
 #include <GL/glew.h>
 
@@ -93,7 +94,7 @@ struct SplatPass::Impl {
             *splat_camera,          &tree,       usable, viewport, 0, device->largest_point, values, points.clips,
             points.selected_colour, points.frame};
         if (paraboloids && traits_of(usable.splats).shape == SplatShape::sphere)
-            view->style.radius_scale *= radius_of_paraboloid;
+            view->style.radius_scale *= static_cast<float>(gl_tuning().splats.paraboloid_radius);
 
         glEnable(GL_DEPTH_TEST);
         glDepthFunc(reversed ? GL_GREATER : GL_LESS);

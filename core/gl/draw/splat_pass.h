@@ -7,9 +7,9 @@
 //                point of OpenGL.
 //   adaptive     an image-aligned square of 2 r n h / (|pz| (t - b)) pixels (eq. 7.1 with a diameter), analogously in
 //                orthographic views; at least one pixel, so no point vanishes. Its depth is its centre's. As a
-//                paraboloid it is a disc, radius_of_paraboloid times as large, and its depth is the centre's plus half
-//                a radius times the square of the relative distance from the centre (Schuetz and Wimmer 2015), so that
-//                where splats overlap the one whose centre is nearest is seen.
+//                paraboloid it is a disc, gl.splats.paraboloid_radius times as large, and its depth is the centre's
+//                plus half a radius times the square of the relative distance from the centre (Schuetz and Wimmer
+//                2015), so that where splats overlap the one whose centre is nearest is seen.
 //   affine       the point's disc under rays that are parallel to the view around its centre (eqs 7.2 to 7.4). Exact
 //                for an orthographic view. In perspective the disc's edge-on direction is taken as perpendicular to the
 //                view's axis, not to the ray: discs near the picture's border are too thick or too thin, and a nearly
@@ -60,10 +60,6 @@
 #include <vector>
 
 namespace pcm {
-
-// Paraboloids are larger than the squares that they replace, about as large as circles around these, so that they leave
-// no more holes.
-inline constexpr float radius_of_paraboloid = 1.25f;
 
 // Which points of a cloud are shown, and which in another colour.
 struct ShownPoints {

@@ -1,6 +1,7 @@
 #include "pcm/gl/draw/splat_sieve.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/gl/tuning.h"
 #include "pcm/view/point_shapes.h"
 
 #include <algorithm>
@@ -11,9 +12,6 @@ namespace pcm {
 namespace {
 
 constexpr double view_border = 2;  // pixels around the view that count as in it: half the smallest splat, and rounding
-
-// Relative depth ranges: up to `even` a box is treated as one place, from `by_groups` on group by group.
-constexpr double even = 0.25, by_groups = 0.7;
 
 Box3d grown(Box3d box, double by)
 {
@@ -41,6 +39,7 @@ SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, doubl
 void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape shape, const ChunkLook& look,
                       std::vector<SplatPart>* parts, const ViewClips* clips)
 {
+    const SplatTuning& tuned = gl_tuning().splats;
     as_points_.clear();
     as_quads_.clear();
     clipped_ = 0;
@@ -48,11 +47,11 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape s
     if (!seen_ || !seen_->intersects(reached)) return;
     const bool all = seen_->contains(reached);
     const bool quads = needs_quads(shape, whole, entry.largest_radius, look);
-    if (all && !quads && !clips && (!parts || depth_range(whole) < by_groups)) {
+    if (all && !quads && !clips && (!parts || depth_range(whole) < tuned.by_groups)) {
         as_points_.push_back({0, entry.points});
         if (parts)
-            parts->push_back(depth_range(whole) < even ? part_of(whole, entry.points)
-                                                       : part_in_view(whole, entry.points));
+            parts->push_back(depth_range(whole) < tuned.one_place ? part_of(whole, entry.points)
+                                                                  : part_in_view(whole, entry.points));
         return;
     }
     for (std::size_t g = 0; g < entry.groups.size(); ++g) {
@@ -72,8 +71,9 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape s
         if (!all && !seen_->intersects(grown(box, reach(shape, group.largest_radius, look)))) continue;
         add_run(quads && needs_quads(shape, box, group.largest_radius, look) ? as_quads_ : as_points_, start, points);
         if (parts)
-            parts->push_back(depth_range(box) < even && (all || seen_->contains(box)) ? part_of(box, points)
-                                                                                      : part_in_view(box, points));
+            parts->push_back(depth_range(box) < tuned.one_place && (all || seen_->contains(box))
+                                 ? part_of(box, points)
+                                 : part_in_view(box, points));
     }
 }
 

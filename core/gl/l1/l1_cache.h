@@ -156,11 +156,10 @@ public:
     void remove_owner(Owner owner);
 
     // Begins a frame of this owner: entries that it used in its last frame may be evicted from now on. Entries that
-    // other owners used in their latest frames may not, unless these have drawn nothing for frames_protected frames of
-    // all owners.
+    // other owners used in their latest frames may not, unless these have drawn nothing for
+    // gl.memory.protected_frames frames of all owners.
     void begin_frame(Owner owner);
     void begin_frame(const std::vector<Owner>& owners);  // one frame that these share
-    static constexpr std::uint64_t frames_protected = 16;
 
     // The entry if it is resident, whatever its format; use() also marks it as used in this frame and counts a hit. The
     // pointer is valid until the next upload, remove_owner, set_capacity or release.

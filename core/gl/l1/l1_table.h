@@ -3,9 +3,9 @@
 //
 // An owner is one client of the cache (a renderer, a computation); an entry is one node of it. Entries take whole
 // pages, wherever they are free. A protected entry is never evicted. An entry is protected while it is pinned, and
-// while its owner used it in the latest frame, unless `frames_protected` frames of all owners have begun since. An
-// entry that is marked as written holds the only copy of its changes: it is evicted only after it has been written
-// back, and stays when that fails.
+// while its owner used it in the latest frame, unless `gl.memory.protected_frames` frames of all owners have begun
+// since. An entry that is marked as written holds the only copy of its changes: it is evicted only after it has been
+// written back, and stays when that fails.
 //
 // What to drop is the policy's choice; how entries are found is the container's. One thread.
 //
@@ -13,6 +13,7 @@
 // every entry once; an entry whose owner has been removed is pinned or marked as written.
 #pragma once
 
+#include "pcm/gl/tuning.h"
 #include "pcm/tree/tree.h"
 
 #include <algorithm>
@@ -48,7 +49,6 @@ template <class Payload, L1Container container>
 class L1Table {
 public:
     using Owner = std::uint64_t;
-    static constexpr std::uint64_t frames_protected = 16;
     static constexpr unsigned max_forms = 64;  // bits of seen_
 
     struct Key {
@@ -279,7 +279,7 @@ private:
         if (entry.pins_ > 0) return true;
         const auto latest = latest_frame_.find(entry.key().owner);
         return latest != latest_frame_.end() && entry.last_frame_ == latest->second &&
-               frame_ - entry.last_frame_ < frames_protected;
+               frame_ - entry.last_frame_ < gl_tuning().memory.protected_frames;
     }
 
     void link_as_newest(Entry& entry)

@@ -15,8 +15,8 @@
 namespace pcm {
 namespace {
 
-constexpr double normal_length = 0.1;        // of the outline's diagonal
-constexpr std::size_t most_corners = 20000;  // of an outline that gets faces, which take time by their square
+constexpr double normal_length = 0.1;        // share of the outline's diagonal
+constexpr std::size_t most_corners = 20000;  // in an outline that gets faces, which take time by their square
 
 double distance(const Shape& shape, const Vec3d& p) { return exact_dot(shape.axis, p - shape.point); }
 

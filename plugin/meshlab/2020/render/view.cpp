@@ -1,7 +1,7 @@
 #include "plugin/meshlab/2020/render/view.h"
 
 #include "pcm/cloud/vector.h"
-#include "pcm/gl/draw/splat_pass.h"
+#include "pcm/gl/tuning.h"
 #include "pcm/io/crs/height_unit.h"
 #include "plugin/meshlab/2020/native_drawing.h"
 #include "plugin/meshlab/2020/render/layer_watch.h"
@@ -80,7 +80,8 @@ ShownClouds shown_clouds(const std::vector<SceneLayer*>& drawn, const CloudStyle
     for (const SceneLayer* layer : drawn) shown.layers.push_back(layer->id());
     shown.where = style.where;
     const SplatTraits& splats = traits_of(style.splats);
-    const float factor = splats.shape == SplatShape::sphere ? radius_of_paraboloid : 1;
+    const float factor =
+        splats.shape == SplatShape::sphere ? static_cast<float>(gl_tuning().splats.paraboloid_radius) : 1;
     shown.size_scale = splats.reads_radius ? static_cast<double>(style.radius_scale * factor) : 0;
     shown.fitted = splats.reads_shape;
     return shown;

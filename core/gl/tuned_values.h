@@ -1,0 +1,14 @@
+// The values of tuning.h by name. For benchmarks and tests: a program has no use for them.
+#pragma once
+
+#include "pcm/system/tuned_value.h"
+
+#include <vector>
+
+namespace pcm {
+
+// In the order of tuning.h. To be set while nothing else works; what is set counts for renderers, pictures and caches
+// made from then on.
+std::vector<TunedValue> gl_tuned_values();
+
+}  // namespace pcm
