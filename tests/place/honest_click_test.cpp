@@ -1,0 +1,92 @@
+// Clicks on what is not quite a shape, or hardly another one: no wrong shape is called good.
+#include "pcm/place/fit_at.h"
+
+#include "tests/place/shape_cloud.h"
+#include "tests/sanitizers.h"
+
+#include <cmath>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+constexpr double sigma = 0.0015;
+constexpr Vec3d map{456780, 5432100, 120};
+
+class HonestClick : public testing::Test {
+protected:
+    FittedPrimitive at(const std::vector<SurfacePoint>& points, const Vec3d& place)
+    {
+        build_surface_tree(folder_.path(), points);
+        cloud_ = PointCloud::open(folder_ / "surface.pct");
+        FitAtOptions options;
+        for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+        return fit_at(*cloud_, {place}, {}, options);
+    }
+    Dice dice_{12};
+    TemporaryFolder folder_;
+    std::shared_ptr<PointCloud> cloud_;
+};
+
+// 600 x 540 mm. Before, "cylinder: good" with a radius that depended on the place.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AnOvalPipeIsOutOfRound))
+{
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 12000; ++i) {
+        const double a = dice_.between(0, 2 * pi);
+        const Vec3d n = normalised({std::cos(a) / 0.3, std::sin(a) / 0.27, 0});
+        points.push_back(
+            {map + Vec3d{0.3 * std::cos(a), 0.27 * std::sin(a), dice_.between(0, 1.8)} + sigma * dice_.normal() * n,
+             n});
+    }
+    for (const int i : {0, 100, 2000}) {
+        const FittedPrimitive fitted = at(points, points[static_cast<std::size_t>(i)].position);
+        EXPECT_NE(fitted.primitive.fit.verdict, FitVerdict::good)
+            << text_of(fitted.primitive.fit.shape) << ", noise " << fitted.primitive.fit.noise;
+    }
+}
+
+// 20 degrees of a cylinder of 2 m. Before, a plane.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AnArcIsNoPlane))
+{
+    pcm::Shape arc;
+    arc.kind = ShapeKind::cylinder;
+    arc.point = map;
+    arc.axis = normalised({0.1, 0.2, 1});
+    arc.radius = 2;
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 15000; ++i) points.push_back(point_on(arc, 1.4, pi / 9, sigma, dice_));
+    const FittedPrimitive fitted = at(points, points[7].position);
+    const ShapeFit& fit = fitted.primitive.fit;
+    EXPECT_EQ(fit.verdict, FitVerdict::good) << fit.message;
+    ASSERT_EQ(fit.shape.kind, ShapeKind::cylinder);
+    EXPECT_LT(std::fabs(fit.shape.radius - 2), 4 * fit.errors.radius);
+    bool named = false;
+    for (const std::string& note : fitted.notes) named = named || note.find("next best kind: ") == 0;
+    EXPECT_TRUE(named);
+}
+
+// Half an angle of 10 degrees. Before, a cylinder around the place.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AReducerIsNoCylinder))
+{
+    pcm::Shape cone;
+    cone.kind = ShapeKind::cone;
+    cone.point = map;
+    cone.axis = {0, 0, 1};
+    cone.second = 10 * pi / 180;
+    std::vector<SurfacePoint> points;
+    while (points.size() < 6000) {
+        const SurfacePoint p = point_on(cone, 1.2, pi, sigma, dice_);
+        if (p.position[2] - map[2] > 0.6) points.push_back(p);
+    }
+    const ShapeFit fit = at(points, points[11].position).primitive.fit;
+    EXPECT_EQ(fit.verdict, FitVerdict::good) << fit.message;
+    ASSERT_EQ(fit.shape.kind, ShapeKind::cone);
+    EXPECT_LT(std::fabs(fit.shape.second - cone.second), 4 * fit.errors.second);
+}
+
+}  // namespace
