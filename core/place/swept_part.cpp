@@ -92,17 +92,18 @@ public:
     {
         if (!set_ends()) return {};
         std::size_t first = 0, last = count_;
+        double usual = 1;
         for (int round = 0; round < most_rounds; ++round) {
             slice_points();
             const auto [core_first, core_last] = best_half();
             const std::array<std::size_t, 2> before{first, last};
-            if (usual_gain(core_first, core_last) > tuned_.max_usual_gain) return {};
+            usual = usual_gain(core_first, core_last);
             std::tie(first, last) = grown(core_first, core_last);
             set_range(first, last);
             if (round > 0 && before == std::array<std::size_t, 2>{first, last}) break;
             if (!fit_part()) return {};
         }
-        if (first == 0 && last == count_) return {};
+        if ((first == 0 && last == count_) || usual > tuned_.max_usual_gain) return {};
         leave_tangents();
         std::size_t own = 0;
         for (const Vec3d& p : points_) own += part_.has(p);

@@ -1,4 +1,4 @@
-// The part of a torus whose cross sections lie on it: an elbow without the straight pipes that go on from its ends.
+// The part of a torus whose cross sections lie on it: an elbow without the straight pipes at its ends.
 //
 // Where a straight pipe leaves an elbow of radius R at the tangent, its axis is s^2 / (2 R) from the elbow's at a way s
 // beyond. As long as that is within the threshold its points are reached, all of them on one side of the elbow.

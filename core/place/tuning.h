@@ -196,8 +196,9 @@ struct GrowthTuning {
     // Chosen: not swept.
     std::size_t min_slice_points = 24;  // points
     // Maximum chi-square of a slice's centre and radius, of three degrees of freedom. Elbows of 90 degrees with
-    // straight pipes: radii 4 to 15 standard deviations off with all points, within three without. Chosen: once in a
-    // thousand slices.
+    // straight pipes have radii 4 to 15 standard deviations off with all points, and within three without.
+    //
+    // Chosen: once in a thousand slices.
     double max_slice_gain = 16.3;  // variances of the noise
     // Maximum chi-square per degree of freedom of the slices that fit best: more is of errors that neighbours share.
     // Chosen: 1 plus three and a half of its standard deviations; not swept.
@@ -248,8 +249,9 @@ struct FollowingTuning {
     // Racks as planes and wide cylinders leave these by 4.5 to 6 times the noise of the closest points, and edges of
     // plates as cylinders by 2.6, with bends of 0.04 to 0.23 mostly; scans of real things by as much, with bends of
     // 0.27 (Tango) to 0.95 (a mug). True shapes leave these by 0.7 to 1.8 times that: noise across a surface that is
-    // seen at a grazing angle is less than elsewhere. Chosen: by those scenes, and 270 clicks on plants of two
-    // generators; not swept.
+    // seen at a grazing angle is less than elsewhere.
+    //
+    // Chosen: by those scenes, and 270 clicks on plants of two generators; not swept.
     double max_close_noise = 2.2;  // noise of the closest points
     // Chosen: with max_close_noise; not swept.
     double min_shared_bend = 0.25;  // share of the squared distances
