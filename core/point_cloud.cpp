@@ -2,7 +2,6 @@
 
 #include "pcm/query/query_source.h"
 #include "pcm/system/error.h"
-#include "pcm/tree/selected_nodes.h"
 #include "pcm/update/tree_changes.h"
 
 #include <exception>
@@ -119,14 +118,5 @@ void PointCloud::flush() { state_->cache.flush(); }
 void PointCloud::close() { state_->close(); }
 
 void PointCloud::abandon() { state_->abandon(); }
-
-std::vector<NodeId> PointCloud::nodes_of(const Query& query) const
-{
-    const Selector selector(query.selection(), info().schema);
-    std::vector<NodeId> ids;
-    for (const SelectedNode& node : selected_nodes(state_->cache.tree(), selector, query.level))
-        ids.push_back(node.node);
-    return ids;
-}
 
 }  // namespace pcm

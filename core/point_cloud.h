@@ -92,9 +92,6 @@ public:
     // close() without flush(): changes since the last one are dropped.
     void abandon();
 
-    // Nodes with points that a query may select, parents first.
-    std::vector<NodeId> nodes_of(const Query& query) const;
-
 private:
     struct State;
     explicit PointCloud(std::shared_ptr<State> state);

@@ -2,6 +2,7 @@
 
 #include "pcm/detect/tuned_values.h"
 #include "pcm/fit/tuned_values.h"
+#include "pcm/knn/tuned_values.h"
 #include "pcm/place/tuned_values.h"
 
 #include <algorithm>
@@ -67,7 +68,7 @@ void print_row(const std::vector<std::string>& cells)
 std::vector<TunedValue> tuned_values()
 {
     std::vector<TunedValue> all;
-    for (const auto& room : {fit_tuned_values(), place_tuned_values(), detect_tuned_values()})
+    for (const auto& room : {fit_tuned_values(), place_tuned_values(), detect_tuned_values(), knn_tuned_values()})
         all.insert(all.end(), room.begin(), room.end());
     return all;
 }

@@ -44,7 +44,7 @@ class Sweep(unittest.TestCase):
                 for name, value in re.findall(r"^    (?:double|std::size_t) (\w+) = ([^;]+);", body, re.MULTILINE):
                     written[f"{file.parent.name}.{members[struct]}.{name}"] = float(value)
         self.assertTrue(written)
-        for program in ("bench_fit", "bench_place", "bench_detect"):
+        for program in ("bench_fit", "bench_place", "bench_detect", "bench_neighbourhoods"):
             listed = run(program, "--sweep", "list").stdout
             self.assertEqual({name: float(value) for name, value in re.findall(r"(\S+) = (\S+)\n", listed)}, written, program)
 
@@ -55,6 +55,11 @@ class Sweep(unittest.TestCase):
             table = self.draw(program, *arguments)
             self.assertEqual([row[0] for row in table], ["fit.consensus.max_chance", "---:", "0.001", "**0.42**", "0.5"])
             self.assertEqual({len(row) for row in table}, {len(table[0])})
+
+    def test_neighbours_are_exact_whatever_the_value(self):
+        table = self.draw("bench_neighbourhoods", "site.pct", 8, 1, 64, "--sweep", "knn.margin.next_factor=0.01:1.1:2")
+        self.assertEqual([row[0] for row in table], ["knn.margin.next_factor", "---:", "0.01", "**1.1**"])
+        self.assertEqual(len({row[3] for row in table[2:]}), 1, "mean distance")
 
     def test_figures_follow_the_value(self):
         table = self.draw("bench_fit", "--seeds", 1, "--sweep", "fit.consensus.max_chance=0.001:0.5:2", "fit.consensus.max_chance=0.4:0.5:2")

@@ -22,7 +22,6 @@ public:
     explicit BpcFile(const std::filesystem::path& path);
 
     const File& file() const { return file_; }
-    bool has_block() const { return has_block_; }
     // For a file without a block it is derived from the chunks' headers: without metadata, and with position type f64
     // unless all chunks are on one grid.
     const BpcCloud& cloud() const { return cloud_; }

@@ -9,160 +9,15 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdint>
 #include <cstdio>
-#include <limits>
 #include <new>
-#include <optional>
-#include <type_traits>
 #include <utility>
 
 namespace pcm::cli {
 
-Option Option::required() const
+void Options::flag(const std::string& names, bool& variable, const std::string& help)
 {
-    option_->required();
-    return *this;
-}
-
-Option Option::group(const char* heading) const
-{
-    option_->group(heading);
-    return *this;
-}
-
-Option Option::values(int least, int most) const
-{
-    if (least == most)
-        option_->expected(least)->allow_extra_args(false);  // so that files may follow
-    else
-        option_->expected(least, most);
-    return *this;
-}
-
-Option Option::one_value_each() const
-{
-    option_->allow_extra_args(false);
-    return *this;
-}
-
-Option Option::show_default() const
-{
-    option_->capture_default_str();
-    return *this;
-}
-
-Option Option::excludes(Option other) const
-{
-    option_->excludes(other.option_);
-    return *this;
-}
-
-Option Option::needs(Option other) const
-{
-    option_->needs(other.option_);
-    return *this;
-}
-
-Option Option::shown_if(bool shown) const
-{
-    if (!shown) option_->group("");
-    return *this;
-}
-
-namespace {
-
-// A check that comes before those that an option already has, so that the message says all that is allowed.
-template <class Fault>
-CLI::Validator check_first(const Fault& fault)
-{
-    return CLI::Validator([fault](std::string& word) { return fault(word); }, "");
-}
-
-Option restrict_numbers(CLI::Option* option, const ops::AllowedNumbers& allowed)
-{
-    option->transform(check_first([allowed](std::string& word) { return ops::number_fault(word, allowed); }));
-    option->type_name("NUMBER (" + ops::brief_text_of(allowed) + ")");
-    return Option(option);
-}
-
-// What one value of an option is.
-template <class T>
-struct ValueOf {
-    using type = T;
-};
-template <class T>
-struct ValueOf<std::optional<T>> {
-    using type = T;
-};
-template <class T>
-struct ValueOf<std::vector<T>> {
-    using type = T;
-};
-
-}  // namespace
-
-Option Option::one_of(const std::vector<std::string>& names) const
-{
-    option_->transform(check_first([names](std::string& word) { return ops::choice_fault(word, names); }));
-    std::string all;
-    for (const std::string& name : names) all += (all.empty() ? "" : "|") + name;
-    option_->type_name(all);
-    return *this;
-}
-
-Option Option::between(int least, int most) const
-{
-    return restrict_numbers(option_, {static_cast<double>(least), static_cast<double>(most), false, true});
-}
-
-Option Option::between(double least, double most) const { return restrict_numbers(option_, {least, most}); }
-Option Option::positive() const { return restrict_numbers(option_, {0.0, std::nullopt, true}); }
-
-Option Option::bytes() const
-{
-    option_->transform(check_first(ops::bytes_fault));
-    option_->type_name("SIZE");
-    return *this;
-}
-
-template <class T>
-Option Options::option(const std::string& names, T& variable, const std::string& help)
-{
-    using Value = typename ValueOf<T>::type;
-    CLI::Option* const option = command_.add_option(names, variable, help);
-    if constexpr (std::is_integral_v<Value>)
-        option->transform(
-            check_first([](std::string& word) { return ops::whole_fault(word, std::numeric_limits<Value>::max()); }));
-    else if constexpr (std::is_floating_point_v<Value>)
-        option->transform(check_first([](std::string& word) { return ops::number_fault(word, {}); }));
-    if constexpr (std::is_arithmetic_v<Value>) option->type_name("NUMBER");
-    return Option(option);
-}
-
-template <class T>
-Option Options::positional(const std::string& name, T& variable, const std::string& help)
-{
-    return option(name, variable, help);  // CLI11 distinguishes them by the dashes
-}
-
-template Option Options::option(const std::string&, std::string&, const std::string&);
-template Option Options::option(const std::string&, float&, const std::string&);
-template Option Options::option(const std::string&, double&, const std::string&);
-template Option Options::option(const std::string&, std::uint32_t&, const std::string&);
-template Option Options::option(const std::string&, std::uint64_t&, const std::string&);
-template Option Options::option(const std::string&, std::vector<std::string>&, const std::string&);
-template Option Options::option(const std::string&, std::vector<double>&, const std::string&);
-template Option Options::option(const std::string&, std::optional<double>&, const std::string&);
-template Option Options::option(const std::string&, std::optional<std::uint16_t>&, const std::string&);
-template Option Options::option(const std::string&, std::optional<std::uint32_t>&, const std::string&);
-template Option Options::option(const std::string&, std::optional<std::uint64_t>&, const std::string&);
-template Option Options::positional(const std::string&, std::string&, const std::string&);
-template Option Options::positional(const std::string&, std::vector<std::string>&, const std::string&);
-
-Option Options::flag(const std::string& names, bool& variable, const std::string& help)
-{
-    return Option(command_.add_flag(names, variable, help));
+    command_.add_flag(names, variable, help);
 }
 
 namespace {
@@ -188,9 +43,24 @@ std::string type_of(const ops::Argument& argument)
     }
 }
 
+void expect_values(CLI::Option& option, const ops::Argument& argument)
+{
+    const ops::ValueKind kind = argument.kind();
+    const auto least = static_cast<int>(argument.least_count()), most = static_cast<int>(argument.count());
+    if (most > 0 && least < most)
+        option.expected(least, most);
+    else if (most > 0 || !argument.is_list())
+        option.expected(std::max(most, 1))->allow_extra_args(false);  // so that files may follow
+    // A list has one value behind each name: "--new a --new b", never "--new a b".
+    if ((kind == ops::ValueKind::words || kind == ops::ValueKind::texts || kind == ops::ValueKind::outputs) &&
+        !argument.is_positional())
+        option.allow_extra_args(false);
+    if (kind == ops::ValueKind::words || kind == ops::ValueKind::numbers) option.delimiter(',');
+}
+
 }  // namespace
 
-Option Options::argument(ops::Argument& argument)
+void Options::argument(ops::Argument& argument)
 {
     const std::string names = argument.option_names(), name = "--" + argument.option_name();
     CLI::Option* option = nullptr;
@@ -198,7 +68,7 @@ Option Options::argument(ops::Argument& argument)
         const bool on = argument.default_text() == "off";
         option = command_.add_flag_callback(
             names, [&argument, on] { argument.set(on); }, argument.command_help());
-        if (argument.is_switched_off()) {  // what is on may be asked for by its own name
+        if (argument.is_switched_off()) {  // the name of a flag that is on is accepted too
             std::string key = argument.key();
             std::replace(key.begin(), key.end(), '_', '-');
             command_.add_flag("--" + key, "")->group("")->excludes(option);
@@ -206,22 +76,13 @@ Option Options::argument(ops::Argument& argument)
     } else {
         const auto set = [&argument, name](const std::vector<std::string>& words) { argument.set(words, name); };
         option = command_.add_option_function<std::vector<std::string>>(names, set, argument.command_help());
-        option->transform(check_first([&argument](std::string& word) { return argument.fault(word); }));
-        if (argument.count())
-            Option(option).values(static_cast<int>(argument.least_count()), static_cast<int>(argument.count()));
-        else if (!argument.is_list())
-            option->expected(1)->allow_extra_args(false);
-        if ((argument.kind() == ops::ValueKind::words || argument.kind() == ops::ValueKind::texts ||
-             argument.kind() == ops::ValueKind::outputs) &&
-            !argument.is_positional())
-            option->allow_extra_args(false);
-        if (argument.kind() == ops::ValueKind::words || argument.kind() == ops::ValueKind::numbers)
-            option->delimiter(',');
+        option->transform(CLI::Validator([&argument](std::string& word) { return argument.fault(word); }, ""));
+        expect_values(*option, argument);
         option->type_name(type_of(argument));
         if (argument.is_required()) option->required();
     }
     if (!argument.group().empty()) option->group(argument.group());
-    return Option(option).shown_if(argument.is_shown());
+    if (!argument.is_shown()) option->group("");
 }
 
 namespace {
@@ -231,7 +92,7 @@ struct Runnable {
     Run run;
 };
 
-// Of a command line with words that belong to no option.
+// The message for a command line with words that belong to no option.
 std::string unexpected(const CLI::App& command)
 {
     const std::vector<std::string> words = command.remaining();
@@ -279,7 +140,7 @@ bool has_json_flag(const std::vector<std::string>& words)
 int refuse_usage(const CLI::App& command, const std::string& what)
 {
     if (answers_in_json) print_json(ops::json_of_error(UsageError(what)));
-    const CLI::App* const parent = command.get_parent();
+    const CLI::App* const parent = command.get_parent();  // null for the program itself
     std::fprintf(stderr, "%s%s: %s\nRun with --help for more information.\n",
                  parent ? (parent->get_name() + " ").c_str() : "", command.get_name().c_str(), what.c_str());
     return 2;
@@ -290,13 +151,12 @@ bool is_number_list(const CLI::Option* option)
     return option && option->get_items_expected_max() > 1 && option->get_type_name().rfind("NUMBER", 0) == 0;
 }
 
-// The parser takes every word after the name of a list as its value. What follows a list of numbers and is no number is
-// moved to the end, behind "--": "fit --at 1 2 3 scan.pct" is "fit --at 1 2 3 -- scan.pct".
+// The parser takes every word after the name of a list as its value. What follows a list of numbers and is not a number
+// is moved to the end, behind "--": "fit --at 1 2 3 scan.pct" is "fit --at 1 2 3 -- scan.pct".
 std::vector<std::string> end_lists(const std::vector<Runnable>& commands, const std::vector<std::string>& words)
 {
-    const auto named = std::find_if(commands.begin(), commands.end(), [&](const Runnable& c) {
-        return commands.size() == 1 || (!words.empty() && c.app->get_name() == words[0]);
-    });
+    const auto named = std::find_if(commands.begin(), commands.end(),
+                                    [&](const Runnable& c) { return c.app->get_name() == words[0]; });
     if (named == commands.end() || std::find(words.begin(), words.end(), "--") != words.end()) return words;
     std::vector<std::string> kept, moved;
     const CLI::Option* list = nullptr;
@@ -375,11 +235,6 @@ int report_errors(const Run& run)
     return 1;
 }
 
-Run not_first(const std::string& name)
-{
-    return [name]() -> int { throw UsageError("'" + name + "' must be the first argument"); };
-}
-
 std::string unknown_command(const std::string& word, const std::vector<Command>& commands)
 {
     std::vector<std::string> names;
@@ -397,7 +252,7 @@ std::string list_of(const char* name, const std::vector<Command>& commands)
     return text + "\n'" + name + " help COMMAND' shows the options of a command.\n";
 }
 
-// Without a command, or with one that there is not: what there is, as an error.
+// Without a command, or with an unknown one: lists the commands, as an error.
 int refuse_command(const char* name, const std::string& what, const std::vector<Command>& commands)
 {
     std::fprintf(stderr, "%s: %s\n\n%s", name, what.c_str(), list_of(name, commands).c_str());
@@ -413,13 +268,10 @@ std::vector<std::string> words_of(int argc, char** argv)
     return {words[1], "--help"};
 }
 
-[[noreturn]] void start(const Command& command, std::vector<std::string>& words)
+// The command line from the command's name on: options of the program may stand before it.
+std::vector<std::string> words_from(const std::string& name, const std::vector<std::string>& words)
 {
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
-    command.start(arguments.data());
-    throw Error(ErrorCode::io, {}, "the command '" + command.name + "' could not be started");
+    return {std::find(words.begin(), words.end(), name), words.end()};
 }
 
 }  // namespace
@@ -437,26 +289,13 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
         bool known = words[0][0] == '-';
         for (const Command& command : commands) {
             known = known || command.name == words[0];
-            if (command.start && command.name == words[0]) start(command, words);
             CLI::App* const subcommand = app.add_subcommand(command.name, command.help);
-            Options options(*subcommand);
-            // A command that is a program of its own would have replaced this process, had its name come first.
-            runnable.push_back({subcommand, command.start ? not_first(command.name) : command.add(options)});
+            Options options(*subcommand, words_from(command.name, words));
+            runnable.push_back({subcommand, command.add(options)});
         }
         app.footer(std::string("'") + name + " help COMMAND' shows the options of a command.");
         if (!known) return refuse_command(name, unknown_command(words[0], commands), commands);
         return parse_and_run(app, runnable, words);
-    });
-}
-
-int run_program(const Command& command, int argc, char** argv)
-{
-    return report_errors([&] {
-        CLI::App app{command.help, command.name};
-        Options options(app);
-        const std::vector<std::string> words(argv + 1, argv + argc);
-        answers_in_json = has_json_flag(words);
-        return parse_and_run(app, {{&app, command.add(options)}}, words);
     });
 }
 

@@ -1,44 +1,33 @@
 #include "pcm/cli/commands.h"
 
+#include "pcm/cli/opengl_program.h"
 #include "pcm/cli/operation_command.h"
 
 namespace pcm::cli {
+namespace {
 
-void start_render(char** arguments);
+void start_program_for_opengl(ops::Context& context, const std::vector<std::string>& words)
+{
+    context.gpu_radii = [words](const ops::GpuRadiiRequest&) -> ops::Result { start_opengl_program(words); };
+    context.render = [words](const ops::RenderRequest&) -> ops::Result { start_opengl_program(words); };
+}
+
+// Operations that are filters of MeshLab alone are not in the list.
+constexpr const char* names[] = {
+    "build",     "convert", "info",    "verify",  "append",  "compact",    "delete",    "repair",   "query", "pick",
+    "select",    "fit",     "set",     "radii",   "normals", "outliers",   "transform", "align",    "merge", "voxel",
+    "subsample", "detect",  "measure", "profile", "volume",  "primitives", "render",    "generate",
+};
+
+}  // namespace
 
 const std::vector<Command>& commands()
 {
-    static const std::vector<Command> table = {
-        operation_command("build"),
-        operation_command("convert"),
-        operation_command("info"),
-        operation_command("verify"),
-        operation_command("append"),
-        operation_command("compact"),
-        operation_command("delete"),
-        operation_command("repair"),
-        operation_command("query"),
-        operation_command("pick"),
-        operation_command("select"),
-        operation_command("fit"),
-        operation_command("set"),
-        operation_command("radii"),
-        operation_command("normals"),
-        operation_command("outliers"),
-        operation_command("transform"),
-        operation_command("align"),
-        operation_command("merge"),
-        operation_command("voxel"),
-        operation_command("subsample"),
-        operation_command("detect"),
-        operation_command("measure"),
-        operation_command("profile"),
-        operation_command("volume"),
-        operation_command("primitives"),
-        {"render", "Render trees to PNG, from a camera or along a camera path, without a window", nullptr,
-         start_render},
-        operation_command("generate"),
-    };
+    static const std::vector<Command> table = [] {
+        std::vector<Command> commands;
+        for (const char* name : names) commands.push_back(operation_command(name, start_program_for_opengl));
+        return commands;
+    }();
     return table;
 }
 

@@ -1,8 +1,6 @@
 #include "pcm/cli/operation_command.h"
 
 #include "pcm/cli/common.h"
-#include "pcm/cli/render.h"
-#include "pcm/ops/operation.h"
 
 #include <cstdio>
 #include <memory>
@@ -16,20 +14,12 @@ struct Arguments {
     std::unique_ptr<ops::Operation> operation;
 };
 
-int run(const ops::Row& row, Arguments& arguments)
+int run(const ops::Row& row, Arguments& arguments, const OpenGLSetup& set_up_opengl,
+        const std::vector<std::string>& words)
 {
     ops::Context context;
     context.progress = console_progress(arguments.common);
-    context.gpu_radii = [&](const ops::GpuRadiiRequest& request) -> ops::Result {
-        GpuRadii radii;
-        radii.tree = request.tree;
-        radii.target = request.target;
-        radii.neighbours = request.neighbours;
-        radii.memory = request.memory_bytes;
-        radii.json = arguments.common.json;
-        radii.quiet = arguments.common.quiet;
-        start_gpu_radii(radii);
-    };
+    set_up_opengl(context, words);
     const ops::Result result = arguments.operation->run(context);
     end_progress(arguments.common);
     if (arguments.common.json) {
@@ -44,16 +34,18 @@ int run(const ops::Row& row, Arguments& arguments)
 
 }  // namespace
 
-Command operation_command(const std::string& name)
+Command operation_command(const std::string& name, const OpenGLSetup& set_up_opengl)
 {
     const ops::Row* const row = ops::find_operation(name);
     if (!row) throw std::logic_error("there is no operation " + name);
-    return {row->name, row->help, [row](Options& options) -> Run {
+    return {row->name, row->help, [row, set_up_opengl](Options& options) -> Run {
                 auto arguments = std::make_shared<Arguments>(*row);
                 for (ops::Argument& argument : arguments->operation->arguments().list())
                     if (argument.is_in(ops::Face::command)) options.argument(argument);
                 add_common(options, arguments->common);
-                return [row, arguments] { return run(*row, *arguments); };
+                return [row, arguments, set_up_opengl, words = options.words()] {
+                    return run(*row, *arguments, set_up_opengl, words);
+                };
             }};
 }
 

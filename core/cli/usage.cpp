@@ -16,13 +16,10 @@ const Command& command_of(const std::string& name, const std::vector<Command>& c
     return *found;
 }
 
-Json usage_of(const Command& command)
-{
-    if (const ops::Row* const row = ops::find_operation(command.name)) return ops::usage_of(*row);
-    return {{"name", command.name}, {"help", command.help}};
-}
+// Every command is a row of the table.
+const ops::Row& row_of(const Command& command) { return *ops::find_operation(command.name); }
 
-// Text of a manual page: without HTML, and with what roff takes for its own escaped.
+// Text of a manual page: without HTML, and with the characters escaped that roff interprets.
 std::string roff(const std::string& text)
 {
     std::string out;
@@ -54,13 +51,12 @@ std::string manual_page(const Command& command)
         ".TH " + roff("pcmlab-" + command.name) + " 1 \"\" \"pcmlab " + ops::version() + "\" \"Point clouds\"\n";
     page += ".SH NAME\n" + roff("pcmlab-" + command.name) + " \\- " + roff(command.help) + "\n";
     page += ".SH SYNOPSIS\n\\fBpcmlab " + roff(command.name) + "\\fR [\\fIoptions\\fR]";
-    const ops::Row* const row = ops::find_operation(command.name);
-    if (!row) return page + "\n.SH OPTIONS\n\\fBpcmlab help " + roff(command.name) + "\\fR lists them.\n";
-    const auto operation = row->make();
+    const ops::Row& row = row_of(command);
+    const auto operation = row.make();
     const auto& arguments = operation->arguments().list();
     for (const ops::Argument& argument : arguments)
         if (argument.is_positional()) page += " " + option_of(argument);
-    page += "\n.SH DESCRIPTION\n" + roff(row->details) + "\n.SH OPTIONS\n";
+    page += "\n.SH DESCRIPTION\n" + roff(row.details) + "\n.SH OPTIONS\n";
     for (const ops::Argument& argument : arguments) {
         if (!argument.is_in(ops::Face::command) || !argument.is_shown()) continue;
         page += ".TP\n" + option_of(argument) + "\n" + roff(argument.command_help()) + ".\n";
@@ -68,8 +64,8 @@ std::string manual_page(const Command& command)
     page +=
         ".TP\n\\fB\\-\\-json\\fR\nPrint one JSON object instead of text.\n.TP\n\\fB\\-q\\fR, \\fB\\-\\-quiet\\fR\nShow "
         "no "
-        "progress.\n.SH JSON\nBesides command, version, input, output, points, seconds, warnings and notes:\n";
-    for (const ops::ResultKey& key : row->results)
+        "progress.\n.SH JSON\nIn addition to command, version, input, output, points, seconds, warnings and notes:\n";
+    for (const ops::ResultKey& key : row.results)
         page += ".TP\n\\fB" + roff(key.key) + "\\fR (" + roff(key.type) + (*key.unit ? ", " + roff(key.unit) : "") +
                 ")\n" + roff(key.help) + ".\n";
     return page +
@@ -81,9 +77,7 @@ std::string manual_page(const Command& command)
 std::string options_of(const Command& command)
 {
     std::string options = "--help --json --quiet";
-    const ops::Row* const row = ops::find_operation(command.name);
-    if (!row) return options;
-    const auto operation = row->make();
+    const auto operation = row_of(command).make();
     for (const ops::Argument& argument : operation->arguments().list())
         if (argument.is_in(ops::Face::command) && argument.is_shown() && !argument.is_positional())
             options += " --" + argument.option_name();
@@ -119,9 +113,9 @@ std::optional<std::string> usage_text(const std::vector<std::string>& words, con
     if (words[1] == "--man") return manual_page(command_of(third, commands));
     if (words[1] == "--completion") return completion(third, commands);
     if (words[1] != "--json") return std::nullopt;
-    if (!third.empty()) return text_of(usage_of(command_of(third, commands)));
+    if (!third.empty()) return text_of(ops::usage_of(row_of(command_of(third, commands))));
     Json all{{"version", ops::version()}, {"commands", Json::array()}};
-    for (const Command& command : commands) all["commands"].push_back(usage_of(command));
+    for (const Command& command : commands) all["commands"].push_back(ops::usage_of(row_of(command)));
     return text_of(all);
 }
 

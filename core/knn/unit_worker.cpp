@@ -1,6 +1,7 @@
 #include "pcm/knn/unit_worker.h"
 
 #include "pcm/cloud/numbers.h"
+#include "pcm/knn/tuning.h"
 #include "pcm/knn/unit_plan.h"
 #include "pcm/system/error.h"
 
@@ -41,12 +42,6 @@ std::size_t level_of(const Node& node, std::uint32_t index)
     return level;
 }
 
-// A search of its own takes a point about as long as it takes this many points to be sorted for searching together.
-constexpr std::uint32_t points_per_single_search = 200;
-
-// Neighbours at almost the same distance are ordered by the exact one, then by position: some more are searched for.
-constexpr std::size_t spare = 4;
-
 }  // namespace
 
 UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOptions& options, const Signal& signal,
@@ -72,7 +67,7 @@ void UnitWorker::run(const Box3i& box, const std::optional<std::uint16_t>& level
     visitor_.begin(unit_);
     distances_.clear();
     unresolved_.clear();
-    if (chosen_ && chosen_->size() * points_per_single_search < unit_.points)
+    if (chosen_ && chosen_->size() * knn_tuning().single.sorted_points < unit_.points)
         for (const std::uint32_t number : *chosen_) unresolved_.emplace_back(infinity, number);
     else
         search_together();
@@ -164,16 +159,19 @@ void UnitWorker::take(const FoundNeighbours& found)
 // Loads more points around the unit where that resolves many points. Returns whether it did.
 bool UnitWorker::widen()
 {
-    if (unresolved_.size() < 64 || unresolved_.size() * 300 < unit_.points) return false;
+    const WidenTuning& tuned = knn_tuning().widen;
+    if (unresolved_.size() < tuned.min_points || unresolved_.size() * tuned.points_per_unresolved < unit_.points)
+        return false;
     std::vector<double> margins;
     for (const auto& [margin, number] : unresolved_)
         if (margin < infinity) margins.push_back(margin);
-    double margin = 4 * *margin_;
-    for (const double share : {0.99, 0.8, 0.5}) {
+    double margin = tuned.blind_growth * *margin_;
+    for (const double share : {tuned.large_share, tuned.middle_share, tuned.small_share}) {
         if (!margins.empty()) margin = 1.001 * quantile(margins, share);
         const Box3i box = box_around(points_.box, margin, cache_.tree().info());
         if (box == points_.loaded) return false;
-        if (estimated_points(cache_.tree(), box) > 3.0 * unit_.points + 100'000) continue;
+        if (estimated_points(cache_.tree(), box) > tuned.max_unit_multiple * unit_.points + tuned.max_more_points)
+            continue;
         GatheredPoints more = gather_unit(cache_, points_.box, margin, ColumnSet::only_positions());
         points_ = std::move(more);
         points_.unit = {};
@@ -189,7 +187,7 @@ void UnitWorker::search_alone(std::uint32_t number)
     const Grid& grid = cache_.tree().info().grid;
     const Vec3i at = points_.grid(number);
     const Vec3d place = grid.to_source(at);
-    const std::size_t wanted = options_.neighbours + 1 + spare;
+    const std::size_t wanted = options_.neighbours + 1 + knn_tuning().single.spare_neighbours;
     const auto& part = unit_.part_of(number);
     const std::uint32_t index = unit_.index_of(number);
     const double limit = options_.max_distance * options_.max_distance;
@@ -275,19 +273,22 @@ void UnitWorker::find_sources()
 double UnitWorker::first_margin(const Box3i& box)
 {
     const GatheredPoints points = gather_unit(cache_, box, 0, ColumnSet::only_positions());
-    const std::uint32_t step = points.unit.points / 32 + 1;
+    const MarginTuning& tuned = knn_tuning().margin;
+    const std::size_t step = points.unit.points / tuned.first_points + 1;
     std::vector<double> distances;
-    for (std::uint32_t number = 0; number < points.unit.points; number += step) {
-        search_alone_.run(cache_.tree().info().grid.to_source(points.grid(number)), options_.neighbours + 1, found_);
+    for (std::size_t number = 0; number < points.unit.points; number += step) {
+        search_alone_.run(cache_.tree().info().grid.to_source(points.grid(static_cast<std::uint32_t>(number))),
+                          options_.neighbours + 1, found_);
         if (!found_.empty()) distances.push_back(found_.back().distance());
     }
-    return distances.empty() ? 0 : 1.3 * quantile(distances, 0.9);
+    return distances.empty() ? 0 : tuned.first_factor * quantile(distances, tuned.first_quantile);
 }
 
 void UnitWorker::learn_margin()
 {
     distances_.erase(std::remove(distances_.begin(), distances_.end(), infinity), distances_.end());
-    if (!distances_.empty()) margin_ = 1.1 * quantile(distances_, 0.98);
+    const MarginTuning& tuned = knn_tuning().margin;
+    if (!distances_.empty()) margin_ = tuned.next_factor * quantile(distances_, tuned.next_quantile);
 }
 
 }  // namespace pcm

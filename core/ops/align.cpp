@@ -18,7 +18,7 @@ namespace {
 
 // What the clouds have at the picked places.
 struct Picks {
-    std::vector<double> spacings;  // of the moving points, then of the fixed ones
+    std::vector<double> spacings;  // spacings of the moving points, then of the fixed ones
     std::vector<std::string> warnings;
 };
 

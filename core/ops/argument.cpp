@@ -74,6 +74,13 @@ std::vector<std::string> numbers_in(const std::string& word)
     return numbers;
 }
 
+// The shortest decimal number that is this float: 0.1, not 0.1000000015.
+std::string text_of_float(float value)
+{
+    char text[32];
+    return {text, std::to_chars(text, text + sizeof text, value).ptr};
+}
+
 std::string text_of_bytes(std::uint64_t bytes)
 {
     static constexpr const char* units[] = {"", "K", "M", "G", "T"};
@@ -222,6 +229,8 @@ std::string Argument::default_text() const
                 return choices_.at(v.get()).name;
             else if constexpr (std::is_same_v<T, bool*>)
                 return default_on_ ? "on" : "off";
+            else if constexpr (std::is_same_v<T, float*>)
+                return text_of_float(static_cast<float>(*v / scale_));
             else if constexpr (std::is_same_v<T, double*>)
                 return short_text(*v / scale_);
             else if constexpr (std::is_same_v<T, std::uint64_t*> || std::is_same_v<T, std::uint32_t*>)
@@ -349,7 +358,7 @@ void Argument::write(const std::vector<std::string>& words)
                     v->clear();
                     for (const std::string& word : words) v->push_back(number_of(word) * scale_);
                 } else if constexpr (std::is_floating_point_v<V>)
-                    *v = number_of(words[0]) * scale_;
+                    *v = static_cast<V>(number_of(words[0]) * scale_);
                 else
                     *v = static_cast<V>(whole_of(words[0]));
             }

@@ -23,7 +23,7 @@ public:
     using std::runtime_error::runtime_error;
 };
 
-// What a value is, and so how a face asks for it.
+// What a value is. A face offers an input of this kind.
 enum class ValueKind : std::uint8_t {
     flag,
     whole,        // a whole number
@@ -56,13 +56,14 @@ struct ChoiceVariable {
     std::function<void(std::size_t)> set;
 };
 
-// Where an operation is asked for, which decides how arguments are called in messages.
+// Where an operation is called, which decides the names of arguments in messages.
 enum class Face : std::uint8_t { command, dialog };
 
 // Where the value goes. Optional variables are empty where nothing is given.
-using Variable = std::variant<bool*, double*, std::uint32_t*, std::uint64_t*, std::string*, std::vector<std::string>*,
-                              std::vector<double>*, std::optional<double>*, std::optional<std::uint16_t>*,
-                              std::optional<std::uint32_t>*, std::optional<std::uint64_t>*, ChoiceVariable>;
+using Variable =
+    std::variant<bool*, float*, double*, std::uint32_t*, std::uint64_t*, std::string*, std::vector<std::string>*,
+                 std::vector<double>*, std::optional<double>*, std::optional<std::uint16_t>*,
+                 std::optional<std::uint32_t>*, std::optional<std::uint64_t>*, ChoiceVariable>;
 
 class Argument {
 public:
@@ -76,29 +77,29 @@ public:
     Argument& group(const std::string& heading);    // in the help of the command
     Argument& script(const std::string& name);      // in MeshLab's scripts, where it is not the key in camel case
     Argument& without(const std::string& meaning);  // what happens where nothing is given: "one per processor"
-    // The same of a number whose variable is 0 then: 0 is no value but chooses it, in dialogs too.
+    // The same for a number whose variable is then 0: 0 stands for this meaning, in dialogs too.
     Argument& automatic(const std::string& meaning);
-    Argument& as(ValueKind kind);  // of a text: file, output, tree; of words: inputs, trees
+    Argument& as(ValueKind kind);  // file, output or tree for a text; inputs or trees for words
     Argument& positional();        // on the command line: by its place
     Argument& required();
-    Argument& advanced();         // for few: below the others, and in --help-all
-    Argument& only(Face face);    // other faces do not have it
-    Argument& shown(bool shown);  // else it is accepted and in no help or dialog
-    Argument& on_in_dialogs();    // of a flag: where people see the picture, this is the better default
+    Argument& advanced();                            // for few: below the others, and in --help-all
+    Argument& only(Face face);                       // other faces do not have it
+    Argument& shown(bool shown);                     // else it is accepted and in no help or dialog
+    Argument& on_in_dialogs();                       // for a flag: the better default where people see the picture
     Argument& in_dialogs(const std::string& value);  // what dialogs begin with, where the command has no default
-    Argument& text_in_dialogs();                     // of an optional number: 0 is a value, empty is none
+    Argument& text_in_dialogs();                     // for an optional number: 0 is a value, empty is none
     Argument& also(const std::string& option);       // another name on the command line, without dashes
-    // Of a flag that is on: what switches it off, where it is not no-KEY, and the help of that.
+    // For a flag that is on: the option that switches it off, where it is not no-KEY, and its help.
     Argument& off_option(const std::string& option, const std::string& help);
     Argument& between(double least, double most);
     Argument& positive();
     Argument& not_negative();
-    Argument& count(std::size_t numbers);  // of ValueKind::numbers
+    Argument& count(std::size_t numbers);  // for ValueKind::numbers
     Argument& count(std::size_t least, std::size_t most);
     // ValueKind::numbers only: the coordinates of points, two (in plan) or three of each.
     Argument& points(std::size_t dimensions, std::size_t least, std::size_t most);
     Argument& degrees();                            // the variable holds radians
-    Argument& one_of(std::vector<Choice> choices);  // of a text or words
+    Argument& one_of(std::vector<Choice> choices);  // for a text or words
 
     // ---- What was declared.
     const std::string& key() const { return key_; }
@@ -111,7 +112,6 @@ public:
     const std::string& without() const { return without_; }
     bool is_automatic() const { return automatic_; }
     bool is_shown() const { return shown_; }
-    bool is_on_in_dialogs() const { return dialog_default_ == "on"; }
     const std::string& dialog_default() const { return dialog_default_; }  // empty: that of the command line
     bool is_text_in_dialogs() const { return text_in_dialogs_; }
     bool is_positional() const { return positional_; }
@@ -136,7 +136,7 @@ public:
 
     // ---- Values. Each throws ArgumentError for what is not allowed, naming `name`.
     void set(const std::vector<std::string>& words, const std::string& name);  // empty: nothing is given
-    void set(bool on);                                                         // of a flag
+    void set(bool on);                                                         // for a flag
     // Why a word is not a value of this argument, or empty; a word may be rewritten ("1e3" as "1000").
     std::string fault(std::string& word) const;
     bool is_given() const { return given_; }

@@ -234,7 +234,7 @@ private:
         result.makes = Makes::file;
     }
 
-    // The list of primitives, when the labels are written: then its failure is no reason to repeat the operation.
+    // The list of primitives, when the labels are written: a failure is then not a reason to repeat the operation.
     void put_in_place(OutputGroup& list, const LabelReport& labels, Outcome& outcome) const
     {
         run_last_step(outcome, [&] {
@@ -289,7 +289,7 @@ private:
     WorkArguments work_;
     DetectOptions options_;
     std::vector<std::string> shapes_;
-    bool wanted_[5] = {true, true, true, true, true};  // by ShapeKind
+    bool wanted_[5] = {true, true, true, true, true};  // indexed by ShapeKind
     bool labelled_ = false;
     std::string out_, label_, attribute_ = LabelOptions().attribute;
 };
@@ -309,13 +309,13 @@ Row detect_row()
             "-labelled.pct",
             {{"threshold", "number", "source units", "largest distance of a point from its surface"},
              {"step", "number", "source units", "longest step; 0: as the spacing allows"},
-             {"noise", "number", "source units", "of the cloud"},
-             {"spacing", "number", "source units", "of the cloud"},
+             {"noise", "number", "source units", "noise of the cloud"},
+             {"spacing", "number", "source units", "spacing of the cloud"},
              {"sample_cell", "number", "source units", "shapes are searched in one point for each cell of this size"},
-             {"primitives", "list", "", "by points, descending, as in a list of primitives"},
+             {"primitives", "list", "", "as in a list of primitives, sorted by their number of points, descending"},
              {"list", "text?", "", "file of the primitives"},
              {"labelled_tree", "text?", "", "tree that has the labels"},
-             {"points_changed", "count", "points", "whose label was changed"}},
+             {"points_changed", "count", "points", "points whose label was changed"}},
             make<Detect>};
 }
 

@@ -311,7 +311,8 @@ private:
         result.makes = Makes::file;
     }
 
-    // When the primitive is in the list, a failure is no reason to repeat all of the command: it would be there twice.
+    // When the primitive is in the list, a failure is not a reason to repeat the whole command: the primitive would be
+    // in it twice.
     SetDone do_with_points(const Context& context, const FittedPrimitive& fitted) const
     {
         try {
@@ -393,7 +394,7 @@ Row fit_row()
         with_done_keys({{"primitive", "object", "", "as in a list of primitives; or kind, verdict, issue and message"},
                         {"neighbourhood", "object", "", "points, found, radius, spacing and inliers of the first fit"},
                         {"growth", "object?", "", "step, rounds, converged, left_surface"},
-                        {"list", "text?", "", "that it was added to"}}),
+                        {"list", "text?", "", "list that it was added to"}}),
         make<Fit>};
 }
 

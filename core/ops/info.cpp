@@ -156,7 +156,7 @@ void print_tree(Result& result, const Tree& tree, const std::optional<CloudStati
 struct Scan {
     std::uint64_t points = 0, not_finite = 0;
     Box3d box;
-    std::optional<CloudStatistics> statistics;  // if asked for
+    std::optional<CloudStatistics> statistics;  // if requested
 };
 
 Scan scan(PointReader& cloud, const ProgressFunction& progress)
@@ -356,7 +356,7 @@ const std::vector<ResultKey> Info::keys = with_skipped_keys(
      {"las", "object?", "", "header of the one LAS file that the cloud is from"},
      {"metadata", "list", "", "key, bytes and text of each block"},
      {"sources", "list?", "", "trees: names of the files that they were built from"},
-     {"statistics", "object?", "", "of all points; null: they were not read"}});
+     {"statistics", "object?", "", "statistics of all points; null: they were not read"}});
 
 }  // namespace
 

@@ -180,10 +180,11 @@ Row measure_row()
             "grid and spacing leave. Writes the numbers, and, as a list, CSV, GeoJSON or DXF, files.",
             menu::measure,
             nullptr,
-            {{"measures", "list", "", "of each: name, kind, values with value, uncertainty and unit, points"},
-             {"largest_move", "number?", "source units", "by which a place was moved to a point of the tree"},
-             {"unit", "text", "", "of lengths, as the tree states it; empty: not known"},
-             {"files", "list", "", "that were written"}},
+            {{"measures", "list", "", "for each: name, kind, values with value, uncertainty and unit, points"},
+             {"largest_move", "number?", "source units",
+              "largest distance by which a place was moved to a point of the tree"},
+             {"unit", "text", "", "unit of lengths, as the tree states it; empty: not known"},
+             {"files", "list", "", "files that were written"}},
             make<MeasurePoints>};
 }
 

@@ -128,7 +128,7 @@ Row merge_row()
             "Merge trees into a new tree",
             "Makes one <b>point cloud tree</b> of several: of the trees that visible layers show, where the layers' "
             "matrices put them, and of others on disk. Grids, attributes and coordinate systems are brought together; "
-            "the notes say how. The trees stay as they are.",
+            "the notes say how. The trees are not changed.",
             menu::points | menu::layers,
             "-merged.pct",
             {{"trees", "list", "", "the trees, of source_id 1, 2, ..."},

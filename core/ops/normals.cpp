@@ -68,7 +68,7 @@ private:
             .label("Limit of radii")
             .help(
                 "A radius is at most this many times the size of the point that the tree has for splats, so that discs "
-                "of points that stand alone stay small; 0: no limit")
+                "of isolated points stay small; 0: no limit")
             .advanced();
     }
 

@@ -28,6 +28,8 @@ struct Primitive;
 
 namespace pcm::ops {
 
+struct RenderRequest;
+
 // Radii by compute shaders (gl/compute/gpu_radii.h), of a face that has OpenGL.
 struct GpuRadiiRequest {
     std::string tree;
@@ -40,7 +42,7 @@ struct GpuRadiiRequest {
 struct Layer {
     std::string label;
     std::filesystem::path tree;
-    std::optional<Affine> map;  // of its matrix, in source coordinates; absent: it has none
+    std::optional<Affine> map;  // its matrix, in source coordinates; absent: it has none
     bool visible = true, current = false;
 };
 
@@ -56,7 +58,7 @@ struct Window {
     std::function<std::shared_ptr<PointCloud>(const std::string& tree)> open;  // a cloud that it may have open already
     std::function<void(const std::string& tree)> refuse_change;                // throws for a tree that may not change
     std::optional<Clip> clip;                                                  // on the tree's layer, switched on
-    // Of the current layer: its cloud, the selected points, and how others are selected; `how` is for lists of steps.
+    // The current layer's cloud, its selected points, and how others are selected; `how` is for lists of steps.
     std::shared_ptr<PointCloud> cloud;
     std::shared_ptr<const PointSet> selected;
     std::function<void(PointSet points, const std::string& how)> select;
@@ -76,6 +78,7 @@ struct Context {
     std::function<std::string(const std::filesystem::path& tree, const Affine& motion, const std::string& step)>
         set_matrix;
     std::function<Result(const GpuRadiiRequest&)> gpu_radii;  // empty: this face has no such device
+    std::function<Result(const RenderRequest&)> render;       // draws pictures; empty: this face has no OpenGL
     Window window;
 
     // Throws what PointCloud::open() throws.

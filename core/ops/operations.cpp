@@ -25,6 +25,7 @@ Row primitives_row();
 Row profile_row();
 Row query_row();
 Row radii_row();
+Row render_row();
 Row repair_row();
 Row save_selected_row();
 Row select_row();
@@ -68,6 +69,7 @@ const std::vector<Row>& operations()
         profile_row(),
         volume_row(),
         primitives_row(),
+        render_row(),
         generate_row(),
     };
     return table;

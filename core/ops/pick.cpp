@@ -65,7 +65,7 @@ void put_point(Result& result, const PickResult& found, const PointDescription* 
     line("spacing", brief(point->spacing));
     line("grid step", exact(point->grid_step));
     for (const DescribedAttribute& attribute : point->attributes) line(attribute.name, attribute.text());
-    result.line(brief(found.hit->along) + " along the ray and " + brief(found.hit->beside) + " beside it, in " +
+    result.line(brief(found.hit->along) + " along the ray and " + brief(found.hit->beside) + " from it, in " +
                 time_text(found.outcome.seconds) + "; exact");
 }
 
@@ -101,7 +101,7 @@ public:
         group = "Points";
         arguments_.add("tolerance", options_.tolerance_px)
             .group(group)
-            .help("How far beside a point one may click, pixels");
+            .help("Maximum distance of a click from a point");
         arguments_.add("radius_scale", options_.size_scale)
             .group(group)
             .help("Radii of splats for sizes of points; 0: squares of a few pixels");
@@ -172,8 +172,8 @@ Row pick_row()
             "resolution, and lists its position and all its attributes.",
             0,
             nullptr,
-            {{"points_compared", "count", "points", "with the ray"},
-             {"chunks", "count", "", "that were read"},
+            {{"points_compared", "count", "points", "points that were compared with the ray"},
+             {"chunks", "count", "", "chunks that were read"},
              {"point", "object?", "",
               "node, index, position, along, beside, depth, level, spacing, grid_step, attributes"}},
             make<Pick>};

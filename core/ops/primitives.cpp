@@ -167,7 +167,7 @@ private:
             result.makes = Makes::file;
         }
         result.values = Json::parse(pcm::json_of(primitives));
-        result.values.erase("version");  // of the list's format; that of the program is in the head
+        result.values.erase("version");  // the version of the list's format; the program's is in the head
         result.values["unit"] = name_of(options_.unit);
         result.values["files"] = files;
         for (const Primitive& primitive : primitives) put_brief_lines(result, primitive, name_of(options_.unit));
@@ -202,8 +202,8 @@ Row primitives_row()
             {{"format", "text", "", "pcm primitives"},
              {"angles", "text", "", "unit of angles: radians"},
              {"primitives", "list", "", "as in a list of primitives"},
-             {"unit", "text", "", "of the coordinates; empty: not known"},
-             {"files", "list", "", "of each file that was written: file, and how many primitives"}},
+             {"unit", "text", "", "unit of the coordinates; empty: not known"},
+             {"files", "list", "", "for each file that was written: file, and its number of primitives"}},
             make<Primitives>};
 }
 

@@ -107,7 +107,7 @@ private:
         const char* const group = "Query";
         arguments_.add("count", count_)
             .group(group)
-            .help("Number of points and their bounding box; this is what is asked where nothing else is");
+            .help("Number of points and their bounding box; the answer where nothing else is requested");
         arguments_.add("estimate", estimate_)
             .group(group)
             .help("Estimated number of points and cost of reading them, without reading any");

@@ -32,7 +32,9 @@ public:
     {
         if (device_ == Device::gpu) return run_on_gpu(context);
         neighbours_.put_into(options_, called(context, "memory"));
-        return compute_attributes(context, target_, arguments_, options_);
+        Result result = compute_attributes(context, target_, arguments_, options_);
+        result.values["computed_with"] = nullptr;
+        return result;
     }
 
 private:
@@ -53,6 +55,13 @@ private:
     Device device_ = Device::cpu;
 };
 
+std::vector<ResultKey> keys()
+{
+    std::vector<ResultKey> keys = attribute_keys();
+    keys.push_back({"computed_with", "text?", "", "renderer of the OpenGL driver; null: the processor"});
+    return keys;
+}
+
 }  // namespace
 
 Row radii_row()
@@ -66,7 +75,7 @@ Row radii_row()
         "tree or in place. Works on clouds larger than memory.",
         menu::points,
         "-radii.pct",
-        attribute_keys(),
+        keys(),
         make<Radii>};
 }
 

@@ -85,7 +85,7 @@ Row repair_row()
             "interrupted updates have left.",
             0,
             nullptr,
-            {{"generation", "count", "", "of the tree afterwards"},
+            {{"generation", "count", "", "generation of the tree afterwards"},
              {"whole", "flag", "", "true: nothing was damaged"},
              {"index_written", "flag", "", "the index was rebuilt"},
              {"points_lost", "count", "points", "points of damaged chunks"},

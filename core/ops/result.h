@@ -20,7 +20,7 @@ enum class Makes : std::uint8_t {
     nothing,  // an answer
     cloud,    // another tree, `output`
     changed,  // `output` is an input that was changed in place
-    file,     // `output` is no tree
+    file,     // `output` is not a tree
 };
 
 struct Result {
@@ -38,7 +38,7 @@ struct Result {
 };
 
 double points_per_second(const Outcome& outcome);
-const char* version();  // of the library and its programs
+const char* version();  // the version of the library and its programs
 
 // The head, then the values. `command` is the operation's name.
 Json json_of(const std::string& command, const Result& result);

@@ -115,7 +115,7 @@ private:
             .group(group)
             .label("Front")
             .help(
-                "Of a lasso (a region \"lasso ...\") only points that no others hide, in a view of this width and "
+                "For a lasso (a region \"lasso ...\"): only points that no others hide, in a view of this width and "
                 "height in pixels: 1280 720")
             .advanced();
         arguments_.add("invert", invert_)

@@ -191,7 +191,7 @@ Row extract_selected_row()
     static const std::string details = std::string(
                                            "Writes the selected points of a <b>point cloud tree</b>, with all "
                                            "attributes and bit for bit, as a tree of "
-                                           "their own or as a file. The tree stays as it is.") +
+                                           "their own or as a file. The tree is not changed.") +
                                        about_selections;
     return {"extract_selected",
             "Selected Points: Extract",

@@ -260,9 +260,9 @@ Row set_row()
             "it is done, or nothing.",
             0,
             nullptr,
-            {{"points_set", "count", "points", "whose values were set"},
-             {"chunks_set", "count", "", "with such points"},
-             {"chunks_written", "count", "", "that were written"},
+            {{"points_set", "count", "points", "points whose values were set"},
+             {"chunks_set", "count", "", "chunks with such points"},
+             {"chunks_written", "count", "", "chunks that were written"},
              {"attributes_added", "count", "", "new attributes"},
              {"cache", "object?", "", "--statistics: of the cache of chunks"}},
             make<Set>};

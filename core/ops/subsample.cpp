@@ -106,7 +106,7 @@ Row subsample_row()
             "-thinned.pct",
             {{"exact", "flag", "", "false: a level of detail was taken"},
              {"level", "count?", "", "level of detail that was taken; null: the result is exact"},
-             {"spacing", "number?", "source units", "spacing of the points; null: a number of points was asked for"},
+             {"spacing", "number?", "source units", "spacing of the points; null: a number of points was requested"},
              {"bytes", "count", "bytes", "size of the result"}},
             make<Subsample>};
 }

@@ -157,7 +157,7 @@ Row transform_row()
             "Translate, rotate or scale a tree into a new tree",
             "Writes a <b>point cloud tree</b> that is moved, turned or scaled: by the layer's matrix, as MeshLab's own "
             "tools set it, by numbers, or both. The new layer has no matrix, and its points are where the old layer "
-            "shows them. The old tree stays as it is.",
+            "shows them. The old tree is not changed.",
             menu::points | menu::normals,
             "-moved.pct",
             {{"position_error", "number", "source units", "largest position error"},

@@ -57,7 +57,7 @@ std::string verdict(const std::string& tree, const VerifyReport& report, const L
         return "damaged, though none of its " + points + " is lost; repair it, in a terminal: " + command;
     if (!levels.faults.empty())
         return "its " + points + " are intact, its levels are not, " + count_of(levels.faults.size()) +
-               "; 'pcmlab compact' makes the levels anew";
+               "; 'pcmlab compact' makes the levels again";
     char speed[64];
     std::snprintf(speed, sizeof speed, "in %.1f s (%.2f M points/s)", report.outcome.seconds,
                   points_per_second(report.outcome) / 1e6);
@@ -115,21 +115,22 @@ private:
 
 Row verify_row()
 {
-    return {"verify",
-            nullptr,
-            "Check a tree: checksums, counts, boxes, and that every point is stored exactly once",
-            "Reads all of a tree and checks it: checksums, counts, boxes, and that every point is stored exactly once; "
-            "and, where that is asked for, how evenly its levels are spaced.",
-            0,
-            nullptr,
-            {{"intact", "flag", "", "nothing is wrong"},
-             {"bytes", "count", "bytes", "size of the tree"},
-             {"position_error", "number", "source units", "largest position error"},
-             {"levels", "list?", "", "points, spacing, least_distance, coverage, variation, isolated; null: not asked"},
-             {"coverage_limit", "number?", "", "coverage that is guaranteed; null: none is, or not asked"},
-             {"faults", "list", "", "what is wrong"},
-             {"around", "list", "", "what is wrong around the tree's own files"}},
-            make<Verify>};
+    return {
+        "verify",
+        nullptr,
+        "Check a tree: checksums, counts, boxes, and that every point is stored exactly once",
+        "Reads all of a tree and checks it: checksums, counts, boxes, and that every point is stored exactly once; "
+        "and, with --levels, how evenly its levels are spaced.",
+        0,
+        nullptr,
+        {{"intact", "flag", "", "nothing is wrong"},
+         {"bytes", "count", "bytes", "size of the tree"},
+         {"position_error", "number", "source units", "largest position error"},
+         {"levels", "list?", "", "points, spacing, least_distance, coverage, variation, isolated; null: not requested"},
+         {"coverage_limit", "number?", "", "guaranteed coverage; null: none, or not requested"},
+         {"faults", "list", "", "what is wrong"},
+         {"around", "list", "", "what is wrong around the tree's own files"}},
+        make<Verify>};
 }
 
 }  // namespace pcm::ops

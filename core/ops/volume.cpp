@@ -257,20 +257,20 @@ std::vector<ResultKey> volume_keys()
             {"coarser", "object", "", "cut, fill and side of cells twice as wide"},
             {"gaps", "object", cubed, "net, cut, fill: the part of interpolated cells"},
             {"excess", "number", cubed, "by which errors of heights make cut and fill larger"},
-            {"side", "number", "source units", "of a cell"},
-            {"usual_side", "number", "source units", "that would be taken where none is given"},
+            {"side", "number", "source units", "side of a cell"},
+            {"usual_side", "number", "source units", "side that is used where none is given"},
             {"cells", "count", "", "cells in the polygon"},
-            {"cells_without_data", "count", "", "those without points"},
+            {"cells_without_data", "count", "", "cells without points"},
             {"area", "number", squared, "of the polygon in plan"},
             {"covered", "number", "", "share of the area in cells that have points"},
             {"area_counted", "number", squared, "of the cells that count"},
             {"area_without_data", "number", squared, "of cells without points"},
             {"area_interpolated", "number", squared, "of interpolated cells"},
             {"area_extrapolated", "number", squared, "of those with points on one side only"},
-            {"points_of_tree", "count", "points", "of the tree in the polygon"},
-            {"points_before", "count?", "points", "of the tree before"},
-            {"unit", "text", "", "of lengths, as the tree states it; empty: not known"},
-            {"files", "list", "", "that were written"}};
+            {"points_of_tree", "count", "points", "points of the tree in the polygon"},
+            {"points_before", "count?", "points", "points of the tree before in the polygon"},
+            {"unit", "text", "", "unit of lengths, as the tree states it; empty: not known"},
+            {"files", "list", "", "files that were written"}};
 }
 
 }  // namespace

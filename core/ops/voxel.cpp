@@ -42,11 +42,11 @@ public:
             .help("Add an attribute point_count: the number of points in the voxel");
         arguments_.add("majority", options_.by_majority)
             .label("By majority")
-            .help("Integer attributes of which the most frequent value is taken, separated by commas")
+            .help("Integer attributes whose most frequent value is taken, separated by commas")
             .without("classification, return numbers, flags, identities");
         arguments_.add("mean", options_.by_mean)
             .label("By mean")
-            .help("Attributes of which the mean is taken, separated by commas")
+            .help("Attributes whose mean is taken, separated by commas")
             .without("all others");
         to_.declare_target(arguments_);
         to_.declare_reading(arguments_);
@@ -98,7 +98,7 @@ Row voxel_row()
         menu::points | menu::sampling,
         "-voxels.pct",
         {{"voxel_size", "number", "source units", "edge of a voxel"},
-         {"most_points_in_a_voxel", "count", "points", "of the voxel with the most"},
+         {"most_points_in_a_voxel", "count", "points", "points of the voxel with the most"},
          {"bytes", "count", "bytes", "size of the result"}},
         make<Voxel>};
 }

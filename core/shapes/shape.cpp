@@ -46,7 +46,7 @@ Shape parse_shape(const std::string& text)
     std::string name;
     words >> name;
     const auto kind = shape_kind(name);
-    if (!kind) refuse_shape("'" + text + "' is no shape", all_forms());
+    if (!kind) refuse_shape("'" + text + "' is not a shape", all_forms());
     const ShapeTraits& row = traits_of(*kind);
     std::vector<double> numbers;
     for (double number = 0; words >> number;) numbers.push_back(number);

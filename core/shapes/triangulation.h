@@ -26,7 +26,6 @@ public:
     std::uint32_t origin(Edge e) const { return origin_[e >> 1]; }
     std::uint32_t target(Edge e) const { return origin(opposite(e)); }
     static Edge opposite(Edge e) { return e ^ 2u; }
-    Edge around_origin(Edge e) const { return next_[e]; }  // the next one counter-clockwise
     // Of the face to the left, counter-clockwise.
     Edge around_left(Edge e) const { return turned(next_[turned_back(e)]); }
 

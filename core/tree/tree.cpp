@@ -144,14 +144,6 @@ std::shared_ptr<const Tree> Tree::of_index(const fs::path& folder, const std::ve
     return tree;
 }
 
-std::vector<NodeId> Tree::path_from_root(NodeId id) const
-{
-    std::vector<NodeId> path;
-    for (; id != no_node; id = nodes_[id].parent) path.push_back(id);
-    std::reverse(path.begin(), path.end());
-    return path;
-}
-
 ChunkIdentity Tree::identity(NodeId id) const
 {
     const Node& node = nodes_.at(id);
@@ -171,22 +163,6 @@ ChunkIdentity Tree::identity(NodeId id) const
             identity.path.bits[static_cast<std::size_t>(depth / 64)] |= std::uint64_t(1) << (depth % 64);
     }
     return identity;
-}
-
-std::vector<NodeId> Tree::nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const
-{
-    // Parents come first in the node vector: nodes below an untouched parent are skipped without a test of their boxes.
-    std::vector<bool> touched(nodes_.size(), false);
-    std::vector<NodeId> result;
-    for (NodeId id = 0; id < nodes_.size(); ++id) {
-        const Node& node = nodes_[id];
-        if (node.parent != no_node && !touched[node.parent]) continue;
-        if (level && node.points > 0 && node.first_level > *level) continue;
-        if (box && !box->intersects(this->box(id))) continue;
-        touched[id] = true;
-        result.push_back(id);
-    }
-    return result;
 }
 
 Chunk Tree::empty_chunk(const ColumnSet& columns) const

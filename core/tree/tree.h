@@ -151,7 +151,6 @@ public:
     const std::vector<Node>& nodes() const { return nodes_; }
     const Node& node(NodeId id) const { return nodes_[id]; }
     Box3d box(NodeId id) const { return info_.grid.to_source(nodes_[id].box); }
-    std::vector<NodeId> path_from_root(NodeId id) const;  // root first, `id` last
 
     // The root of each part; no_node for a part without points.
     const std::vector<NodeId>& part_roots() const { return part_roots_; }
@@ -164,10 +163,6 @@ public:
     std::shared_ptr<const Tree> with_schema(const Schema& longer) const;
     // Throws Error(corrupt) when a header does not belong to the node's chunk.
     void check(NodeId id, const BpcHeader& header) const;
-
-    // Nodes with points of levels 0..level whose boxes touch `box` (source coordinates), and the nodes above them,
-    // parents first. An absent box or level does not restrict.
-    std::vector<NodeId> nodes_in(const std::optional<Box3d>& box, std::optional<std::uint16_t> level) const;
 
     // Reads and decodes the given columns of a node's chunk and verifies their checksums. A node without points gives
     // an empty chunk. Throws Error(corrupt | io | truncated), naming the data file and the byte.

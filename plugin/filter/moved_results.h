@@ -7,7 +7,7 @@ namespace pcm::host {
 
 // In place of the layer that shows the first input, whose matrix is applied.
 OperationHooks shown_as_moved();
-// In place of the visible layers, which are merged where the script says so.
+// Replaces the visible layers, which are merged where the script chooses that.
 OperationHooks shown_as_merged();
 
 }  // namespace pcm::host

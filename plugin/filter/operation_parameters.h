@@ -12,8 +12,8 @@ namespace pcm::host {
 void add_parameters(const ops::Arguments& arguments, Parameters& parameters);
 
 // Sets the arguments. A script of an earlier version lacks newer parameters: these keep their defaults, and the log
-// says so. An empty tree is that of the current layer. Throws ops::ArgumentError for values that are not allowed, and
-// Error(invalid_argument) where there is no such layer.
+// reports it. An empty tree is that of the current layer. Throws ops::ArgumentError for values that are not allowed,
+// and Error(invalid_argument) where there is no such layer.
 void set_arguments(ops::Arguments& arguments, const FilterRun& run);
 
 }  // namespace pcm::host

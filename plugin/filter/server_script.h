@@ -1,7 +1,7 @@
 // Scripts of meshlabserver that lack parameters, because they were written before these existed.
 //
 // meshlabserver asks a filter for its parameters and asserts that the script has as many. So the filter must not name
-// those that the script lacks: they keep their defaults (operation_parameters.h), and the log says so.
+// those that the script lacks: they keep their defaults (operation_parameters.h), and the log lists them.
 #pragma once
 
 #include "plugin/scene/parameters.h"

@@ -10,7 +10,7 @@ class QWidget;
 
 namespace pcm::host {
 
-// The chosen unit; the user is asked if nobody was. Nothing: the question was cancelled.
+// The chosen unit; asks the user unless that was done before. Nothing: the question was cancelled.
 std::optional<std::string> ask_unit(Scene& scene, QWidget* parent);
 
 }  // namespace pcm::host

@@ -11,8 +11,8 @@ namespace pcm::host {
 // with the reason if the exception has one. Nothing for other exceptions.
 std::optional<QString> cancelled_text(const QString& what);
 
-// The next message box, which MeshLab opens as soon as the plugin has returned, is no warning of a failure, but says
-// `text`. Nothing where there is no window.
+// The next message box, which MeshLab opens as soon as the plugin has returned, is not a warning of a failure, but
+// reports `text`. Nothing where there is no window.
 void say_cancelled(const QString& text);
 
 }  // namespace pcm::host

@@ -118,7 +118,7 @@ void pick_new_file(QLineEdit& field)
     if (!file.isEmpty()) write(field, file);
 }
 
-// A tree where nothing else is said.
+// A tree unless another kind is declared.
 void pick_new_tree_or_file(QLineEdit& field)
 {
     // What is there already is the filter's concern.

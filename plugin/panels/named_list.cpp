@@ -8,7 +8,7 @@ namespace pcm::host {
 namespace {
 
 constexpr int least_height = 90;     // pixels
-constexpr int line_characters = 24;  // of a value
+constexpr int line_characters = 24;  // maximum for a value
 
 void set_up(QTreeWidget& table, const char* object_name, const QStringList& columns)
 {

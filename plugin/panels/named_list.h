@@ -22,9 +22,9 @@ public:
     struct Row {
         std::string name;
         bool hidden = false;
-        QStringList cells;  // of the other columns
+        QStringList cells;  // texts of the other columns
         QIcon icon{};
-        QStringList tooltips{};  // of the cells; as the cells where there are none
+        QStringList tooltips{};  // tooltips of the cells; the cells' texts where there are none
     };
 
     // The first column has the names.
@@ -33,7 +33,7 @@ public:
     void show_rows(const std::vector<Row>& rows, std::optional<std::size_t> selected);
 
 signals:
-    // By the user. What is shown stays as it was typed until show_rows().
+    // The user has renamed a row. What was typed is shown until show_rows().
     void renamed(int index, const QString& name);
     void hidden(int index, bool hidden);
     void chosen(int index);  // -1: none

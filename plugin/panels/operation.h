@@ -42,7 +42,7 @@ private:
     void ignore_file_size_signal();
 
     ProgressCallback* callback_;
-    bool signal_ignored_ = false;  // by this operation
+    bool signal_ignored_ = false;  // whether this operation ignores it
     QElapsedTimer since_events_;
     bool cancelled_ = false;
     bool asking_ = false;

@@ -19,7 +19,7 @@ namespace pcm::host {
 namespace {
 
 constexpr int usual_width = 300, least_width = 200;  // pixels
-constexpr int most_share = 3;                        // of the window's width: a panel begins with a third at most
+constexpr int most_share = 3;  // a panel begins with at most this fraction, one third, of the window's width
 
 // Keys that the view's tool takes, pressed in its panel: a click into the panel takes the focus from the view.
 class PanelKeys : public QObject {

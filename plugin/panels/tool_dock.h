@@ -8,7 +8,7 @@ class QWidget;
 
 namespace pcm::host {
 
-// Shows a tool's panel beside the panel "Point Cloud", in front of it, no wider than a panel has to be. Ctrl+Z and
+// Shows a tool's panel next to the panel "Point Cloud", in front of it, no wider than a panel has to be. Ctrl+Z and
 // Ctrl+Shift+Z in the panel are the view's, whatever was clicked there last, except in a field whose typing they take
 // back.
 void show_dock(SceneView& view, QDockWidget& dock);

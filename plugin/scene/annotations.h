@@ -15,13 +15,13 @@
 
 namespace pcm::host {
 
-// In the document's scene: source coordinates, of layers without a matrix. Of the others these are the coordinates that
-// their matrix gives them (SceneLayer::placement).
+// In the document's scene: source coordinates for layers without a matrix. For the others these are the coordinates
+// that their matrix gives them (SceneLayer::placement).
 struct Annotation {
     std::vector<Vec3d> line;   // joined by segments
     bool closed = false;       // the last point is joined with the first
     std::vector<Vec3d> marks;  // drawn as crosses of a fixed size on the screen
-    QString label;             // beside `label_at`; empty: none. Lines are separated by \n
+    QString label;             // next to `label_at`; empty: none. Lines are separated by \n
     Vec3d label_at{};
     QColor colour = QColor(255, 170, 0);
     double width_px = 2;

@@ -15,7 +15,7 @@
 
 namespace pcm::host {
 
-// The camera of the view, and back: MeshLab keeps it in single precision. `origin`: of the scene.
+// The camera of the view, and back: MeshLab keeps it in single precision. `origin`: the scene's origin.
 CameraFrame frame_of(const SceneView& view, const Vec3d& origin);
 void look_from(SceneView& view, const CameraFrame& frame, const Vec3d& origin);
 
@@ -33,7 +33,7 @@ public:
     void rename(std::size_t number, const QString& name);
     void remove(std::size_t number);
 
-    // As a camera path. add_text() adds the frames; throws Error(bad_format) for what is none, and
+    // As a camera path. add_text() adds the frames; throws Error(bad_format) for text that is not one, and
     // Error(invalid_argument) for a path in the coordinates of a box, and adds nothing then.
     QString text() const;
     void add_text(const QString& text, const QString& source);

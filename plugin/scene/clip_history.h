@@ -38,7 +38,7 @@ private:
 
     Scene& scene_;
     std::vector<std::optional<ClipBox>> boxes_;  // the first is the one before all steps
-    std::size_t done_ = 0;                       // of boxes_, the one that is shown
+    std::size_t done_ = 0;                       // index in boxes_ of the one that is shown
     bool setting_ = false;
 };
 

@@ -15,7 +15,7 @@ namespace pcm::host {
 std::vector<Annotation> drawn_measures(const std::vector<Measure>& measures, const std::string& unit,
                                        std::optional<std::size_t> selected);
 
-// Of the points that are known of a measure that is being made.
+// Drawn from the known points of a measure that is being made.
 Annotation drawn_draft(MeasureKind kind, const std::vector<MeasuredPoint>& points);
 
 }  // namespace pcm::host

@@ -1,4 +1,4 @@
-// What fitted shapes look like in views, and what is said about them.
+// What fitted shapes look like in views, and their labels.
 #pragma once
 
 #include "pcm/cloud/affine.h"
@@ -18,7 +18,7 @@ namespace pcm::host {
 struct PrimitiveStyle {
     QColor colour;
     bool strong = false;  // wider lines, as visible behind points as before them
-    QString label;        // beside it; empty: none
+    QString label;        // next to it; empty: none
 };
 
 // Outline or circles, lines along the surface and the axis. `placement` moves source coordinates to the scene's;

@@ -21,7 +21,7 @@ struct ImportSettings {
     std::filesystem::path tree_folder;         // where these trees are written; empty: next to the file
     std::optional<double> largest_coordinate;  // points beyond it are left out
     TextLayout text;                           // as far as the user has specified it
-    bool skip_bad_lines = false;               // of text
+    bool skip_bad_lines = false;               // in text files
 };
 
 // The persistent ones, for Tools > Options.

@@ -7,12 +7,12 @@
 
 namespace pcm::host {
 
-// As JSON; empty where no layer is either. Layers that are hidden because others are shown alone are said to be so.
+// As JSON; empty where no layer is either. Layers that are hidden because others are shown alone are marked as such.
 QString layer_marks(Scene& scene);
 
 // Locks layers and shows them alone as the text says, once the document is not busy any more: while a project is
-// opened, layers get their matrices one after another. A layer is recognised by the name of its file, of several with
-// the same by their order. Throws Error(bad_format) for text that is nothing of the kind; the document keeps what it
+// opened, layers get their matrices one after another. A layer is recognised by the name of its file, several with
+// the same name by their order. Throws Error(bad_format) for any other text; the document keeps what it
 // has.
 void take_layer_marks(Scene& scene, const QString& text);
 

@@ -19,8 +19,8 @@ namespace pcm::host {
 // coordinates minus `origin`. Rounded to single precision, as MeshLab stores it: see matrix_rounding().
 LayerMatrix matrix_of(const Affine& map, const Vec3d& origin);
 
-// By how much that rounding moves the points in `box` (source coordinates of the cloud) at most, source units: the
-// largest distance at the box's corners.
+// The maximum distance that this rounding moves the points in `box` (source coordinates of the cloud), source units:
+// the largest distance at the box's corners.
 double matrix_rounding(const Affine& map, const Vec3d& origin, const Box3d& box);
 
 // What the matrix does to source coordinates; of a layer with a sample, placement_of() counts a frozen matrix too.
@@ -36,8 +36,8 @@ class LayerMatrices : public QObject {
 public:
     explicit LayerMatrices(Scene& scene);
 
-    // Changes the matrix, and the views show it; the former one can be had back. `words` say what was done: "align by 4
-    // pairs". Throws Error(invalid_argument) for a locked layer and for a matrix with numbers that are not finite.
+    // Changes the matrix, and the views show it; the former one can be restored. `words` describe what was done: "align
+    // by 4 pairs". Throws Error(invalid_argument) for a locked layer and for a matrix with numbers that are not finite.
     void set(SceneLayer& layer, const LayerMatrix& matrix, const QString& words);
     // The words of the step that undo() takes back, or redo() repeats; empty: there is none.
     QString undo_words(const SceneLayer& layer) const;
@@ -46,11 +46,11 @@ public:
     void undo(SceneLayer& layer);
     void redo(SceneLayer& layer);
 
-    // The matrix of a locked layer stays what it is, whatever changes it, and filters do not change its tree in place.
+    // The matrix of a locked layer is restored whatever changes it, and filters do not change its tree in place.
     bool is_locked(const SceneLayer& layer) const;
     void lock(SceneLayer& layer, bool on);
     // Called before the layer is drawn: puts the matrix of a locked layer back where something has changed it. True if
-    // it did; the log says so.
+    // it did; the log reports it.
     bool hold(SceneLayer& layer);
 
 signals:

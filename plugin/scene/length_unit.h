@@ -16,12 +16,12 @@ struct LengthUnit {
     std::string symbol;  // "m"; empty: not known
     // The system that the document's clouds state, if they agree.
     std::optional<CoordinateSystem> system;
-    bool is_stated = false;  // by the clouds, or they contradict each other; else it is the user's choice
+    bool is_stated = false;  // the clouds state it, or they contradict each other; else it is the user's choice
     QString warning;         // why lengths may mean nothing; empty: they mean what they say
 };
 
-// Of all layers whose clouds state a coordinate system; where they state no unit, the project's (scene/project_unit.h).
-// GUI thread.
+// The unit of all layers whose clouds state a coordinate system; where they state no unit, the project's
+// (scene/project_unit.h). GUI thread.
 LengthUnit length_unit_of(const Scene& scene);
 
 // The same for the systems that are stated, in any order.

@@ -36,7 +36,7 @@ public:
         if (selected_ && *selected_ >= list_.size()) selected_.reset();
         show();
     }
-    // In place of the present ones, which cannot be had back.
+    // Replaces the present ones, which cannot be restored.
     void replace(List list)
     {
         list_ = std::move(list);

@@ -15,7 +15,7 @@ class MeasureBook : public ListBook<MeasureList> {
 public:
     explicit MeasureBook(Scene& scene);
 
-    // As it was when the list was shown last, or refresh_unit() was called.
+    // The unit when the list was last shown, or refresh_unit() was called.
     const LengthUnit& unit() const { return unit_; }
     void refresh_unit();
 

@@ -24,9 +24,9 @@ struct PickedValue {
 };
 
 struct Picked {
-    int layer_id = -1;                  // of the layer
-    std::shared_ptr<PointCloud> cloud;  // that the layer shows
-    NodeId node = no_node;              // of the tree
+    int layer_id = -1;                  // identifier of the layer
+    std::shared_ptr<PointCloud> cloud;  // the cloud that the layer shows
+    NodeId node = no_node;              // node of the tree
     std::uint32_t point = 0;            // its number in the node's chunk
     Vec3d position{};                   // source coordinates, as the file has them
     // The same with all digits (pick/describe_point.h); empty while the answer is not final.
@@ -36,8 +36,8 @@ struct Picked {
     // The same of several points around it (query/local_spacing.h): for defaults, which one point's may mislead. 0: not
     // known, as while the answer is not final.
     double spacing_around = 0;
-    double scale = 1;                     // of the layer's matrix: a length in the scene for a length of 1 in the cloud
-    double grid_step = 0;                 // the largest step of the grid that positions are on, source units
+    double scale = 1;      // scale of the layer's matrix: a length in the scene for a length of 1 in the cloud
+    double grid_step = 0;  // the largest step of the grid that positions are on, source units
     std::vector<PickedValue> attributes;  // all of them; none while the answer is not final
 };
 

@@ -21,9 +21,9 @@ const char* const reached_element = "PointCloudPrimitivePoints";
 const char* const owner = "primitives";
 constexpr std::size_t most_labels = 30;    // with more of them only the selected one has a label
 constexpr int look_ms = 400;               // at the matrices of layers
-constexpr std::size_t most_seeds = 20000;  // that projects keep, of a primitive
+constexpr std::size_t most_seeds = 20000;  // maximum number of a primitive's seeds that projects keep
 
-// Of its points: the same shape in the same cloud, whatever its name is.
+// The key of its points: the same for the same shape in the same cloud, whatever its name is.
 std::string key_of(const Primitive& primitive) { return text_of(primitive.fit.shape) + "\n" + primitive.cloud; }
 
 bool same_map(const std::optional<Affine>& a, const std::optional<Affine>& b)

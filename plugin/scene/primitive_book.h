@@ -45,8 +45,8 @@ public:
     std::shared_ptr<const PointSet> points_of(const Primitive& primitive) const;
     // How they are found again, which projects keep; null: that is not known.
     const ReachedFrom* reached(const Primitive& primitive) const;
-    // Of all primitives of the list for which it is known, as a text, and back: take_reached() throws
-    // Error(bad_format).
+    // What was reached, for all primitives of the list for which it is known, as a text, and back: take_reached()
+    // throws Error(bad_format).
     QString reached_text() const;
     void take_reached(const QString& text);
 
@@ -55,9 +55,9 @@ private:
     void follow_matrices();
     bool is_drawn(const Tree& tree) const;
 
-    std::map<std::string, std::shared_ptr<const PointSet>> points_;  // by cloud and shape
+    std::map<std::string, std::shared_ptr<const PointSet>> points_;  // keyed by cloud and shape
     std::map<std::string, ReachedFrom> reached_;                     // likewise
-    std::map<std::string, std::optional<Affine>> placements_;        // of the clouds, as drawn
+    std::map<std::string, std::optional<Affine>> placements_;        // placements of the clouds, as drawn
     QTimer timer_;  // MeshLab does not say when it changes a layer's matrix
 };
 

@@ -1,4 +1,4 @@
-// What a document has beside MeshLab's layers and is kept in project files: measures, bookmarks, the clip box.
+// What a document has in addition to MeshLab's layers and is kept in project files: measures, bookmarks, the clip box.
 //
 // A part registers itself once; the render plugin, which watches projects being opened and saved
 // (meshlab/2020/render/project_settings.h), calls it. The text of a part is an element of MeshLab's project that
@@ -16,7 +16,7 @@
 namespace pcm::host {
 
 struct ProjectPart {
-    QString name;  // of the element, such as "PointCloudMeasures"
+    QString name;  // name of the element, such as "PointCloudMeasures"
     // The text to keep; empty: nothing. Any characters that XML can hold.
     std::function<QString(Scene& scene)> text;
     // A project with this part was opened. Whatever is wrong with the text is thrown as an Error; the document keeps
@@ -27,8 +27,8 @@ struct ProjectPart {
 void add_project_part(ProjectPart part);
 const std::vector<ProjectPart>& project_parts();
 
-// The project file `project`, as MeshLab has written it, with the parts of the document in place of those that it has.
-// Returns it unchanged if there are none, or if it is no project. A part that has nothing to keep, and whose text in
+// The project file `project`, as MeshLab has written it, with the parts of the document instead of its own.
+// Returns it unchanged if there are none, or if it is not a project. A part that has nothing to keep, and whose text in
 // the opened project could not be read, keeps that text. Errors are logged.
 QByteArray with_parts(const QByteArray& project, Scene& scene);
 // Gives the document the parts in the project file `project`. Errors are logged.

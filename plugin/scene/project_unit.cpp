@@ -13,8 +13,8 @@ namespace pcm::host {
 namespace {
 
 const char* const unit_element = "PointCloudLengthUnit";
-const char* const unit_property = "pcm_length_unit";  // of the document
-const char* const not_known = "unknown";              // in projects, where an empty text is no element
+const char* const unit_property = "pcm_length_unit";  // property of the document
+const char* const not_known = "unknown";              // in projects, where an element cannot be empty
 
 bool is_choice(const std::string& symbol)
 {

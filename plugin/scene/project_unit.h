@@ -1,4 +1,4 @@
-// The unit of a project's lengths as its user has said it: many clouds do not state a coordinate system. Asked for
+// The unit of a project's lengths as its user has chosen it: many clouds do not state a coordinate system. Asked for
 // once, and kept in the project. GUI thread.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace pcm::host {
 
-// "m", "ft", "ftUS", or empty where the user does not know it; nothing where nobody was asked.
+// "m", "ft", "ftUS", or empty where the user does not know it; nothing before the user was asked.
 std::optional<std::string> chosen_unit(const Scene& scene);
 void choose_unit(Scene& scene, const std::string& symbol);
 

@@ -53,7 +53,8 @@ std::array<float, 3> local(const Vec3d& p, const Vec3d& origin)
             static_cast<float>(p[2] - origin[2])};
 }
 
-// Of every `stride`-th point of a level, `points` altogether. A level that has all points has no spacing of its own.
+// The spacing of every `stride`-th point of a level, `points` altogether. A level that has all points has no spacing of
+// its own.
 double spacing_of(PointCloud& cloud, std::uint16_t level, std::uint64_t stride, std::size_t points)
 {
     const double spacing = cloud.tree()->level_summaries()[level].spacing;

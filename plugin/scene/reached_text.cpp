@@ -46,7 +46,7 @@ QJsonObject object_of(const ReachedFrom& from)
 double number(const QJsonObject& object, const char* name)
 {
     const double value = object[name].toDouble(std::nan(""));
-    if (!(value >= 0) || !std::isfinite(value)) refuse_reached(std::string(name) + " is no number from 0");
+    if (!(value >= 0) || !std::isfinite(value)) refuse_reached(std::string(name) + " is not a number from 0 on");
     return value;
 }
 

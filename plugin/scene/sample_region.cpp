@@ -93,7 +93,7 @@ std::optional<SampleRegion> box_of(const Parts& parts, double spacing, const Vec
 
 // Clip coordinates of a position: x, y and w.
 struct OnScreen {
-    std::array<std::array<double, 4>, 3> rows{};  // of x (times the aspect), y and w
+    std::array<std::array<double, 4>, 3> rows{};  // rows of x (times the aspect), y and w
 
     OnScreen(const Matrix4d& view, double aspect)
     {
@@ -166,7 +166,7 @@ std::optional<Region> cone_of(const std::vector<Vec3d>& polygon, const Parts& pa
 {
     if (polygon.empty() || polygon.size() > most_edges) return std::nullopt;
     const std::vector<Edge> edges = edges_of(polygon);
-    double nearest = 0;  // of the chosen ones' depths the largest: there the spacing is smallest on the screen
+    double nearest = 0;  // the largest depth of the chosen ones: there the spacing on the screen is smallest
     for (const Vec3d& p : parts.chosen) nearest = std::max(nearest, screen.depth(p));
     const auto& y = screen.rows[1];
     const double most = spacing * length({y[0], y[1], y[2]}) / nearest;

@@ -1,5 +1,5 @@
-// What is open in one window of the program: layers, views, and what tools and panels keep about them. It knows no
-// MeshLab; meshlab/2020 implements it over MeshLab's documents, and tests over lists of their own.
+// What is open in one window of the program: layers, views, and what tools and panels keep about them. It does
+// not depend on MeshLab; meshlab/2020 implements it over MeshLab's documents, and tests over lists of their own.
 #pragma once
 
 #include "plugin/scene/scene_layer.h"
@@ -31,7 +31,8 @@ public:
     virtual std::vector<SceneView*> views() const = 0;  // none in a program without a window
     // Source coordinates minus this are those of the views; nothing before the first cloud.
     virtual std::optional<Vec3d> origin() const = 0;
-    virtual double diagonal() const = 0;  // of the box around all layers as they are placed; 0: there is nothing
+    virtual double diagonal()
+        const = 0;  // diagonal of the box around all layers as they are placed; 0: there is nothing
     // The program is reading or changing layers: nothing may be changed now.
     virtual bool is_busy() const = 0;
     virtual QString project_file() const = 0;  // the one opened or saved last; empty: none
@@ -50,7 +51,7 @@ public:
     // Asks all views for a new picture.
     void repaint() const;
 
-    // What is kept about the scene, one object of each class, made when it is asked for first: T has a constructor with
+    // What is kept about the scene, one object of each class, made at the first request: T has a constructor with
     // a Scene&, is a QObject, and lives as long as the scene.
     template <class T>
     T& part()

@@ -7,11 +7,11 @@
 
 namespace pcm::host {
 
-// Around a layer's cloud; empty for a layer that is not drawn as a cloud.
+// The box around a layer's cloud; empty for a layer that is not drawn as a cloud.
 Box3d bounds_of(const SceneLayer& layer);
-// Around all clouds that the view shows.
+// The box around all clouds that the view shows.
 Box3d bounds_of_shown(SceneView& view);
-// Around the parts of clouds that the picture of the view has, about as close as the size of a chunk.
+// The box around the parts of clouds that the picture of the view has, about as close as the size of a chunk.
 Box3d bounds_in_picture(SceneView& view);
 // The finest step of the grids of the clouds that the view shows, source units; 0: it shows none.
 double grid_step_of_shown(const SceneView& view);

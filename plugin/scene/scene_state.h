@@ -1,5 +1,5 @@
-// What a user has chosen in a document beside its layers: the clip box of the view, and the selected points of each
-// tree. GUI thread.
+// What a user has chosen in a document in addition to its layers: the clip box of the view, and the selected points of
+// each tree. GUI thread.
 #pragma once
 
 #include "pcm/cloud/affine.h"
@@ -23,7 +23,7 @@ namespace pcm::host {
 // A box of any direction, in the coordinates of the document's scene (annotations.h).
 struct ClipBox {
     Vec3d centre{};
-    std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};  // of length 1, perpendicular
+    std::array<Vec3d, 3> axes{Vec3d{1, 0, 0}, Vec3d{0, 1, 0}, Vec3d{0, 0, 1}};  // unit vectors, perpendicular
     Vec3d half{1, 1, 1};                                                        // half sizes, source units, above 0
     bool outside = false;  // what lies in the box is hidden; else all that does not
     bool enabled = true;
@@ -49,7 +49,7 @@ public:
     // The selected points of the layer's tree; null: none, or the layer shows no tree, or another one than when they
     // were selected.
     std::shared_ptr<const PointSet> selection(const SceneLayer& layer) const;
-    // Replaces the selection; the former one can be had back. `words` say what was done: "polygon, 12,345 points".
+    // Replaces the selection; the former one can be restored. `words` describe what was done: "polygon, 12,345 points".
     void select(const SceneLayer& layer, std::shared_ptr<const PointSet> points, const QString& words);
     // The words of the step that undo() takes back, or redo() repeats; empty: there is none.
     QString undo_words(const SceneLayer& layer) const;

@@ -35,7 +35,7 @@ struct ShownClouds {
 
 // The nearest face of a layer that is drawn as a surface.
 struct Occluder {
-    double along = std::numeric_limits<double>::infinity();  // of the ray
+    double along = std::numeric_limits<double>::infinity();  // distance along the ray
     QString layer;                                           // its label
 };
 
@@ -55,10 +55,10 @@ public:
     virtual QWidget& widget() const = 0;
     virtual QMainWindow* window() const = 0;  // around the widget; null while it has none
     virtual QSize size() const = 0;           // Qt's pixels
-    virtual double pixel_ratio() const = 0;   // pixels of the screen, of which one of Qt's has so many along a side
-    virtual bool is_current() const = 0;      // of the views of its scene
+    virtual double pixel_ratio() const = 0;   // number of the screen's pixels along a side of one of Qt's pixels
+    virtual bool is_current() const = 0;      // whether it is the current view of its scene
     virtual bool is_shown(const SceneLayer& layer) const = 0;
-    virtual void update() = 0;  // asks for a new picture
+    virtual void update() = 0;  // schedules a new picture
 
     virtual ViewPose pose() const = 0;
     virtual void look_from(const ViewPose& pose) = 0;

@@ -10,7 +10,7 @@ namespace {
 
 const char* const colour_setting = "PointCloud/SelectedColour";
 
-// Read once: views ask in each frame.
+// Read once: views need it in each frame.
 std::optional<QColor>& kept_colour()
 {
     static std::optional<QColor> colour = [] {

@@ -25,7 +25,7 @@ public:
     virtual void store(const QString& name) = 0;  // the present value
     virtual void forget(const QString& name) = 0;
 
-    // A setting in a project file, and what such an element says; nothing where it is no setting.
+    // A setting in a project file, and the setting of such an element; nothing where it is not a setting.
     virtual QDomElement element_of(const QString& name, QDomDocument& document) const = 0;
     virtual std::optional<Parameter> parameter_of(const QDomElement& element) const = 0;
 

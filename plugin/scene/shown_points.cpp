@@ -15,7 +15,7 @@ std::vector<Condition> applicable(const std::vector<Condition>& where, const Sch
         try {
             Selector(one, schema);
             kept.push_back(condition);
-        } catch (const Error&) {  // views show all points then, and say so
+        } catch (const Error&) {  // views then show all points, and report it
         }
     }
     return kept;

@@ -10,7 +10,7 @@ namespace pcm::host {
 
 namespace {
 
-constexpr int most_digits = 15;  // of a double, that are exact
+constexpr int most_digits = 15;  // number of digits of a double that are exact
 constexpr double centre_part = 10;
 
 // Decimals; nothing where they would be no fewer digits than the value has.
@@ -41,7 +41,7 @@ QString decimal_text(double value, double step) { return QString::fromStdString(
 
 QString on_grid_text(double value, double step)
 {
-    constexpr double noise = 1e-6;  // of a step
+    constexpr double noise = 1e-6;  // share of a step
     constexpr int most_decimals = 17;
     const QString all = QString::fromStdString(exact(value));
     for (int decimals = 0; step > 0 && decimals < most_decimals; ++decimals) {

@@ -27,7 +27,7 @@ private:
 
 class TreeCache {
 public:
-    static constexpr std::uint64_t most_bytes = std::uint64_t(4) << 30;  // of all processes of the user
+    static constexpr std::uint64_t most_bytes = std::uint64_t(4) << 30;  // sum over all processes of the user
 
     // The user's. Never destroyed; its folder is removed when the program ends in order.
     static TreeCache& instance();

@@ -77,7 +77,8 @@ double ViewMap::pixel_size(const Vec3d& place) const
     const Matrix4d& p = camera_.projection;
     const Vec3d e = eye_space(place);
     const double w = std::fabs(p[3] * e[0] + p[7] * e[1] + p[11] * e[2] + p[15]);
-    const double scale = length(Vec3d{inverse_[0], inverse_[1], inverse_[2]});  // of the scene, per unit of the eye's
+    const double scale =
+        length(Vec3d{inverse_[0], inverse_[1], inverse_[2]});  // units of the scene per unit of the eye's
     return 2 * w * ratio_ / (camera_.height * std::fabs(p[5])) * scale;
 }
 

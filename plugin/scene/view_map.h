@@ -1,4 +1,4 @@
-// Between pixels of a view and places of its scene (scene/annotations.h), in double.
+// Conversion between pixels of a view and places of its scene (scene/annotations.h), in double.
 //
 // Pixels are Qt's: x to the right, y downwards, from the upper left corner of the view.
 #pragma once
@@ -13,7 +13,7 @@ namespace pcm::host {
 
 struct SceneRay {
     Vec3d from{};       // on the ray, in front of the near plane or in it
-    Vec3d direction{};  // of length 1, away from the eye
+    Vec3d direction{};  // unit vector, away from the eye
 };
 
 // Immutable; any number of threads.
@@ -34,7 +34,7 @@ public:
     std::array<double, 2> device(const QPointF& pixel) const;
     // The length that one pixel covers at a place.
     double pixel_size(const Vec3d& place) const;
-    // From the scene to the eye, of length 1.
+    // The unit vector from the scene to the eye.
     const Vec3d& back() const { return back_; }
     bool is_parallel() const { return camera_.projection[11] == 0; }
 
@@ -42,7 +42,7 @@ private:
     Vec3d eye_space(const Vec3d& place) const;
 
     Camera camera_;
-    Matrix4d inverse_{};  // of the modelview matrix
+    Matrix4d inverse_{};  // inverse of the modelview matrix
     double ratio_;
     Vec3d back_{};
 };

@@ -35,7 +35,7 @@ public:
     void start(Work work, Done done);
     // Its failure is Error(cancelled) then, unless it ends before it notices.
     void cancel() { cancelled_ = true; }
-    // Of the last work.
+    // Results of the last work.
     bool is_cancelled() const { return cancelled_; }
 
 signals:
@@ -50,9 +50,9 @@ private:
     QTimer timer_;  // while it works
     std::atomic<bool> cancelled_{false}, finished_{false};
     std::atomic<double> fraction_{0};
-    std::mutex mutex_;  // of stage_
+    std::mutex mutex_;  // guards stage_
     std::string stage_;
-    std::exception_ptr failure_;  // of the thread until it has finished
+    std::exception_ptr failure_;  // belongs to the thread until it has finished
 };
 
 }  // namespace pcm::host

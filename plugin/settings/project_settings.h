@@ -15,7 +15,7 @@
 namespace pcm::host {
 
 // The project `file`, as MeshLab has written it, with `settings` in place of those that it has.
-// Returns it unchanged if it is no project.
+// Returns it unchanged if it is not a project.
 QByteArray with_settings(const QByteArray& file, const SettingStore& settings);
 // Gives `settings` the values in the project `file`. Returns whether it has any.
 bool take_settings(const QByteArray& file, SettingStore& settings);

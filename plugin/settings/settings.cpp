@@ -31,7 +31,7 @@ const char* const upload_budget = "MeshLab::PointCloud::UploadBudget";
 const char* const l1_size = "MeshLab::PointCloud::VideoMemory";
 const char* const l2_size = "MeshLab::PointCloud::Memory";
 
-const QColor backgrounds[] = {Qt::black, QColor(64, 64, 64), Qt::white};  // of the choices after MeshLab's
+const QColor backgrounds[] = {Qt::black, QColor(64, 64, 64), Qt::white};  // backgrounds of the choices after MeshLab's
 const QStringList sample_counts{"1 (off)", "2", "4", "8"};
 
 // "a; b; or c" of their descriptions.
@@ -56,7 +56,7 @@ void add_style(Parameters& parameters)
     parameters.add({splat_mode, static_cast<int>(style.splats), "Splats",
                     "What a point is drawn as: " + descriptions_of(splat_modes(), "; ") +
                         ". A cloud without normals is shown with the most similar of these that "
-                        "needs none, and the log says so. Default: Fitted.",
+                        "needs none, and the log reports it. Default: Fitted.",
                     labels_of(splat_modes())});
     parameters.add({splat_size, style.point_size_px, "Splat size (px)",
                     "Side of the squares of one size, in pixels, from 1 to 256. Default 2."});

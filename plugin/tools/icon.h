@@ -9,7 +9,7 @@ namespace pcm::host {
 QIcon first_person_icon();
 // A point in a cross, between others.
 QIcon pick_point_icon();
-// A box, a part of whose points is grey.
+// A box; some of its points are grey.
 QIcon clip_box_icon();
 // A dashed rectangle around coloured points.
 QIcon select_points_icon();

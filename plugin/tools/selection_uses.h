@@ -9,13 +9,13 @@ namespace pcm::host {
 
 enum class SelectionUse {
     to_layer,  // a new tree, shown in a new layer
-    to_file,   // of any format
+    to_file,   // a file of any format
     remove,    // from the cloud: a copy without the points, or in place
     classify,
     save,  // as an attribute: 1 for selected points, 0 for others
 };
 
-// Asks what is to be known, does it (Esc cancels) and returns what was done, for the user; nothing where the user has
+// Asks for what is missing, does it (Esc cancels) and returns what was done, for the user; nothing where the user has
 // cancelled a question. Throws Error(invalid_argument) for a layer without selected points and for an ordinary layer,
 // whose points are MeshLab's, and what the functions of select/ throw.
 QString use_selected(SceneView& view, SceneLayer& layer, SelectionUse use);

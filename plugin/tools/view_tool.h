@@ -17,11 +17,11 @@ protected:
     explicit ViewTool(const char* name) : name_(name) {}
     // Takes the view. False, with a message, where it shows no cloud: the tool does not start.
     bool take_view(SceneView& view);
-    // Qt does not allow exceptions in event handlers: what the work throws is said.
+    // Qt does not allow exceptions in event handlers: what the work throws is shown as a message.
     void guarded(const std::function<void()>& work);
     // In the panel and in the scene's log; an empty text empties the panel's line alone.
     void say(const QString& text);
-    // Of an event filter of the view: the key that the window is about to take as a shortcut, while the tool works;
+    // For an event filter of the view: the key that the window is about to take as a shortcut, while the tool works;
     // accept() leaves it to the view. Null: it is another event.
     QKeyEvent* shortcut_of(QObject* receiver, QEvent* event) const;
     virtual void say_in_panel(const QString& text) = 0;

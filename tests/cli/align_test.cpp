@@ -112,7 +112,7 @@ TEST_F(AlignCommand, WithoutAnOutputOnlyTheMotionIsReported)
     EXPECT_TRUE(json["output"].is_null());
     EXPECT_NEAR(json["coordinate_error"].get<double>(), 0.25 * std::sqrt(2.0), 1e-9);
     EXPECT_EQ(json["scale"], 1);
-    // A point that is beside the cloud is named.
+    // A point outside of the cloud is named.
     const Json beside = json_of(command + " --pair 500030 4800030 400 500030 4800030 410");
     ASSERT_EQ(beside["notes"].size(), 2u) << beside["notes"];
     EXPECT_NE(beside["notes"][0].get<std::string>().find("pair 4: the nearest point of the moving cloud is"),

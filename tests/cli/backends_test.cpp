@@ -11,7 +11,7 @@ using BackendsTest = CommandTest;
 
 TEST_F(BackendsTest, HelpShowsWhatIsInstalledBesideTheCommand)
 {
-    // Somewhere else nothing is beside it.
+    // Elsewhere nothing is next to it.
     const fs::path alone = folder_ / "pcmlab";
     std::error_code other_disk;
     fs::create_hard_link(pcm::paths::command, alone, other_disk);

@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -108,7 +109,6 @@ TEST_F(CliTest, TheHelpListsTheCommandsAndEachHasItsOwn)
     std::set<std::string> names;
     while (std::getline(lines, line) && std::istringstream(line) >> name >> word) {
         EXPECT_TRUE(names.insert(name).second) << name << " is listed twice";
-        if (name == "render") continue;  // a program of its own, which may be missing
         const Result own = pcmlab(name + " --help");
         EXPECT_EQ(own.code, 0) << name;
         EXPECT_NE(own.out.find("Usage: pcmlab " + name), std::string::npos) << own.out;
@@ -116,6 +116,32 @@ TEST_F(CliTest, TheHelpListsTheCommandsAndEachHasItsOwn)
     for (const char* expected : {"build", "convert", "info", "verify", "append", "compact", "delete", "repair", "query",
                                  "set", "transform", "align", "render", "generate"})
         EXPECT_EQ(names.count(expected), 1u) << expected << " is missing in\n" << help.out;
+}
+
+// For programs, man(1) and shells, made from the same rows.
+TEST_F(CliTest, UsageForProgramsHasTheArgumentsOfEveryCommand)
+{
+    const Json all = Json::parse(pcmlab("help --json").out)["commands"];
+    const std::string completion = pcmlab("help --completion bash").out;
+    ASSERT_GT(all.size(), 20u);
+    for (const Json& command : all) {
+        const std::string name = command["name"];
+        EXPECT_EQ(Json::parse(pcmlab("help --json " + name).out), command);
+        EXPECT_FALSE(command["arguments"].empty()) << name;
+        EXPECT_NE(pcmlab("help --man " + name).out.find(".SH OPTIONS\n.TP"), std::string::npos) << name;
+        EXPECT_NE(completion.find(name + ") words='--help --json --quiet --"), std::string::npos) << name;
+    }
+    const Json render = Json::parse(pcmlab("help --json render").out);
+    std::map<std::string, Json> arguments;
+    for (const Json& argument : render["arguments"]) arguments[argument["key"]] = argument;
+    EXPECT_EQ(arguments["splats"]["default"], "fitted");
+    EXPECT_GE(arguments["splats"]["choices"].size(), 5u);
+    EXPECT_EQ(arguments["gamma"]["least"], 0.1);
+    EXPECT_EQ(arguments["colour"]["option"], "--colour,--color");
+    EXPECT_EQ(arguments["l1"]["default"], "512M");
+    EXPECT_NE(completion.find("--eye-dome"), std::string::npos);
+    EXPECT_EQ(pcmlab("help --json nothing").code, 2);
+    EXPECT_EQ(pcmlab("help --completion fish").code, 2);
 }
 
 TEST_F(CliTest, ConvertTakesARegionOfFilesAndTreesAlike)

@@ -160,7 +160,7 @@ TEST_F(DamageTest, RepairNamesAForeignDataFileAndTheWayOut)
     // Or the tree's own is put back.
     restore();
     EXPECT_EQ(pcmlab("verify " + tree).code, 0);
-    // Behind the tree's own files: it stays, and is said.
+    // A file after the tree's own: it is kept, and reported.
     fs::copy_file(other, tree_ / "chunks-003.bpc");
     const Result repaired = pcmlab("repair " + tree);
     EXPECT_EQ(repaired.code, 3);

@@ -72,7 +72,7 @@ TEST_F(Faults, FullDiskAndBadDiskAreReportedAndLeaveNothing)
     }
 }
 
-// The last call makes the new name durable. The file is there, and the command says so.
+// The last call makes the new name durable. The file is there, and the command reports it.
 TEST_F(Faults, AFileThatMayNotLastIsReported)
 {
     const long calls = count_calls(convert(), folder_ / "out");

@@ -76,7 +76,7 @@ TEST_F(FitCommand, ClickOnAPipeAndGetThePipe)
     EXPECT_FALSE(std::regex_search(text.out, std::regex("\\.[0-9]{9}"))) << text.out;
 }
 
-// Of all kinds those that PCL has are fitted.
+// With all kinds, those that PCL has are fitted.
 // Not under the address sanitizer: starts many commands, whose work other tests check.
 TEST_F(FitCommand, PCM_NOT_UNDER_ADDRESS(IsTheSameWithAllVectorInstructions))
 {
@@ -151,7 +151,7 @@ TEST_F(FitCommand, WhatMakesNoSenseIsRefused)
     // Before the tree is opened.
     const Result result = pcmlab("fit " + path("nowhere.pct") + " " + at_ + "--add list.txt");
     EXPECT_NE(result.err.find(".json"), std::string::npos) << result.err;
-    refused(at_ + "--not-at '2 -39.75 10'", 1, "beside it");
+    refused(at_ + "--not-at '2 -39.75 10'", 1, "was given as one of the surface");
 }
 
 // A refusal is a result: printed, with the exit code of a failure, and nothing is done.
@@ -183,7 +183,7 @@ TEST_F(FitCommand, PCM_NOT_UNDER_ADDRESS(AddsToAList))
     EXPECT_EQ(json["primitives"][1]["name"], "Floor");
     for (int i = 0; i < 3; ++i)
         EXPECT_NE(json["primitives"][i]["colour"], json["primitives"][(i + 1) % 3]["colour"]) << i;
-    // What is no list stays as it is.
+    // What is not a list is not changed.
     std::ofstream(folder_ / "other.json") << "{}";
     refused(at_ + "--add " + path("other.json"), 1, "other.json");
     std::ifstream other(folder_ / "other.json");

@@ -82,7 +82,7 @@ TEST_F(MeasureCommands, WhatMakesNoSenseIsRefused)
     expect_refused("measure angle -p 1 2 3 1 2 3 4 5 6", 1, "first point");
     expect_refused("measure area -p 0 0 0 4 4 0 4 0 0 0 3 0", 1, "crosses");
     expect_refused("measure distance -p 0 0 0 1 1 1 --surface 'sphere 0 0 0 1'", 2, "--surface");
-    expect_refused("measure surface -p 0 0 0 --surface 'cube 1'", 1, "is no shape");
+    expect_refused("measure surface -p 0 0 0 --surface 'cube 1'", 1, "is not a shape");
     expect_refused("measure --list " + path("none.json"), 1, "none.json");
     std::ofstream(folder_ / "x.csv") << "precious";
     expect_refused("measure distance -p 0 0 0 1 1 1 -o " + path("x.csv"), 1, "exists already");

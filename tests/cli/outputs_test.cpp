@@ -38,7 +38,8 @@ protected:
         return found;
     }
 
-    // With every fault at many calls: all outputs are the new ones (the command says so), or everything is as before.
+    // With every fault at many calls: all outputs are the new ones (the command reports it), or everything is as
+    // before.
     void expect_all_or_none(const std::vector<std::string>& command, const std::map<std::string, std::string>& before)
     {
         const auto prepare = [&] {

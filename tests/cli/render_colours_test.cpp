@@ -31,7 +31,7 @@ protected:
         PCM_REQUIRE_DRAWING(tried);
         ASSERT_EQ(tried.code, 0) << tried.err;
     }
-    // Of the only cloud in a picture.
+    // What is reported about the only cloud in a picture.
     Json drawn(const std::string& options)
     {
         const Result result = pcmlab("render --json --overwrite --size 640x360 " + path("in.pct") + " -o " +

@@ -1,5 +1,6 @@
 // pcmlab render as a user meets it: pictures, JSON, exit codes.
 
+#include "tests/answer_faults.h"
 #include "tests/cli/command.h"
 #include "tests/paths.h"
 #include "tests/sanitizers.h"
@@ -25,12 +26,17 @@ class RenderWithout : public CommandTest {};
 TEST_F(RenderWithout, PCM_NOT_UNDER_ADDRESS(PcmlabSaysWhatIsMissing))
 {
     fs::copy_file(pcm::paths::command, folder_ / "pcmlab");
-    const std::string command = path("pcmlab") + " render a.pct -o a.png 2>" + path("said.txt");
+    const std::string command = path("pcmlab") + " render a.pct -o a.png 2>" + path("message.txt");
     EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
-    const std::string said = bytes_of(folder_ / "said.txt");
-    EXPECT_NE(said.find((folder_ / "pcmlab-render").string()), std::string::npos) << said;
-    EXPECT_NE(said.find("is missing"), std::string::npos) << said;
+    const std::string message = bytes_of(folder_ / "message.txt");
+    EXPECT_NE(message.find((folder_ / "pcmlab-render").string()), std::string::npos) << message;
+    EXPECT_NE(message.find("is missing"), std::string::npos) << message;
     EXPECT_NE(pcmlab("--help").out.find("render"), std::string::npos);
+    // What needs no OpenGL does not start it.
+    EXPECT_EQ(std::system((path("pcmlab") + " render --help >" + path("help.txt")).c_str()), 0);
+    EXPECT_NE(bytes_of(folder_ / "help.txt").find("--eye-dome"), std::string::npos);
+    const std::string wrong = path("pcmlab") + " render a.pct -o a.png --converge 0 2>" + path("message.txt");
+    EXPECT_EQ(WEXITSTATUS(std::system(wrong.c_str())), 2);
 }
 
 TEST_F(RenderWithout, PCM_NOT_UNDER_ADDRESS(PcmlabItselfNeedsNoOpenGL))
@@ -88,6 +94,10 @@ TEST_F(Render, PCM_NOT_UNDER_ADDRESS(TheWholeCloudInFull))
     EXPECT_GE(drawn["uploaded_bytes"], 20000 * 12);
     EXPECT_GT(drawn["ms"], 0);
     EXPECT_EQ(drawn["file"], (folder_ / "a.png").string());
+    EXPECT_EQ(pcm::test::faults_of_answer(*pcm::ops::find_operation("render"), pcm::ops::Json::parse(json.dump())), "");
+    EXPECT_EQ(json["points"], 20000);
+    EXPECT_EQ(json["points_in"], 20000);
+    EXPECT_EQ(json["output"], (folder_ / "a.png").string());
     EXPECT_FALSE(json["drawn_with"].get<std::string>().empty());
     const Image image = picture("a.png");
     EXPECT_EQ(image.width, 160);
@@ -358,6 +368,8 @@ TEST_F(Render, RefusesWithTheReason)
     refused(in + out + "--eye 1 2", 2, "--eye");
     refused(in + out + "--eye 1 2 3 --target 1 2 3", 1, "'eye'");
     refused(in + out + "--angle 50 --height 3", 2, "leave out --angle");
+    refused(in + out + "--path " + path("none.json") + " --up 0 0 1", 2, "leave out --eye");
+    refused(in + out + "--discs --splats fitted", 2, "--splats");
     refused(in + out + "--path " + path("none.json"), 1, "none.json");
     refused(path("none.pct") + out, 1, "none.pct");
     refused(in + in + out, 1, "twice");
@@ -383,7 +395,8 @@ TEST_F(Render, ADamagedTreeGivesNoPicture)
     EXPECT_FALSE(fs::exists(folder_ / "a.png"));
 }
 
-// A cloud of any unit is drawn as the same one in metres, or it is said why not: never an empty picture of every point.
+// A cloud of any unit is drawn as the same one in metres, or refused with the reason: never an empty picture of every
+// point.
 TEST_F(Render, PCM_NOT_UNDER_ADDRESS(CloudsOfAnyUnit))
 {
     std::size_t usual = 0;

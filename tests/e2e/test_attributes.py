@@ -142,7 +142,7 @@ class Attributes(MeshLabTest):
         self.assertGreater(different(radii_alone, discs), 0.02)
         self.assertGood(tree, 20000, "radius", "normal")
         cameras = run.cameras()
-        for later in ("first", "second"):  # the view stays what it was
+        for later in ("first", "second"):  # the view is not changed
             self.assertEqual({**cameras[later], "name": ""}, {**cameras["before"], "name": ""})
         settings = run.parameters()
         self.assertEqual(settings["radii"]["Splats"], 4)  # fitted to the surface

@@ -71,7 +71,7 @@ class Colours(MeshLabTest):
         self.assertEqual(legends["condition"], ["Classification", "5  high vegetation"])
         self.assertEqual(legends["hidden"], ["Classification", "2  ground (hidden)", "5  high vegetation", "7  low point (noise) (hidden)"])
         self.assertEqual(legends["all"], classes)
-        self.assertEqual(legends["wrong"], classes)  # what cannot be read has no effect, and the log says so
+        self.assertEqual(legends["wrong"], classes)  # what cannot be read has no effect, and the log reports it
         self.assertIn("condition 'z'", re.search(r"driver: log (.*)", run.text)[1])
         self.assertEqual(legends["none"], [])
         picture = {name: self.result(name + ".png") for name in names}

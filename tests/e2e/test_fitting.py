@@ -249,7 +249,7 @@ class Fitting(MeshLabTest):
             print-label {MESSAGE}
             modifiers Shift
             click 0.3 0.5
-            wait-label {MESSAGE} there is no shape yet
+            wait-label {MESSAGE} no shape yet
             modifiers none
             field PointCloudFitShape = Sphere
             click-place {floor}

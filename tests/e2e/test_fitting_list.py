@@ -104,7 +104,7 @@ class FittingList(FittingTest):
         self.assertEqual(files["again-coloured"], files["coloured"])
 
     def test_alt_and_shift_take_away(self):
-        """The floor beside the pipe's foot: with a place on the floor taken away, by either key, the same shape."""
+        """The floor next to the pipe's foot: with a place on the floor taken away, by either key, the same shape."""
         tree = pipe_on_a_floor(self.folder)
         run = self.gui(f"""
             {self.start(tree)}
@@ -151,7 +151,7 @@ class FittingList(FittingTest):
 class MovedClouds(FittingTest):
     """Two clouds whose layers have matrices: fitted, exported, saved and reopened."""
 
-    # Up by two, and a quarter turn about z beside it.
+    # Up by two, and in addition a quarter turn about z.
     MATRICES = ("move-layer 0 0 0 2", "layer-matrix 1 0 -1 0 -11 1 0 0 0 0 0 1 0 0 0 0 1")
 
     def points_to(self, name):

@@ -242,7 +242,7 @@ class Measuring(MeshLabTest):
         self.assertGreater(different(pictures["all"], pictures["close"]), 0.1)
 
     def test_what_is_clicked_wrongly_changes_nothing(self):
-        """Beside the cloud, too few points, Backspace, Esc; dragging and the wheel move the camera."""
+        """Clicks next to the cloud, too few points, Backspace, Esc; dragging and the wheel move the camera."""
         tree = self.tree("las/autzen_trim.laz")
         run = self.gui(f"""
             {self.start(tree)}

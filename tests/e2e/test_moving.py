@@ -30,7 +30,7 @@ def distance(p, q):
 class AlignByPicks(MeshLabTest):
     """Two halves of a real scan, one of them turned by a known motion."""
 
-    # The right half is turned about the vertical axis, tilted, and shifted beside the other.
+    # The right half is turned about the vertical axis, tilted, and shifted next to the other.
     TURN = ["--rotate", 0.1, 0.05, 1, 20, "--translate", 150, 700, 25, "--pivot", 636590, 849216, 450]
 
     def halves(self):

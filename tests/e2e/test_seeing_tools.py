@@ -1,4 +1,4 @@
-"""What tools make visible: the clip box, and what a map has beside its content."""
+"""What tools make visible: the clip box, and what a map has in addition to its content."""
 
 import re
 import shutil
@@ -70,7 +70,7 @@ class SeeingTools(MeshLabTest):
         self.assertEqual(pcmlab("info", written)["points"], inside)
         self.assertGreater(inside, 40000)
         self.assertLess(inside, 160000)
-        # Points beside the border are counted in groups.
+        # Points next to the border are counted in groups.
         self.assertEqual(self.points_in(run, pictures["all"]), 200000)
         for name, points in (("inside", inside), ("outside", 200000 - inside)):
             shown = self.points_in(run, pictures[name])

@@ -208,7 +208,7 @@ class Selecting(MeshLabTest):
             print-label PointCloudSelectMessage
             set Grow distance = none
             click 0.35 0.49
-            wait-label PointCloudSelectMessage is no grow distance
+            wait-label PointCloudSelectMessage is not a grow distance
             press Panel defaults
             set Select by = Brush
             press Select none
@@ -270,7 +270,7 @@ class Selecting(MeshLabTest):
             {shown}
             screen {self.result("typed.png")}
             set Size x = nothing
-            wait-label PointCloudClipBoxMessage is no size
+            wait-label PointCloudClipBoxMessage is not a size
             print-field Size x
             key-in PointCloudClipBoxAxis Ctrl+Z
             print-field Turn

@@ -10,7 +10,7 @@ class Smoothing(MeshLabTest):
     smooth = True
 
     def test_a_view_at_rest_becomes_smooth(self):
-        """By default, and said; snapshots are as smooth, those in tiles too; a view that moves is not, and off is off."""
+        """By default, and reported; snapshots are as smooth, those in tiles too; a view that moves is not, and off is off."""
         pcmlab("generate", "-n", 100000, "--no-truth", "--seed", 5, self.folder / "scene.las")
         tree = self.folder / "scene.pct"
         pcmlab("build", self.folder / "scene.las", "-o", tree)

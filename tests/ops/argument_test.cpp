@@ -202,7 +202,7 @@ TEST(Argument, LabelsAreTheKeyInWordsWhereNothingElseIsSaid)
     EXPECT_EQ(argument.label("Angle").label(), "Angle");
 }
 
-// The command said 20 degrees and used 0.35, which is 20.05.
+// The command once showed 20 degrees and used 0.35, which is 20.05.
 TEST(Argument, DetectUsesTheAngleThatItStates)
 {
     const auto detect = find_operation("detect")->make();

@@ -1,4 +1,4 @@
-// Words behind options: which are taken, and what is said of the others.
+// Words behind options: which are accepted, and the messages for the others.
 
 #include "pcm/ops/values.h"
 

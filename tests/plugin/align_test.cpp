@@ -185,7 +185,7 @@ TEST_F(AlignInMeshLab, ALockedLayerKeepsItsMatrixAndItsPoints)
     EXPECT_FALSE(call.apply());
     EXPECT_NE(call.log().find("shows this tree and is locked"), std::string::npos) << call.log();
     EXPECT_EQ(PointCloud::open(tree_)->info().points, 5000u);
-    FilterCall current("Delete Points of Point Cloud Tree");  // of another document: nothing is locked there
+    FilterCall current("Delete Points of Point Cloud Tree");  // in another document: nothing is locked there
     EXPECT_NO_THROW(refuse_locked(scene_of(current.document), tree_));
     matrices.lock(layer_of(*layer), false);
     EXPECT_NO_THROW(matrices.undo(layer_of(*layer)));

@@ -1,4 +1,4 @@
-// What is said about an operation that was cancelled.
+// The messages about an operation that was cancelled.
 #include "plugin/panels/cancelled.h"
 
 #include "pcm/system/error.h"

@@ -188,7 +188,7 @@ TEST(ClipHistory, ChangesAreTakenBackAndRepeated)
     history.show(b);  // while it is dragged
     history.show(c);
     history.keep(c);
-    state.set_clip(b);  // by somebody else
+    state.set_clip(b);  // another tool sets it
     history.keep(b);    // the same: no step
     history.undo();
     EXPECT_TRUE(same(state.clip(), c));

@@ -85,7 +85,7 @@ CoordinateSystem projected(double plan, double up)
 TEST(LengthUnits, AreSaidWhereTheyMeanSomething)
 {
     EXPECT_EQ(common_unit({}).symbol, "");
-    MeshDocument document;  // whose clouds state none
+    MeshDocument document;  // its clouds state none
     EXPECT_EQ(length_unit_of(scene_of(document)).symbol, "");
     choose_unit(scene_of(document), "ft");
     EXPECT_EQ(length_unit_of(scene_of(document)).symbol, "ft");

@@ -25,7 +25,7 @@ TEST(PickedText, TheLogHasTheDecimalsOfTheFile)
     picked.position = picked.shown_at = {636533.56, 849214.4400000001, 427.2};
     picked.position_text = {"636533.56", "849214.44", "427.2"};
     EXPECT_EQ(logged_text(lines_of(picked, "scan")), "636533.56 849214.44 427.2, scan");
-    picked.position_text = {};  // of doubles
+    picked.position_text = {};  // coordinates are doubles
     EXPECT_EQ(logged_text(lines_of(picked, "scan")), "636533.56 849214.4400000001 427.2, scan");
 }
 

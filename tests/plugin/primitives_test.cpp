@@ -1,4 +1,4 @@
-// Primitives of a document: the list, what is drawn and said of them, the settings of the tool, and the filters.
+// Primitives of a document: the list, their drawing and labels, the settings of the tool, and the filters.
 #include "plugin/meshlab/2020/document_scene.h"
 #include "plugin/tools/fit/fit_settings.h"
 
@@ -64,7 +64,7 @@ TEST(DrawnPrimitives, AreMovedWithTheirLayer)
     }
     EXPECT_EQ(there.front().label, "pipe");
     const auto& places = there.front().line;
-    EXPECT_NE(std::find(places.begin(), places.end(), there.front().label_at), places.end()) << "beside the shape";
+    EXPECT_NE(std::find(places.begin(), places.end(), there.front().label_at), places.end()) << "next to the shape";
     EXPECT_NEAR(box_of(there).extent(0), 4, 0.02);
     EXPECT_NEAR(box_of(there).extent(2), 11, 1e-6);  // the axis is longer by a twentieth at either end
 }
@@ -269,7 +269,7 @@ TEST_F(PrimitiveBooks, HowTheirPointsWereReachedIsKept)
     EXPECT_TRUE(back->limit.clips[2].outside && !back->limit.clips[0].outside);
     ASSERT_EQ(back->limit.where.size(), 1u);
     EXPECT_EQ(back->limit.where[0].text, from.limit.where[0].text);
-    // Of primitives that the list has no more nothing is kept, nor of very many seeds.
+    // Nothing is kept for primitives that are no longer in the list, nor for very many seeds.
     book().change([](PrimitiveList& list) { list.clear(); });
     EXPECT_TRUE(book().reached_text().isEmpty());
     from.seeds.assign(20001, far_away);

@@ -1,4 +1,4 @@
-// What a document has beside layers, in project files.
+// What a document has in addition to layers, in project files.
 #include "plugin/scene/project_parts.h"
 #include "plugin/meshlab/2020/document_scene.h"
 

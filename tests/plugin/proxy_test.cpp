@@ -70,7 +70,7 @@ TEST(Proxy, ColoursAreEightOrSixteenBitsOrIntensity)
     EXPECT_EQ(eight.points[0].colour[0], 200);
     EXPECT_EQ(sixteen.points[0].colour[0], 200);
     EXPECT_TRUE(eight.has_rgb);
-    // Black throughout is no colour: intensity shows.
+    // Black everywhere does not count as colour: the intensity shows.
     EXPECT_FALSE(none.has_rgb);
     int brightest = 0;
     for (const ProxyPoint& point : none.points) {

@@ -16,7 +16,7 @@ TEST(DefaultWidth, FromTheLineThePictureAndTheMedianOfTheSpacings)
     // A roof of a drone's cloud, points 1.25 m apart, across 14.5 m: not the 12.5 m of ten spacings.
     EXPECT_EQ(default_width({14.5, 0.02, {1.254138708114624, 1.1}}), 2);
     EXPECT_EQ(default_width({500, 0.5, {1.254, 1.1}}), 10);
-    // One click beside the surface, where points are far apart, does not decide.
+    // One click next to the surface, where points are far apart, does not decide.
     EXPECT_EQ(default_width({100, 0.001, {0.05, 9, 0.06}}), 0.5);
     EXPECT_EQ(default_width({100, 0.5, {0.01}}), 2);       // no narrower than three pixels
     EXPECT_EQ(default_width({15.8, 1.5, {0.7, 0.7}}), 2);  // three pixels are a third of this line

@@ -112,7 +112,7 @@ TEST(ScreenShape, ACircleHasItsRadius)
 {
     const QPointF centre(120.5, 80);
     const ScreenShape circle = circle_of(centre, 15);
-    EXPECT_LT(15 * (1 - std::cos(pi / double(circle.size()))), 0.26);  // pixels beside the circle
+    EXPECT_LT(15 * (1 - std::cos(pi / double(circle.size()))), 0.26);  // pixels off the circle
     QPointF middle;
     for (const QPointF& corner : circle) {
         EXPECT_NEAR(std::hypot(corner.x() - centre.x(), corner.y() - centre.y()), 15, 1e-12);

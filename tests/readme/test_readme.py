@@ -53,6 +53,25 @@ class Readme(unittest.TestCase):
             self.assertTrue((pathlib.Path(folder) / "tour0002.png").is_file())
             self.check_tutorial(pathlib.Path(folder))
 
+    def test_the_lines_of_python_work(self):
+        module = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "python"
+        if not module.is_dir():
+            self.skipTest("the Python module is not built")
+        blocks = re.findall(r"^```python\n(.*?)^```", (SOURCE / "README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+        self.assertTrue(blocks)
+        pythons = [python for python in ("python3", os.environ.get("PCM_TEST_PYTHON", "")) if python and subprocess.run(
+            [python, "-c", "import numpy"], stderr=subprocess.DEVNULL, check=False).returncode == 0]
+        if not pythons:
+            self.skipTest("no Python here has numpy")
+        with tempfile.TemporaryDirectory() as folder:
+            for i in (1, 2):
+                self.run_in(folder, f"pcmlab generate --points 100000 --seed {i} scan{i}.las")
+            for block in blocks:
+                result = subprocess.run([pythons[0], "-c", block], cwd=folder, env=dict(os.environ, PYTHONPATH=str(module)),
+                                        capture_output=True, text=True, check=False)
+                self.assertEqual(result.returncode, 0, result.stdout + result.stderr)
+                self.assertRegex(result.stdout, r"(?s)^[1-9]\d* 9\d\.\d+ uint16.*Remove or label points")
+
     def check_tutorial(self, folder):
         """What the way from a scan to a drawing ends with is what was generated, within four standard deviations."""
         truth = json.loads((folder / "plant.truth.json").read_text(encoding="utf-8"))["primitives"]

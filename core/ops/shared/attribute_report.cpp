@@ -28,7 +28,7 @@ std::vector<ResultKey> with_report_keys(std::vector<ResultKey> keys)
     const std::vector<ResultKey> common{
         {"level", "count?", "", "level whose points were computed; null: all points, exactly"},
         {"points_checked", "count", "points", "points compared with the exact answer"},
-        {"errors", "list", "", "of each attribute: of, unit, median, p95, p95_interval"}};
+        {"errors", "list", "", "for each attribute: of, unit, median, p95, p95_interval"}};
     keys.insert(keys.begin(), common.begin(), common.end());
     return keys;
 }
@@ -38,7 +38,8 @@ std::vector<ResultKey> attribute_keys()
     return with_report_keys({{"points_computed", "count", "points", "the others took a neighbour's values"},
                              {"used_known_normals", "flag", "", "radii were measured across normals that the tree had"},
                              {"radii_limited", "count?", "points", "radii that the limit made smaller"},
-                             {"confidence", "object?", "points", "by normal: line, blob, too_few, two_surfaces"},
+                             {"confidence", "object?", "points",
+                              "number of points for each verdict on a normal: line, blob, too_few, two_surfaces"},
                              {"flipped", "count?", "points", "normals that the orientation turned around"}});
 }
 
@@ -62,7 +63,7 @@ void put_attribute_report(Result& result, const WantedValues& wanted, const Neig
         result.line("neighbours on a line: " + grouped(report.lines) + " points; in a blob: " + grouped(report.blobs) +
                     "; too few: " + grouped(report.too_few) + "; on two surfaces: " + grouped(report.two_surfaces));
     if (report.limited)
-        result.line(grouped(report.limited) + " points stand alone: their radii are those of their surroundings");
+        result.line(grouped(report.limited) + " points are isolated: their radii are those of their surroundings");
     if (report.used_known_normals) result.line("radii were measured across the normals that the tree has");
 }
 

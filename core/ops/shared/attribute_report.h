@@ -1,4 +1,4 @@
-// What operations report that compute from neighbours, and the choice of their backend.
+// What operations that compute from neighbours report, and the choice of their backend.
 #pragma once
 
 #include "pcm/filter/filter_report.h"

@@ -15,7 +15,7 @@ namespace pcm::ops {
 struct PictureSize {
     int width = 0, height = 0;
 };
-// Of "WIDTHxHEIGHT". Throws Error(invalid_argument).
+// Parses "WIDTHxHEIGHT". Throws Error(invalid_argument).
 PictureSize parse_size(const std::string& text);
 
 // eye, target, up, angle, orthographic, height.
@@ -26,10 +26,9 @@ struct CameraArguments {
 
     void declare(Arguments& arguments, const std::string& group);
     bool given() const { return !eye.empty() || !target.empty() || !up.empty() || angle || height || orthographic; }
-    // Without a camera, the first view of the clouds, as in a window (view/first_view.h). Else what is not given is as
-    // in an oblique view of the whole box. Throws ArgumentError for an angle of a parallel projection,
-    // Error(invalid_argument), and what reading a sample of the clouds
-    // throws.
+    // Without a camera, the first view of the clouds, as in a window (view/first_view.h). Otherwise what is not
+    // given is as in an oblique view of the whole box. Throws ArgumentError for an angle of a parallel projection,
+    // Error(invalid_argument), and what reading a sample of the clouds throws.
     CameraFrame frame(const std::vector<std::shared_ptr<PointCloud>>& clouds, const Box3d& box, PictureSize size) const;
 };
 

@@ -1,4 +1,4 @@
-// What operations share that measure: points in arguments, values as text and JSON, files of measures.
+// What operations that measure share: points in arguments, values as text and JSON, files of measures.
 #pragma once
 
 #include "pcm/measure/measure_export.h"

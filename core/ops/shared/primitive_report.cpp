@@ -96,7 +96,7 @@ Json json_of(const Primitive& primitive)
 
 namespace {
 
-// Empty for a file that is not there.
+// Empty for a file that does not exist.
 std::vector<Primitive> read_list(const std::filesystem::path& file)
 {
     if (lower_extension(file) != ".json")

@@ -16,8 +16,8 @@ void put_lines(Result& result, const Primitive& primitive);
 // The area of a plane with an outline: "52.1 +- 3.2 in the concave outline of its points".
 std::string area_text(const Primitive& primitive);
 
-// Throws Error(invalid_argument) unless the file's name ends in .json, and what read_primitives() throws for one that
-// is there and no list: before the work, not after it.
+// Throws Error(invalid_argument) unless the file's name ends in .json, and what read_primitives() throws for an
+// existing file that is not a list: before the work, not after it.
 void check_list(const std::filesystem::path& file);
 // Writes the list with the primitive added, which gets a colour, and a name unless it has one; a list that does not
 // exist is made. Processes that add to one list at once wait for each other (system/update_file.h). Throws what

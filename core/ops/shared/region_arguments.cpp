@@ -68,20 +68,22 @@ void RegionArguments::declare_limits(Arguments& arguments, const std::string& gr
         .group(group)
         .label("Clip")
         .advanced()
-        .help("Of these, only points in this region, such as \"box 0 0 0 9 9 9\"; of several clips, all must hold");
+        .help(
+            "Only points in this region, such as \"box 0 0 0 9 9 9\" or \"sphere 1 2 3 0.5\"; of several clips, all "
+            "must hold");
     arguments.add("clip_outside", clips_outside_)
         .as(ValueKind::texts)
         .group(group)
         .label("Clip outside")
         .advanced()
-        .help("Of these, only points that are not in this region; several are possible");
+        .help("Only points that are not in this region; may be given several times");
     arguments.add("where", where_)
         .as(ValueKind::texts)
         .group(group)
         .label("Where")
         .help(
-            "Points that satisfy a condition, such as classification=2,6 or \"intensity>=100\" or gps_time=100..200 or "
-            "rgb[0]!=0; of several conditions, all");
+            "Points that satisfy a condition, such as classification=2,6 or \"intensity>=100\" or z=100.. or "
+            "gps_time=100..200 or rgb[0]!=0; of several conditions, all");
 }
 
 Selection RegionArguments::get() const

@@ -46,8 +46,8 @@ struct NewCloudArguments {
 // constructor in a scratch folder next to the output (system/scratch_folder.h), and removed by the destructor.
 class Sources {
 public:
-    // `choice`: where the result goes; `sampling`: of a temporary tree. Throws what open_cloud() and build_tree()
-    // throw, and ArgumentError for a change in place of files.
+    // `choice`: where the result goes; `sampling`: the sampling of a temporary tree. Throws what open_cloud() and
+    // build_tree() throw, and ArgumentError for a change in place of files.
     Sources(const ResultArguments& arguments, const TargetChoice& choice, Sampling sampling,
             const ProgressFunction& progress);
     ~Sources();
@@ -78,7 +78,7 @@ private:
     std::filesystem::path path_;
     std::vector<std::string> notes_;
     std::string inputs_;                      // for users
-    std::unique_ptr<ScratchFolder> scratch_;  // of a temporary tree
+    std::unique_ptr<ScratchFolder> scratch_;  // the folder of a temporary tree
 };
 
 }  // namespace pcm::ops

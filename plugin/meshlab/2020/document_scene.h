@@ -10,15 +10,15 @@ class QMainWindow;
 
 namespace pcm::host {
 
-// Made when it is asked for first; it lives as long as the document.
+// Made at the first request; it lives as long as the document.
 Scene& scene_of(const MeshDocument& document);
 MeshDocument& document_of(const Scene& scene);
 
-// Of the layer's document.
+// The scene of the layer's document.
 SceneLayer& layer_of(const MeshModel& model);
 MeshModel& model_of(const SceneLayer& layer);
 
-// Made when it is asked for first; it lives as long as the area.
+// Made at the first request; it lives as long as the area.
 SceneView& view_of(GLArea& area);
 GLArea& area_of(const SceneView& view);
 

@@ -2,7 +2,7 @@
 //
 // A layer whose vertices are the cloud (a small file, the result of a filter) gets a drawn copy: a tree of its vertices
 // in the cache folder (tree_cache.h), which only views use. For MeshLab's filters, for saving and for scripts the layer
-// stays what it is. When its vertices change, views show MeshLab's own drawing until there is a new copy.
+// is not changed. When its vertices change, views show MeshLab's own drawing until there is a new copy.
 #pragma once
 
 #include "pcm/system/progress.h"

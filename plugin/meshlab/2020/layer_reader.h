@@ -62,7 +62,7 @@ private:
     const KeptVertex* kept_ = nullptr;
     Vec3d origin_{};
     FileInfo info_;
-    std::optional<Grid> source_grid_;    // of the file that the layer came from
+    std::optional<Grid> source_grid_;    // the grid of the file that the layer came from
     std::vector<std::size_t> vertices_;  // indices of the vertices to read
     std::vector<Field> fields_;
     std::uint64_t moved_ = 0;

@@ -29,10 +29,10 @@ struct AttributePlace {
     // the others hold raw numbers that float would round.
     enum class Held { value, f64, i64, u64 };
     struct Component {
-        std::string name;  // of the per-vertex attribute
+        std::string name;  // name of the per-vertex attribute
         Held held = Held::value;
     };
-    std::vector<Component> components;  // of Kind::custom
+    std::vector<Component> components;  // for Kind::custom
 };
 
 struct LayerSource {

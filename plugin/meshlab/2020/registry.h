@@ -34,7 +34,7 @@ struct TreeLayer : LayerCloud {
     // MeshLab's vertices when the tree was attached.
     LayerState state;
     std::shared_ptr<const Proxy> sample;  // null for a drawn copy
-    LayerState glance;                    // of a drawn copy: a part of its vertices
+    LayerState glance;                    // for a drawn copy: a part of its vertices
 };
 
 class Registry : public QObject {

@@ -22,9 +22,9 @@ struct SampleChange {
         other,
     } kind = Kind::none;
     std::string text;                    // what a user did: "5,506 of 48,947 vertices were deleted"
-    std::array<Vec3d, 3> linear{};       // of `moved`: position -> linear * position + shift, in MeshLab's coordinates
-    Vec3d shift{};                       // of `moved`
-    std::vector<std::uint32_t> deleted;  // of `deleted`: indices in the sample, ascending
+    std::array<Vec3d, 3> linear{};       // for `moved`: position -> linear * position + shift, in MeshLab's coordinates
+    Vec3d shift{};                       // for `moved`
+    std::vector<std::uint32_t> deleted;  // for `deleted`: indices in the sample, ascending
 };
 
 // The difference between the layer's vertices and its sample. Exact for deleted vertices; a matrix is found if all

@@ -18,7 +18,7 @@ double camera_distance(float fov)
 
 using Rows = std::array<Vec3d, 3>;
 
-// Of a quaternion (w, x, y, z) of any length.
+// The rotation of a quaternion (w, x, y, z) of any length.
 Rows rotation_of(const std::array<double, 4>& q)
 {
     double square = 0;

@@ -23,7 +23,7 @@ namespace {
 const char* const object_name = "PointCloudsDock";
 constexpr int look_again_ms = 250;  // MeshLab signals no change of visibility or of the current view
 
-// Does not ask for more width than the panel of settings, beside which it stands: MeshLab refuses to split narrow
+// Does not request more width than the panel of settings next to it: MeshLab refuses to split narrow
 // views.
 class NarrowScrollArea : public QScrollArea {
 public:

@@ -25,8 +25,8 @@ LayerList::LayerList(QWidget* parent) : QTableWidget(0, columns, parent)
     setObjectName("PointCloudLayers");
     setHorizontalHeaderLabels({"Layer", "Points", "Visible", "Solo", "Lock"});
     const char* const tooltips[columns] = {
-        "The layers that show point clouds. A click makes one MeshLab's current layer.", "Of the whole cloud.",
-        "Whether the views show the layer.",
+        "The layers that show point clouds. A click makes one MeshLab's current layer.",
+        "Number of points of the whole cloud.", "Whether the views show the layer.",
         "Shows only the layers that are ticked here; when none is ticked any more, all are as they were. Default off.",
         "A locked layer cannot be moved, and its points cannot be changed in place. Default off."};
     for (int c = 0; c < columns; ++c) horizontalHeaderItem(c)->setToolTip(tooltips[c]);

@@ -63,7 +63,7 @@ MoveFields::MoveFields(QWidget* parent) : QWidget(parent)
     };
     move_ = button(2, 3, "Move Layer",
                    "Turns and scales the current layer about its centre, then shifts it, by its matrix. The tree on "
-                   "disk stays as it is; the filter Transform Point Cloud Tree writes a moved one.",
+                   "disk is not changed; the filter Transform Point Cloud Tree writes a moved one.",
                    [this] { move(); });
     undo_ = button(3, 1, "Undo Move", "Gives the layer the matrix that it had before.",
                    [this] { guarded([](SceneLayer& layer) { layer.scene().part<LayerMatrices>().undo(layer); }); });

@@ -28,7 +28,7 @@ public:
 
 private:
     void move();
-    // Runs `work` with the current layer, if it shows a cloud; what it throws is said beside the fields.
+    // Runs `work` with the current layer, if it shows a cloud; what it throws is shown next to the fields.
     void guarded(const std::function<void(SceneLayer&)>& work);
 
     QPointer<Scene> scene_;

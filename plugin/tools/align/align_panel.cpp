@@ -121,7 +121,8 @@ void AlignPanel::add_pairs(QGridLayout& rows)
                &AlignPanel::remove_pair);
     add_button(rows, row, 1, "Clear Pairs", "Deletes all pairs.", &AlignPanel::clear);
     scale_ = new QCheckBox("Fit a scale");
-    scale_->setToolTip("Fits one scale beside rotation and translation: for clouds in different units. Default off.");
+    scale_->setToolTip(
+        "Fits one scale in addition to rotation and translation: for clouds in different units. Default off.");
     connect(scale_, &QCheckBox::toggled, this, [this](bool on) {
         if (session_ && !filling_) session_->set_scale(on);
     });

@@ -47,7 +47,7 @@ private:
     void fill_table();
     void choose();
     void show_only();
-    // Runs `work`; what it throws is said in the panel.
+    // Runs `work`; what it throws is shown in the panel.
     void guarded(const std::function<void()>& work);
 
     void swap();

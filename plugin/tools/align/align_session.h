@@ -19,7 +19,7 @@ namespace pcm::host {
 
 struct PickedEnd {
     Vec3d position{};    // source coordinates of its layer's cloud, as the file has them
-    double spacing = 0;  // of the cloud's points there, source units; 0: not known
+    double spacing = 0;  // spacing of the cloud's points there, source units; 0: not known
 };
 
 struct PickedPair {

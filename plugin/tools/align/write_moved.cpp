@@ -39,7 +39,7 @@ LayerCloud tree_of(const AlignSession& session)
     const SceneLayer* layer = session.moving();
     const auto tree = layer ? layer->tree() : std::nullopt;
     if (!tree)
-        throw Error(ErrorCode::invalid_argument, {}, "the moving layer is no point cloud tree",
+        throw Error(ErrorCode::invalid_argument, {}, "the moving layer is not a point cloud tree",
                     "build a tree of it, or use its matrix and export it");
     return *tree;
 }

@@ -9,7 +9,7 @@ namespace pcm::host {
 
 class AlignSession;
 
-// A name beside the moving layer's tree that nothing has yet: NAME-aligned.pct.
+// A free name next to the moving layer's tree: NAME-aligned.pct.
 QString proposed_tree(const AlignSession& session);
 
 // Writes the tree `file`, shows it in a new layer and hides the moving layer. `say` gets the progress and what was

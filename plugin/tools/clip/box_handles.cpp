@@ -130,7 +130,7 @@ ClipBox dragged(const ClipBox& box, const BoxHandle& handle, const ViewMap& view
 
 double least_half(const ClipBox& box)
 {
-    constexpr double steps = 64;  // of double at the place of the box
+    constexpr double steps = 64;  // number of steps of double at the place of the box
     return std::max(steps * std::numeric_limits<double>::epsilon() * largest_magnitude(box.centre), 1e-12);
 }
 
@@ -185,7 +185,7 @@ ClipBox section_between(const Vec3d& a, const Vec3d& b, double thickness, const 
     if (!(length(line) > 2 * least_half(box)))
         throw Error(ErrorCode::invalid_argument, {},
                     "the two points are above each other: no vertical section has both",
-                    "pick two points beside each other");
+                    "pick two points next to each other");
     box.axes[0] = normalised(line);
     box.axes[1] = {-box.axes[0][1], box.axes[0][0], 0};
     box.half[0] = length(line) / 2;

@@ -15,8 +15,8 @@ struct BoxHandle {
         centre,  // moves the box in the plane of the view, or along its thinnest axis
         turn,    // turns the box about its third axis; in the middle of the edge between the faces +0 and +1
     } kind = Kind::centre;
-    std::size_t axis = 0;  // of a face
-    double side = 1;       // of a face: 1 or -1
+    std::size_t axis = 0;  // axis of a face
+    double side = 1;       // side of a face: 1 or -1
 
     bool operator==(const BoxHandle& o) const { return kind == o.kind && axis == o.axis && side == o.side; }
 };

@@ -24,10 +24,10 @@ namespace pcm::host {
 
 namespace {
 
-constexpr int most_steps = 100000;  // of the slider
+constexpr int most_steps = 100000;  // maximum number of steps of the slider
 constexpr int message_lines = 4;
 
-// Of the bounds' corners along an axis of the box.
+// The range of the bounds' corners along an axis of the box.
 std::array<double, 2> range_along(const Box3d& bounds, const Vec3d& axis)
 {
     std::array<double, 2> range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
@@ -238,9 +238,9 @@ void ClipPanel::take(Field field)
         return;
     }
     say("'" + edit->text() +
-        (is_size ? "' is no size: write a number above " + QString::fromStdString(brief(2 * least_half(box))) +
+        (is_size ? "' is not a size: write a number above " + QString::fromStdString(brief(2 * least_half(box))) +
                        " in source units"
-                 : "' is no number: write one as in 123.45"));
+                 : "' is not a number: write one as in 123.45"));
     edit->setText(shown_[field]);
 }
 

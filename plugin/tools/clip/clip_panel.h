@@ -48,7 +48,7 @@ public:
     void show_steps(bool can_undo, bool can_redo);
     void say(const QString& text);
     std::size_t slab_axis() const;
-    // What is typed as the slab's thickness; nothing where that is no number above 0.
+    // What is typed as the slab's thickness; nothing where that is not a number above 0.
     std::optional<double> thickness() const;
 
 signals:

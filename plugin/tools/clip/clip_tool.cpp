@@ -23,7 +23,7 @@ namespace pcm::host {
 namespace {
 
 const char* const owner = "clip";
-constexpr double reach_px = 9;  // of a handle
+constexpr double reach_px = 9;  // distance within which a handle is grabbed
 constexpr int click_px = 3;     // a click does not move farther
 constexpr double key_turn = 5;  // degrees
 constexpr double fine_step = 0.1;
@@ -108,7 +108,7 @@ void ClipTool::show()
 
 void ClipTool::take_box(const Box3d& bounds)
 {
-    if (bounds.empty()) return say("no point of a cloud is there, so the box stays as it is");
+    if (bounds.empty()) return say("no points in view; clip box unchanged");
     ClipBox made = tidied(box_around(bounds), grid_step_of_shown(*view_), true);
     if (box()) made.outside = box()->outside;
     history().keep(made);
@@ -156,7 +156,7 @@ void ClipTool::press(ClipPanel::Button button)
     }
 }
 
-// Of the current layer, or of the only one.
+// The bounds of the current layer, or of the only one.
 void ClipTool::keep_points(SelectionUse what)
 {
     SceneLayer* layer = view_->scene().current();

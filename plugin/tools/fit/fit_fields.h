@@ -1,4 +1,4 @@
-// The fields of the panel Fit Primitives that say how is fitted. GUI thread.
+// The fields of the panel Fit Primitives that say how shapes are fitted. GUI thread.
 #pragma once
 
 #include "plugin/tools/fit/fit_settings.h"
@@ -25,11 +25,11 @@ public:
     void show_defaults();  // counts as a change by the user
 
 signals:
-    void changed();  // by the user; the settings are kept already
+    void changed();  // the user has changed a field; the settings are kept already
 
 private:
     void add(const ops::Argument& argument, QWidget* field, bool is_basic = true);
-    // Of an argument that is a choice, with its names as data.
+    // A field for an argument that is a choice, with its names as data.
     QComboBox* add_choice(const char* name, const char* argument, bool is_basic = true);
     void add_choices();
     void add_number(const FitNumber& row);

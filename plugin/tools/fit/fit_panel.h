@@ -1,5 +1,5 @@
-// The panel of the tool Fit Primitives: how is fitted, what was found, and the list of primitives. It shows what it is
-// given and reports what a user does; the tool decides. GUI thread.
+// The panel of the tool Fit Primitives: how shapes are fitted, what was found, and the list of primitives. It shows
+// what it is given and reports what a user does; the tool decides. GUI thread.
 #pragma once
 
 #include "pcm/shapes/primitive_list.h"
@@ -53,7 +53,7 @@ public:
     explicit FitPanel(QWidget* window);
 
     FitSettings settings() const;
-    void show_defaults();  // of the fields
+    void show_defaults();  // shows the defaults of the fields
     void show_list(const PrimitiveList& list, std::optional<std::size_t> selected, const std::string& unit);
     void show_found(const QString& text, bool some);  // what the clicks have found so far; whether it can be accepted
     void say(const QString& text);                    // what happened

@@ -23,7 +23,7 @@ namespace {
 
 const char* const draft_owner = "fit draft";
 const QColor draft_colour(90, 220, 255);
-constexpr double filled_by_primitive = 0.7;  // of the view
+constexpr double filled_by_primitive = 0.7;  // share of the view
 QString counted(std::size_t count, const char* what)
 {
     return QString("%1 %2%3").arg(count).arg(what).arg(count == 1 ? "" : "s");
@@ -150,8 +150,7 @@ void FitTool::click(const QPoint& place, Qt::KeyboardModifiers modifiers)
 void FitTool::take(Way way, const Picked& picked)
 {
     const FitPlaces* before = wanted_ ? &*wanted_ : draft_ ? &draft_->places : nullptr;
-    if (way == Way::take_away && !before)
-        return say("there is no shape yet to take a place away from: click a surface");
+    if (way == Way::take_away && !before) return say("no shape yet that a place can be removed from: click a surface");
     FitPlaces places;
     if (way != Way::first && before) {
         if (before->layer_id != picked.layer_id)

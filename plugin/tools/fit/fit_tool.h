@@ -34,9 +34,9 @@ struct FitPlaces {
 struct FitDraft {
     FitPlaces places;
     Primitive primitive;
-    std::shared_ptr<const PointSet> points, before;  // of it; that were selected when the draft was begun
+    std::shared_ptr<const PointSet> points, before;  // its points; those that were selected when the draft was begun
     ReachedFrom reached;                             // how its points are found again
-    bool doubt_shown = false;                        // by a first Enter, where it is doubtful
+    bool doubt_shown = false;                        // whether a first Enter has shown that it is doubtful
 };
 
 class FitTool : public ListTool {
@@ -85,9 +85,9 @@ private:
     std::unique_ptr<QObject> picks_;   // the context of picks that are not answered
     std::optional<FitPlaces> wanted_;  // being fitted
     std::optional<FitDraft> draft_;
-    std::string unit_;    // of lengths
+    std::string unit_;    // unit of lengths
     bool again_ = false;  // the wanted fit has changed while it ran
-    int fits_ = 0;        // that were answered
+    int fits_ = 0;        // number of answered fits
     Worker worker_{"a shape is being fitted"};
 };
 

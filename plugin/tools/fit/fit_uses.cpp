@@ -134,7 +134,7 @@ void FitTool::with_points(std::size_t index, const std::function<void(SceneLayer
     const auto select = [this, primitive, then, id = layer->id()](const std::shared_ptr<const PointSet>& points) {
         SceneLayer* const shown = view_->scene().layer(id);
         if (!shown) return;
-        if (points->empty()) return say("no point lies on " + QString::fromStdString(primitive.name));
+        if (points->empty()) return say("no points on " + QString::fromStdString(primitive.name));
         view_->scene().part<SceneState>().select(
             *shown, points,
             QString("%1, %2 points")

@@ -10,7 +10,7 @@ namespace pcm::host {
 namespace {
 
 constexpr double most_of = 0.8;
-constexpr double overlap = 0.6;  // of the larger extent, along each axis
+constexpr double overlap = 0.6;  // share of the larger extent, along each axis
 
 std::vector<Vec3d> outline_of(const Primitive& primitive)
 {

@@ -7,9 +7,9 @@ namespace pcm::host {
 
 // What is known when the line is drawn.
 struct ProfileLine {
-    double length = 0;             // of the line, source units
-    double pixel = 0;              // of the picture at the line, source units; 0: not known
-    std::vector<double> spacings;  // of the points where it was clicked, source units
+    double length = 0;             // length of the line, source units
+    double pixel = 0;              // size of the picture's pixel at the line, source units; 0: not known
+    std::vector<double> spacings;  // spacings of the points where it was clicked, source units
 };
 
 // Ten times the median of the spacings, so that walls and ground are dense lines, but at least three pixels, which are

@@ -8,7 +8,7 @@ namespace pcm::host {
 
 namespace {
 
-constexpr double filled = 0.35;         // of the view
+constexpr double filled = 0.35;         // share of the view
 constexpr double least_spacings = 100;  // the radius of a single point's surroundings
 
 }  // namespace

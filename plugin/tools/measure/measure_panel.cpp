@@ -41,7 +41,7 @@ std::optional<double> number_in(const QLineEdit& field, const char* label, bool 
     if (!is_number || !std::isfinite(value) || (above_zero && !(value > 0)))
         throw Error(
             ErrorCode::invalid_argument, {},
-            std::string(label) + ": '" + text.toStdString() + "' is no number" + (above_zero ? " above 0" : ""));
+            std::string(label) + ": '" + text.toStdString() + "' is not a number" + (above_zero ? " above 0" : ""));
     return value;
 }
 
@@ -165,7 +165,7 @@ void MeasurePanel::add_list(QVBoxLayout& column)
     add_button(*buttons, 1, 0, Button::undo, "Undo", "Takes the last change of the list back. Ctrl+Z in the view.");
     add_button(*buttons, 1, 2, Button::redo, "Redo", "Repeats what was undone. Ctrl+Shift+Z in the view.");
     add_button(*buttons, 1, 4, Button::clear, "Delete all", "Deletes all measures; Undo brings them back.");
-    constexpr int half = 3;  // of the columns
+    constexpr int half = 3;  // half of the columns
     add_button(*buttons, 2, 0, Button::remove, "Delete measure", "Deletes the selected measure; Undo brings it back.",
                half);
     add_button(*buttons, 2, half, Button::save, "Export measures",

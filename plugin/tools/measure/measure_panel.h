@@ -49,7 +49,7 @@ public:
     // While something runs: what it is, and how much of it is done (0 to 1). Nothing: it has ended.
     void show_progress(const std::optional<std::pair<QString, double>>& progress);
 
-    // What is typed; nothing where it is empty. Throws Error(invalid_argument) for text that is no number above 0 (a
+    // What is typed; nothing where it is empty. Throws Error(invalid_argument) for text that is not a number above 0 (a
     // level may be any number).
     std::optional<double> width() const;
     std::optional<double> level() const;
@@ -57,8 +57,8 @@ public:
     void propose_width(const QString& text);  // shown where nothing is typed
     void propose_cell(const QString& text);
     void show_defaults();
-    std::optional<int> cloud() const;           // that is measured; nothing: the one that the points were picked on
-    std::optional<int> compared_cloud() const;  // of a volume; nothing: a level
+    std::optional<int> cloud() const;  // the cloud that is measured; nothing: the one that the points were picked on
+    std::optional<int> compared_cloud() const;  // for a volume; nothing: a level
 
 signals:
     void kind_chosen();
@@ -86,7 +86,7 @@ private:
     QProgressBar* progress_ = nullptr;
     QWidget* fields_ = nullptr;
     std::map<Button, QPushButton*> buttons_;
-    std::map<QWidget*, std::vector<QWidget*>> rows_;  // of each field: its label too
+    std::map<QWidget*, std::vector<QWidget*>> rows_;  // widgets of each field, its label included
 };
 
 }  // namespace pcm::host

@@ -86,8 +86,8 @@ private:
     QPointer<MeasurePanel> panel_;
     Draft draft_;
     std::unique_ptr<QObject> picks_;  // parent of the contexts of picks that are not answered
-    std::optional<int> first_layer_;  // that the draft's first point was picked on
-    std::vector<double> spacings_;    // of the points around the draft's points, in the scene
+    std::optional<int> first_layer_;  // the layer that the draft's first point was picked on
+    std::vector<double> spacings_;    // spacings of the points around the draft's points, in the scene
     Worker work_{"another profile or volume is being computed"};
     QPoint mouse_;
     bool tracked_mouse_ = false;

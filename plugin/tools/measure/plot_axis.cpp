@@ -7,7 +7,7 @@ namespace pcm::host {
 
 namespace {
 
-constexpr double border = 0.04;  // of the range, on each side
+constexpr double border = 0.04;  // share of the range, on each side
 
 // A range of nothing gets a width that its numbers resolve.
 void widen(double& from, double& to)

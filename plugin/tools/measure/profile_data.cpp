@@ -19,7 +19,7 @@ const Attribute* find(const Schema& schema, std::string_view name, std::uint32_t
     return nullptr;
 }
 
-// Of 0 to 1, 0 to 255 or 0 to 65535: what the values fill.
+// The largest value of the range that the values fill: 0 to 1, 0 to 255 or 0 to 65535.
 double white_of(const std::vector<std::vector<double>>& columns)
 {
     double largest = 0;

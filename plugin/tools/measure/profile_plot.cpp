@@ -14,7 +14,7 @@ namespace pcm::host {
 namespace {
 
 const QColor paper(255, 255, 255), grid_line(225, 225, 225), ink(40, 40, 40), span_colour(200, 60, 0);
-constexpr double zoom_step = 1.2;  // of a notch of the wheel
+constexpr double zoom_step = 1.2;  // factor of a notch of the wheel
 constexpr int wheel_notch = 120;
 constexpr int point_px = 2;                        // side of a point
 constexpr int tick_room_x = 90, tick_room_y = 45;  // pixels from tick to tick, at least

@@ -68,7 +68,7 @@ private:
     std::vector<PlotPoint> points_;
     QString title_, unit_;
     PlotFrame frame_;
-    QImage picture_;  // of the points, in the pixels of the screen
+    QImage picture_;  // picture of the points, in the pixels of the screen
     bool picture_is_old_ = true;
     bool equal_ = true;
     bool fitted_ = true;  // the user has not moved it since

@@ -15,7 +15,7 @@ class ProfileWindow : public QWidget {
     Q_OBJECT
 
 public:
-    // A window of its own beside that of `parent`, which owns it; closing it deletes it.
+    // A window in addition to that of `parent`, which owns it; closing it deletes it.
     ProfileWindow(QWidget* parent, std::shared_ptr<const ProfileData> data);
 
     const ProfileData& data() const { return *data_; }

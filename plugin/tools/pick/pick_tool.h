@@ -46,8 +46,8 @@ private:
 
     QPointer<PickPanel> panel_;
     std::optional<Picked> shown_;       // the last exact answer
-    std::vector<PickedLine> lines_;     // of it
-    std::unique_ptr<QObject> context_;  // of the picks; made anew with each start of the tool
+    std::vector<PickedLine> lines_;     // its lines
+    std::unique_ptr<QObject> context_;  // context of the picks; a new one with each start of the tool
     int answers_ = 0;
 };
 

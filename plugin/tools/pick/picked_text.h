@@ -17,7 +17,8 @@ struct PickedLine {
 // point's number, spacing and grid step in source units, and all attributes.
 std::vector<PickedLine> lines_of(const Picked& picked, const QString& layer);
 
-// Beside the point in the view: source coordinates, a line each, to a hundredth of the points' spacing or finer.
+// The label next to the point in the view: source coordinates, a line each, to a hundredth of the points' spacing or
+// finer.
 QString label_of(const Picked& picked);
 
 // For the log: "x y z, layer", with the digits of lines_of().

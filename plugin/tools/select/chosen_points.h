@@ -19,10 +19,10 @@ struct Ball {
     Vec3d centre{};
     double radius = 0;
 };
-// Those in one of the balls at least; in one pass.
+// The points in at least one of the balls; in one pass.
 PointSet points_in_balls(PointCloud& cloud, const Query& shown, const std::vector<Ball>& balls);
 
-// Of those in a polygon in normalised device coordinates of the camera, the ones that no other shown point hides
+// The points in a polygon in normalised device coordinates of the camera that no other shown point hides
 // (select/front_points.h).
 PointSet points_in_front(PointCloud& cloud, const Query& shown, const Camera& camera,
                          const std::vector<Vec2d>& polygon);

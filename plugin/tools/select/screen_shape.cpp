@@ -12,7 +12,7 @@ ScreenShape rectangle_of(const QPointF& a, const QPointF& b) { return {a, {b.x()
 
 ScreenShape circle_of(const QPointF& centre, double radius)
 {
-    constexpr double most_off = 0.25;  // of the polygon from the circle, pixels
+    constexpr double most_off = 0.25;  // maximum distance of the polygon from the circle, pixels
     const int corners =
         std::clamp(static_cast<int>(std::ceil(pi / std::acos(1 - most_off / std::max(radius, 1.0)))), 12, 360);
     ScreenShape circle;

@@ -18,7 +18,7 @@ using ScreenShape = std::vector<QPointF>;  // corners of a polygon, Qt's pixels 
 ScreenShape rectangle_of(const QPointF& a, const QPointF& b);
 ScreenShape circle_of(const QPointF& centre, double radius);  // a polygon whose corners lie on it
 
-// Whether it has an area to speak of: three corners, and not all of them within a pixel of a line along x or y.
+// Whether it has a noticeable area: three corners, and not all of them within a pixel of a line along x or y.
 bool has_area(const ScreenShape& shape);
 
 // The view's camera for a cloud that `placement` (source coordinates to the scene's) moves: Camera::origin is in source

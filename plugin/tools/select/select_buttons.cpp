@@ -138,7 +138,7 @@ void SelectTool::selection_changed()
     count();
 }
 
-// Where the selected points of the current layer are, and of which classes; beside the work in the view.
+// Where the selected points of the current layer are, and which classes they have; computed while the view works.
 void SelectTool::count()
 {
     const SceneLayer* layer = view_ ? view_->scene().current() : nullptr;

@@ -31,7 +31,7 @@ double number_in(const QString& text, const char* what, bool may_be_zero)
     bool good = false;
     const double number = text.trimmed().toDouble(&good);
     if (good && std::isfinite(number) && (number > 0 || (may_be_zero && number == 0))) return number;
-    throw Error(ErrorCode::invalid_argument, {}, "'" + text.toStdString() + "' is no " + what,
+    throw Error(ErrorCode::invalid_argument, {}, "'" + text.toStdString() + "' is not " + what,
                 may_be_zero ? "write a number from 0 on, as in 20" : "write a number above 0, as in 0.25");
 }
 
@@ -185,7 +185,7 @@ void SelectPanel::add_uses(QGridLayout& rows)
     progress_->hide();
     keep_place(*progress_);
     rows.addWidget(progress_, row, 0, 1, 2);
-    add_button(rows, row++, 2, Button::stop, "Stop", "Ends what is running; the selection stays as it was. Key: Esc.");
+    add_button(rows, row++, 2, Button::stop, "Stop", "Cancels the current operation; keeps the selection. Key: Esc.");
     keep_place(*buttons_[Button::stop]);
     buttons_[Button::stop]->hide();
     auto* buttons = new QGridLayout;
@@ -221,13 +221,13 @@ bool SelectPanel::all_layers() const { return layers_->currentIndex() == 1; }
 std::optional<double> SelectPanel::brush_px() const
 {
     if (brush_->text().trimmed().isEmpty()) return std::nullopt;
-    return std::clamp(number_in(brush_->text(), "brush radius", false), least_brush_px, largest_brush_px);
+    return std::clamp(number_in(brush_->text(), "a brush radius", false), least_brush_px, largest_brush_px);
 }
 
 std::optional<double> SelectPanel::distance() const
 {
     if (distance_->text().trimmed().isEmpty()) return std::nullopt;
-    return number_in(distance_->text(), "grow distance", false);
+    return number_in(distance_->text(), "a grow distance", false);
 }
 
 SeedLimits SelectPanel::seed_limits() const
@@ -237,13 +237,13 @@ SeedLimits SelectPanel::seed_limits() const
         return field.text().trimmed().isEmpty() ? std::nullopt
                                                 : std::make_optional(number_in(field.text(), what, true));
     };
-    limits.normal_angle = typed(*angle_, "angle between normals");
+    limits.normal_angle = typed(*angle_, "an angle between normals");
     if (limits.normal_angle && *limits.normal_angle > 90)
         throw Error(ErrorCode::invalid_argument, {}, "normals within " + exact(*limits.normal_angle) + " degrees",
                     "write an angle from 0 to 90, as in 20, or empty the field");
     if (limits.normal_angle) *limits.normal_angle *= pi / 180;
-    limits.colour_difference = typed(*difference_, "difference of colours");
-    limits.within = typed(*within_, "distance");
+    limits.colour_difference = typed(*difference_, "a difference of colours");
+    limits.within = typed(*within_, "a distance");
     return limits;
 }
 

@@ -47,19 +47,19 @@ public:
 
     explicit SelectPanel(QWidget* window);
 
-    // Those of a number throw Error(invalid_argument) for text that is no such number.
+    // Those with a number throw Error(invalid_argument) for text that is not such a number.
     Shape shape() const;
     SetOperation operation() const;
     bool front_only() const;
     bool all_layers() const;
     std::optional<double> brush_px() const;  // nothing: from the points' spacing
-    std::optional<double> distance() const;  // of growing, source units; nothing: from the points' spacing
+    std::optional<double> distance() const;  // distance of growing, source units; nothing: from the points' spacing
     SeedLimits seed_limits() const;
     void propose_distance(const QString& text);  // shown where nothing is typed
     void show_defaults();
     QString where() const;
 
-    void show_colour(const QColor& colour);  // of selected points
+    void show_colour(const QColor& colour);  // colour of selected points
     void show_count(const QString& text);
     void show_attributes(const QStringList& names);
     void show_steps(const QString& undo, const QString& redo);  // words of the steps; null: there is none
@@ -77,7 +77,7 @@ private:
     void add_button(QGridLayout& rows, int row, int column, Button button, const char* text, const char* tooltip);
     void add_ways(QGridLayout& rows);
     void add_growing(QGridLayout& rows);
-    void show_fields();  // of the chosen shape alone
+    void show_fields();  // shows only the fields of the chosen shape
     void add_uses(QGridLayout& rows);
 
     QComboBox *shape_, *operation_, *reach_, *layers_, *attributes_;
@@ -85,7 +85,7 @@ private:
     MessageArea *count_, *words_;
     QProgressBar* progress_;
     std::map<Button, QPushButton*> buttons_;
-    std::map<QWidget*, std::vector<QWidget*>> parts_;  // of each field: its label too
+    std::map<QWidget*, std::vector<QWidget*>> parts_;  // widgets of each field, its label included
 };
 
 }  // namespace pcm::host

@@ -17,10 +17,10 @@ namespace pcm::host {
 
 namespace {
 
-constexpr double stroke_share = 0.5;  // of the brush's radius, between places of a stroke
-constexpr double usual_steps = 3;     // of growing, in spacings
+constexpr double stroke_share = 0.5;  // share of the brush's radius between places of a stroke
+constexpr double usual_steps = 3;     // steps of growing, in spacings
 constexpr double usual_brush_px = 15, most_brush_px = 300;
-constexpr double brush_steps = 4;  // of the brush's radius, in spacings: some 50 points of a surface
+constexpr double brush_steps = 4;  // steps of the brush's radius, in spacings: some 50 points of a surface
 
 QString words_of(SetOperation operation)
 {

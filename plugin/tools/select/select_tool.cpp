@@ -24,7 +24,7 @@ namespace {
 const char* const owner = "select";
 constexpr int click_px = 3;        // a click does not move farther
 constexpr double corner_px = 1.5;  // between corners drawn free-hand
-constexpr int rest_ms = 120;       // of the mouse, before the brush looks at the points under it
+constexpr int rest_ms = 120;       // time that the mouse rests before the brush looks at the points under it
 
 SetOperation operation_of(Qt::KeyboardModifiers modifiers, SetOperation chosen)
 {
@@ -156,7 +156,7 @@ ScreenShape SelectTool::brush_ring() const
     if (!hover_ || panel_->shape() != SelectPanel::Shape::brush) return {};
     try {
         return circle_of(*hover_, brush_px());
-    } catch (const Error&) {  // what is typed is no radius; a click says so
+    } catch (const Error&) {  // what is typed is not a radius; a click reports it
         return {};
     }
 }

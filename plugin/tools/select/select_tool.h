@@ -82,7 +82,7 @@ private:
     QPointer<SelectPanel> panel_;
     Worker worker_{"points are being selected"};
     Worker counter_{"points are being counted"};  // finds what is known about the selected ones
-    QString statistics_;                          // of the selection that is shown
+    QString statistics_;                          // statistics of the selection that is shown
     bool tracked_mouse_ = false;
 
     ScreenShape shape_;              // being drawn

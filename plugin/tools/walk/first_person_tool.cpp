@@ -21,7 +21,7 @@ constexpr int tick_ms = 16;
 constexpr double longest_step = 0.25;  // seconds: after a slow frame the eye does not jump
 constexpr int wheel_notch = 120;       // Qt's unit: eighths of a degree
 
-constexpr double eye_spacings = 3;     // of the points of the ground, that the eye stays above it
+constexpr double eye_spacings = 3;     // height of the eye above the ground, in spacings of the ground's points
 constexpr double rise_seconds = 0.15;  // in which it rises by all but 1/e
 
 const char* const name = "First Person Navigation";

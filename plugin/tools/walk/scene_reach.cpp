@@ -18,7 +18,7 @@ namespace {
 // Range of the distance, as fractions of the document's diagonal. Below it, walking would stop; above it, a step would
 // pass the whole scene.
 constexpr double least_share = 1.0 / 5000, most_share = 2;
-constexpr double inside_share = 1.0 / 20;  // of a mesh's diagonal, inside its box
+constexpr double inside_share = 1.0 / 20;  // share of a mesh's diagonal, inside its box
 
 // A layer's matrix in double.
 struct Placement {

@@ -22,11 +22,11 @@ SceneReach reach_from(SceneView& view, const Vec3d& place);
 
 struct SceneGround {
     double height = 0;   // along the axis, document's coordinates
-    double spacing = 0;  // of the points that it was found from
+    double spacing = 0;  // spacing of the points that it was found from
 };
 
 // The lowest ground of the clouds that the view shows under (or over) a place, from the points in memory
-// (view/ground.h). `axis`: the vertical one. Clouds whose matrices tilt them have no part. Reads nothing from disk and
+// (view/ground.h). `axis`: the vertical one. Clouds whose matrices tilt them are ignored. Reads nothing from disk and
 // does not block. GUI thread.
 std::optional<SceneGround> ground_under(SceneView& view, const Vec3d& place, std::size_t axis);
 

@@ -22,7 +22,7 @@
 
 namespace {
 
-constexpr int patience_ms = 120000;  // of a command that waits; long enough for a busy machine
+constexpr int patience_ms = 120000;  // limit of a command that waits; long enough for a busy machine
 constexpr int step_ms = 5;           // between two commands, and between two tries of one
 
 std::vector<Command> all_commands()

@@ -52,7 +52,7 @@ public:
     int opening = 0;                                   // files that MeshLab has not finished opening
     QString message;                                   // text of the last message box
     QString failure_picture;                           // file for the screen when a command fails
-    Qt::KeyboardModifiers modifiers = Qt::NoModifier;  // of the mouse events of tools
+    Qt::KeyboardModifiers modifiers = Qt::NoModifier;  // modifiers of the mouse events of tools
     std::unique_ptr<PaintWitness> witness;
     std::unique_ptr<StartOver> beginning;  // MeshLab as it was before the first script
 
@@ -67,5 +67,5 @@ private:
     QByteArray input_;  // an unfinished line
     QStringList script_;
     int next_ = 0;
-    int depth_ = 0;  // of commands that run inside each other
+    int depth_ = 0;  // number of commands that run inside each other
 };

@@ -16,7 +16,7 @@
 #include <QTreeWidget>
 #include <QWindow>
 
-// Of QtGui: the way of keys from the window system.
+// A function of QtGui: the way of keys from the window system.
 Q_GUI_EXPORT void qt_handleKeyEvent(QWindow* window, QEvent::Type type, int key, Qt::KeyboardModifiers modifiers,
                                     const QString& text, bool repeated, ushort count);
 

@@ -1,4 +1,4 @@
-// Tables of panels as text: lists and trees alike, by the names of their objects.
+// Tables of panels as text: both lists and trees, by the names of their objects.
 #include "tests/e2e/driver/commands.h"
 
 #include <QAbstractItemView>
@@ -46,7 +46,7 @@ Done print_table(TestDriver& driver, const QString& name)
     return Done::yes;
 }
 
-// wait-rows NAME COUNT TEXT: until the table has so many rows, and the text is in its last one
+// wait-rows NAME COUNT TEXT: until the table has this number of rows, and the text is in its last one
 Done wait_rows(TestDriver& driver, const QString& argument)
 {
     const auto* table = table_of(argument.section(' ', 0, 0));

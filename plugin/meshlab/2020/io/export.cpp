@@ -97,7 +97,7 @@ void add_format_settings(Parameters& parameters, const Format& format)
                         0,
                         "Colour bits",
                         "Other programs show colours of 8 bits. By default those of 16 bits are written with "
-                        "8, and exactly beside them unless 8 bits hold them all.",
+                        "8, and exactly in addition unless 8 bits hold them all.",
                         {"8, and the exact ones where 8 do not hold them", "8", "16"}});
     if (format.has(takes_float_positions))
         parameters.add({float_positions, false, "Float positions",

@@ -14,7 +14,7 @@ template <class Formats>
 MeshIOInterface* find_plugin(const QString& extension, const MeshIOInterface* ours, const Formats& formats)
 {
     const QDir folder(PluginManager::getDefaultPluginDirPath());
-    for (const QFileInfo& file : folder.entryInfoList(QDir::Files)) {  // by name, as MeshLab does
+    for (const QFileInfo& file : folder.entryInfoList(QDir::Files)) {  // sorted by name, as MeshLab does
         if (!QLibrary::isLibrary(file.fileName())) continue;
         // Gives the instance that MeshLab has.
         auto* plugin = qobject_cast<MeshIOInterface*>(QPluginLoader(file.absoluteFilePath()).instance());

@@ -65,8 +65,8 @@ int covered_by_info(const GLArea& area)
 
 // What a view shows, in the document's coordinates.
 struct Shown {
-    std::vector<Vec3d> points;    // of samples
-    std::vector<ScanPose> poses;  // of the only scan, where that is where it was taken
+    std::vector<Vec3d> points;    // sampled points
+    std::vector<ScanPose> poses;  // scanner poses of the only scan
 };
 
 // The layer's vertices in the document's coordinates, the layer's matrix included.

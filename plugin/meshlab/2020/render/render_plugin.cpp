@@ -167,7 +167,7 @@ void PointCloudDecorator::copy_again(MeshDocument& document, int mesh_id)
                                 "to draw it as a point cloud again."));
 }
 
-// Of the layers that MeshLab asks for in a paint event.
+// Whether the layer is the first of those that MeshLab draws in a paint event.
 bool PointCloudDecorator::is_first_listed(GLArea& area, const MeshModel& layer)
 {
     for (const MeshModel* other : area.md()->meshList)

@@ -1,6 +1,6 @@
 // The point clouds of one of MeshLab's views, and the native points that are hidden there. Child of the view.
 //
-// MeshLab asks for one layer after the other. All of them are drawn when it asks for the first one, so that they share
+// MeshLab requests one layer after the other. All of them are drawn at the first request, so that they share
 // one budget.
 #pragma once
 
@@ -93,17 +93,17 @@ private:
     std::map<int, Layer> layers_;
     std::shared_ptr<Painter> painter_;
     Picture picture_;
-    pcm::Camera shown_;              // of picture_
+    pcm::Camera shown_;              // camera of picture_
     std::unique_ptr<Picture> tile_;  // while a tiled snapshot is being taken
     bool drawn_ = false;             // in the current paint event
-    FrameReport report_;             // of the last paint event
+    FrameReport report_;             // report of the last paint event
     QString text_;                   // about report_
     bool look_again_ = false;
     AnnotationPass annotations_;
     MapOverlay map_;
     LegendBox legend_box_;
     LegendEdit legend_edit_;
-    std::vector<LayerLegend> legends_;  // of the last paint event
+    std::vector<LayerLegend> legends_;  // legends of the last paint event
     QString problem_;                   // with the settings; logged once
     bool clicked_legend_ = false;       // the mouse button is down there
     int frame_ = 0;
