@@ -81,8 +81,8 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
     ShapeFit& fit = result.primitive.fit;
     const std::string name = traits_of(fit.shape.kind).name;
     const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
-    std::vector<Vec3d> fitted;  // points of the fit
-    for (const Vec3d& p : around)
+    std::vector<Vec3d> fitted;  // without points of other surfaces within the threshold, such as the feet of walls
+    for (const Vec3d& p : coarse_points(result.points, most_judged, options_.threads, part_of(progress_, 0.94, 0.94)))
         if (!followed.part || followed.part->has(p)) fitted.push_back(p);
     const Departure departure = departure_of(fit.shape, fit.threshold, fitted);
     const bool is_automatic = options_.fit.threshold == 0;
