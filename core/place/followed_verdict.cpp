@@ -1,0 +1,195 @@
+#include "pcm/place/followed_verdict.h"
+
+#include "pcm/fit/shape_fit.h"
+#include "pcm/place/best_kind.h"
+#include "pcm/place/cover_points.h"
+#include "pcm/place/departure.h"
+#include "pcm/place/one_surface.h"
+#include "pcm/place/progress_part.h"
+#include "pcm/place/surface_beyond.h"
+#include "pcm/place/tuning.h"
+#include "pcm/system/text.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t most_judged = 20000;    // points, for whether they are a piece of another surface
+constexpr std::size_t most_compared = 2000;   // points, for another kind
+constexpr std::size_t most_departing = 4000;  // points, for whether they leave it together
+
+}  // namespace
+
+void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
+{
+    fit.verdict = FitVerdict::doubtful;
+    fit.issue = issue;
+    fit.message = message;
+}
+
+FollowedVerdict::FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
+                                 double close_noise, double own_noise, const ProgressFunction& progress)
+    : cloud_(cloud),
+      places_(places),
+      options_(options),
+      close_noise_(close_noise),
+      own_noise_(own_noise),
+      progress_(progress)
+{
+}
+
+void FollowedVerdict::judge(const FollowedPoints& followed, FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    if (fit.verdict != FitVerdict::good || result.points.empty()) return;
+    const std::vector<Vec3d> around =
+        coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94));
+    if (options_.fit.threshold == 0) judge_noise(followed, around, result);
+    if (fit.verdict == FitVerdict::good) judge_kind(followed, around, result);
+}
+
+void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around,
+                                  FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    const double noise = followed.noise;
+    const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
+    if (!evidence.is_one_surface()) return doubt(fit, FitIssue::other_surface, evidence.message());
+    if (is_far_above_close_noise(fit, noise, evidence.bend, result.near))
+        return doubt(fit, FitIssue::other_surface,
+                     "its points leave it by " + brief(noise) + ", those next to each other at the place by " +
+                         brief(known_noise()) +
+                         ": it may hold several surfaces, so take a smaller neighbourhood, or give "
+                         "a threshold");
+    if (fit.threshold > place_tuning().growth.raised_limit * result.local.threshold && !evidence.has_shared_errors())
+        return doubt(fit, FitIssue::other_surface,
+                     "its points leave it farther and farther the more of them there are, by " + brief(noise) +
+                         " at last: it may be a piece of another surface, so take a smaller neighbourhood");
+    cuts_noise_ = fit.noise > place_tuning().following.max_noise_share * fit.threshold;
+    if (cuts_noise_)
+        return doubt(fit, FitIssue::no_consensus,
+                     "the threshold cuts the noise of its points, which may be those of another surface: give a "
+                     "larger threshold, or take a smaller neighbourhood");
+    if (!passes_places(fit, result.near))
+        return doubt(fit, FitIssue::no_consensus,
+                     "it does not pass through the place that was picked: pick another place of the surface");
+}
+
+void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around,
+                                 FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    const std::string name = traits_of(fit.shape.kind).name;
+    const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
+    std::vector<Vec3d> fitted;  // without points of other surfaces within the threshold, such as the feet of walls
+    for (const Vec3d& p :
+         random_points(result.points, most_departing, options_.threads, part_of(progress_, 0.94, 0.94)))
+        if (!followed.part || followed.part->has(p)) fitted.push_back(p);
+    const Departure departure = departure_of(fit.shape, fit.threshold, fitted);
+    const bool is_automatic = options_.fit.threshold == 0;
+    if (is_automatic && (followed.agreement > place_tuning().following.min_agreement || !departure.is_chance))
+        find_other_kind(fit, followed.around);
+    if (other_)
+        other_doubt_ = std::string("a ") + traits_of(other_->shape.kind).name + " of noise " + brief(other_->noise) +
+                       " is more probable here than this " + name + " of noise " + brief(followed.noise) + ": fit that";
+    if (beyond.is_piece(close_noise_ > 0 ? followed.noise / close_noise_ : 0)) {
+        doubt(fit, FitIssue::other_surface,
+              "the surface continues smoothly beside these points, but off the " + name +
+                  ": they are a ring or strip where it touches a surface of another kind; fit that");
+    } else if (const auto other = far_better_kind(result, followed.noise, around)) {
+        doubt(
+            fit, FitIssue::other_surface,
+            std::string("a ") + traits_of(*other).name + " fits these points far better than a " + name + ": fit that");
+    } else if (beyond.is_by_chance()) {
+        doubt(fit, FitIssue::no_consensus,
+              "almost as many points are beside the " + name +
+                  " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
+                  "where the noise is larger");
+    } else if (is_automatic && departure.is_smooth(known_noise())) {
+        doubt(fit, FitIssue::uneven,
+              "the points leave the " + name + " together by " + brief(departure.size) +
+                  " (root mean square) and are within " + brief(departure.rest) +
+                  " of a smooth surface: it is out of round, bent or bulged by that");
+    }
+}
+
+// Errors that neighbours share are no part of the noise of the points next to each other; they show there or in the
+// whole.
+bool FollowedVerdict::is_far_above_close_noise(const ShapeFit& fit, double noise, double bend,
+                                               const NearPoints& near) const
+{
+    const FollowingTuning& tuned = place_tuning().following;
+    if (!(known_noise() > 0) || !(noise > tuned.max_close_noise * known_noise())) return false;
+    std::vector<Vec3d> positions;
+    for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
+    const SurfaceEvidence at_place = surface_evidence(fit.shape, spread_of(fit), resolution(), positions);
+    return std::max(bend, at_place.bend) < tuned.min_shared_bend;
+}
+
+// A place of another surface may be beside a fit that was narrowed or followed.
+bool FollowedVerdict::passes_places(const ShapeFit& fit, const NearPoints& near) const
+{
+    return std::all_of(places_.begin(), places_.end(), [&](const Vec3d& place) {
+        double to_cloud = infinity;
+        for (std::size_t i = 0; i < near.ids.size(); ++i)
+            to_cloud = std::min(to_cloud, length(near.points.source(i) - place));
+        return distance_to(fit.shape, place) <= to_cloud + farthest_place(fit);
+    });
+}
+
+double FollowedVerdict::resolution() const
+{
+    const Vec3d& scale = cloud_.info().grid.scale;
+    return std::max({scale[0], scale[1], scale[2]});
+}
+
+double FollowedVerdict::known_noise() const
+{
+    if (close_noise_ > 0 && own_noise_ > 0) return std::min(close_noise_, own_noise_);
+    return std::max(close_noise_, own_noise_);
+}
+
+// Where the noise is larger than that around the places, and no threshold allows for it.
+std::optional<ShapeKind> FollowedVerdict::far_better_kind(const FittedPrimitive& result, double noise,
+                                                          const std::vector<Vec3d>& around) const
+{
+    if (options_.fit.threshold > 0) return {};
+    if (!(close_noise_ > 0 && noise > place_tuning().following.max_noise_growth * close_noise_)) return {};
+    ShapeFit fit = result.primitive.fit;
+    fit.noise = noise;
+    std::vector<Vec3d> near;
+    for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
+    const auto other = better_kind(fit, near, close_noise_, part_of(progress_, 0.94, 0.97));
+    return other ? other : better_kind(fit, around, close_noise_, part_of(progress_, 0.97, 1));
+}
+
+// Among the points on the shape and around it, where a plane that touches a pipe is left by it.
+void FollowedVerdict::find_other_kind(const ShapeFit& fit, const PointSet& around)
+{
+    const FitPoints compared =
+        FitPoints::of(random_points(around, most_compared, options_.threads, part_of(progress_, 0.94, 0.94)));
+    std::vector<ShapeFit> fits{fit};
+    ShapeFitOptions options = options_.fit;
+    options.threshold = fit.threshold;
+    options.progress = part_of(progress_, 0.94, 0.94);
+    const FollowingTuning& tuned = place_tuning().following;
+    double own = 0;
+    for (std::size_t i = 0; i < compared.size(); ++i)
+        own += distance_to(fit.shape, compared.source(i)) <= fit.threshold;
+    for (const ShapeKind kind : options_.kinds) {
+        if (kind == fit.shape.kind) continue;
+        options.kind = kind;
+        fits.push_back(fit_shape(compared, options));
+        const ShapeFit& other = fits.back();
+        const bool is_as_near = other.noise <= tuned.max_other_noise * fit.noise &&
+                                static_cast<double>(other.inliers) >= tuned.min_other_share * own;
+        if (other.verdict != FitVerdict::good || !is_as_near) fits.pop_back();
+    }
+    fits.front().inliers = static_cast<std::uint64_t>(own);
+    const KindChoice choice = choose_kind(fits, compared);
+    if (choice.best && *choice.best > 0) other_ = std::move(fits[*choice.best]);
+}
+
+}  // namespace pcm
