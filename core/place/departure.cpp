@@ -112,6 +112,7 @@ Departure departure_of(const Shape& shape, double threshold, const std::vector<V
     const auto n = static_cast<double>(count);
     const double left = std::max(squares - gain, 0.0), variance = left / (n - rank);
     Departure result;
+    result.points = count;
     result.share = std::max(0.0, 1 - variance / (squares / n));
     result.size = std::sqrt(result.share * squares / n);
     result.rest = std::sqrt(variance);

@@ -4,11 +4,13 @@
 
 #include "pcm/shapes/shape.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace pcm {
 
 struct Departure {
+    std::size_t points = 0;  // that took part
     // Share of the squared distances that a smooth surface explains beyond what chance does: 0 for noise.
     double share = 0;
     double size = 0;  // rms distance of that surface from the shape, source units

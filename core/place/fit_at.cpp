@@ -86,10 +86,15 @@ public:
     }
 
 private:
+    double registration() const  // source units
+    {
+        return options_.registration / 1000 / metres_per_unit(tree_->info().metadata);
+    }
+
     void compare_stations(FittedPrimitive& result) const
     {
         StationErrorOptions options;
-        options.registration = options_.registration / 1000 / metres_per_unit(tree_->info().metadata);
+        options.registration = registration();
         options.place = places_.front();
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.95, 1);
@@ -222,8 +227,7 @@ private:
         primitive.fit = result.local;
         primitive.fit.is_inlier.clear();
         if (!local.next_kind.empty()) result.notes.push_back(local.next_kind);
-        close_noise_ = local.noise / fit_tuning().thresholds.inlier_noises;
-        own_noise_ = local.even.noise;
+        known_ = {local.noise / fit_tuning().thresholds.inlier_noises, local.even.noise, registration()};
         other_kind_.reset();
         cuts_noise_ = false;
         progress_ = part_of(whole_progress_, begin, end);
@@ -363,7 +367,7 @@ private:
             grown.fit.message = result.local.message;
         }
         result.primitive.fit = std::move(grown.fit);
-        FollowedVerdict verdict(cloud_, places_, options_, close_noise_, own_noise_, progress_);
+        FollowedVerdict verdict(cloud_, places_, options_, known_, progress_);
         agreement_ = grown.agreement;
         verdict.judge({grown.around, grown.noise, grown.agreement, grown.part}, result);
         other_kind_ = verdict.other_kind();
@@ -389,8 +393,8 @@ private:
     Selection limit_;
     ProgressFunction whole_progress_, progress_;      // of one of the thresholds, and of following there
     bool cuts_noise_ = false, is_cut_early_ = false;  // whether a threshold cut the noise of the points reached
-    double close_noise_ = 0, own_noise_ = 0;          // see FollowedVerdict
-    std::optional<ShapeFit> other_kind_;              // FollowedVerdict::other_kind()
+    KnownErrors known_;
+    std::optional<ShapeFit> other_kind_;  // FollowedVerdict::other_kind()
     std::string other_doubt_;
     double agreement_ = 1;  // GrownShape::agreement of the last one
 };

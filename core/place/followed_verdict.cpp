@@ -1,11 +1,14 @@
 #include "pcm/place/followed_verdict.h"
 
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/shape_fit.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/departure.h"
 #include "pcm/place/one_surface.h"
+#include "pcm/place/point_stations.h"
 #include "pcm/place/progress_part.h"
+#include "pcm/place/station_survey.h"
 #include "pcm/place/surface_beyond.h"
 #include "pcm/place/tuning.h"
 #include "pcm/system/text.h"
@@ -17,8 +20,20 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t most_judged = 20000;    // points, for whether they are a piece of another surface
-constexpr std::size_t most_compared = 2000;   // points, for another kind
+constexpr std::size_t most_compared = 1000;   // points, for another kind
 constexpr std::size_t most_departing = 4000;  // points, for whether they leave it together
+
+// Not where neighbours would share errors about another kind, too, as about any smooth surface: as many points as there
+// are share them by as much more.
+bool may_be_other_kind(const FollowedPoints& followed, const Departure& departure, std::uint64_t points)
+{
+    const FollowingTuning& tuned = place_tuning().following;
+    if (!(followed.agreement > tuned.min_agreement) && departure.is_chance) return false;
+    if (departure.points == 0) return true;
+    const double more = static_cast<double>(points) / static_cast<double>(departure.points);
+    const double left = std::sqrt(1 + (departure.agreement * departure.agreement - 1) * std::max(more, 1.0));
+    return left <= std::max(tuned.max_other_agreement, tuned.less_agreement * followed.agreement);
+}
 
 }  // namespace
 
@@ -30,13 +45,8 @@ void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
 }
 
 FollowedVerdict::FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
-                                 double close_noise, double own_noise, const ProgressFunction& progress)
-    : cloud_(cloud),
-      places_(places),
-      options_(options),
-      close_noise_(close_noise),
-      own_noise_(own_noise),
-      progress_(progress)
+                                 const KnownErrors& known, const ProgressFunction& progress)
+    : cloud_(cloud), places_(places), options_(options), known_(known), progress_(progress)
 {
 }
 
@@ -89,12 +99,12 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
         if (!followed.part || followed.part->has(p)) fitted.push_back(p);
     const Departure departure = departure_of(fit.shape, fit.threshold, fitted);
     const bool is_automatic = options_.fit.threshold == 0;
-    if (is_automatic && (followed.agreement > place_tuning().following.min_agreement || !departure.is_chance))
+    if (is_automatic && may_be_other_kind(followed, departure, result.points.size()))
         find_other_kind(fit, followed.around);
     if (other_)
         other_doubt_ = std::string("a ") + traits_of(other_->shape.kind).name + " of noise " + brief(other_->noise) +
                        " is more probable here than this " + name + " of noise " + brief(followed.noise) + ": fit that";
-    if (beyond.is_piece(close_noise_ > 0 ? followed.noise / close_noise_ : 0)) {
+    if (beyond.is_piece(known_.close_noise > 0 ? followed.noise / known_.close_noise : 0)) {
         doubt(fit, FitIssue::other_surface,
               "the surface continues smoothly beside these points, but off the " + name +
                   ": they are a ring or strip where it touches a surface of another kind; fit that");
@@ -107,7 +117,8 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
               "almost as many points are beside the " + name +
                   " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
                   "where the noise is larger");
-    } else if (is_automatic && departure.is_smooth(known_noise())) {
+    } else if (is_automatic && departure.is_smooth(known_noise()) &&
+               departure.size > place_tuning().departure.min_station_spreads * station_spread()) {
         doubt(fit, FitIssue::uneven,
               "the points leave the " + name + " together by " + brief(departure.size) +
                   " (root mean square) and are within " + brief(departure.rest) +
@@ -147,8 +158,17 @@ double FollowedVerdict::resolution() const
 
 double FollowedVerdict::known_noise() const
 {
-    if (close_noise_ > 0 && own_noise_ > 0) return std::min(close_noise_, own_noise_);
-    return std::max(close_noise_, own_noise_);
+    if (known_.close_noise > 0 && known_.own_noise > 0) return std::min(known_.close_noise, known_.own_noise);
+    return std::max(known_.close_noise, known_.own_noise);
+}
+
+// Stations that the registration has left apart make a round pipe out of round by as much.
+double FollowedVerdict::station_spread() const
+{
+    const PointStations stations(*cloud_.tree());
+    if (stations.source() == StationSource::none) return known_.registration;
+    const double found = station_survey(*cloud_.tree(), stations, places_.front()).spread().spread;
+    return std::max(found, known_.registration);
 }
 
 // Where the noise is larger than that around the places, and no threshold allows for it.
@@ -156,16 +176,17 @@ std::optional<ShapeKind> FollowedVerdict::far_better_kind(const FittedPrimitive&
                                                           const std::vector<Vec3d>& around) const
 {
     if (options_.fit.threshold > 0) return {};
-    if (!(close_noise_ > 0 && noise > place_tuning().following.max_noise_growth * close_noise_)) return {};
+    if (!(known_.close_noise > 0 && noise > place_tuning().following.max_noise_growth * known_.close_noise)) return {};
     ShapeFit fit = result.primitive.fit;
     fit.noise = noise;
     std::vector<Vec3d> near;
     for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
-    const auto other = better_kind(fit, near, close_noise_, part_of(progress_, 0.94, 0.97));
-    return other ? other : better_kind(fit, around, close_noise_, part_of(progress_, 0.97, 1));
+    const auto other = better_kind(fit, near, known_.close_noise, part_of(progress_, 0.94, 0.97));
+    return other ? other : better_kind(fit, around, known_.close_noise, part_of(progress_, 0.97, 1));
 }
 
-// Among the points on the shape and around it, where a plane that touches a pipe is left by it.
+// Among the points on the shape and around it, where a plane that touches a pipe is left by it. Of the next rank alone:
+// where a plane is a cone, a cylinder is more probable, too, and is judged in its turn.
 void FollowedVerdict::find_other_kind(const ShapeFit& fit, const PointSet& around)
 {
     const FitPoints compared =
@@ -179,7 +200,7 @@ void FollowedVerdict::find_other_kind(const ShapeFit& fit, const PointSet& aroun
     for (std::size_t i = 0; i < compared.size(); ++i)
         own += distance_to(fit.shape, compared.source(i)) <= fit.threshold;
     for (const ShapeKind kind : options_.kinds) {
-        if (kind == fit.shape.kind) continue;
+        if (kind == fit.shape.kind || model_of(kind).rank > model_of(fit.shape.kind).rank + 1) continue;
         options.kind = kind;
         fits.push_back(fit_shape(compared, options));
         const ShapeFit& other = fits.back();

@@ -22,14 +22,18 @@ struct FollowedPoints {
     const std::optional<SweptPart>& part;  // GrownShape::part
 };
 
+// Standard deviations, source units; 0: unknown.
+struct KnownErrors {
+    double close_noise = 0;   // of the points at the places from their own surface
+    double own_noise = 0;     // the least of it: clutter or the other face of a plate enlarge the first
+    double registration = 0;  // that was given, of a station of the scanner along each axis
+};
+
 // Keeps references. One object by one thread.
 class FollowedVerdict {
 public:
-    // `close_noise`: of the points at the places from their own surface, one standard deviation, source units; 0:
-    // unknown. `own_noise`: the least that is known of that; clutter next to the place, or the other face of a plate,
-    // enlarges the first.
     FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
-                    double close_noise, double own_noise, const ProgressFunction& progress);
+                    const KnownErrors& known, const ProgressFunction& progress);
 
     // Doubts a good fit whose points may be a ring or strip of another surface, several surfaces within a wide
     // threshold, there by chance, out of round or bulged.
@@ -51,11 +55,12 @@ private:
     void find_other_kind(const ShapeFit& fit, const PointSet& around);
     double resolution() const;
     double known_noise() const;
+    double station_spread() const;
 
     const PointCloud& cloud_;
     const std::vector<Vec3d>& places_;
     const FitAtOptions& options_;
-    const double close_noise_, own_noise_;
+    const KnownErrors known_;
     const ProgressFunction& progress_;
     std::optional<ShapeFit> other_;
     std::string other_doubt_;

@@ -59,6 +59,7 @@ ValuesAtPlace values_at_place(PlaceTuning& place)
         PCM_TUNED(place.departure.min_share),
         PCM_TUNED(place.departure.max_rest),
         PCM_TUNED(place.departure.max_agreement),
+        PCM_TUNED(place.departure.min_station_spreads),
     }};
 }
 

@@ -161,6 +161,10 @@ struct DepartureTuning {
     // Maximum agreement of neighbours about the smooth surface.
     // Chosen: as following.max_other_agreement; not swept.
     double max_agreement = 1.35;  // factor on the errors
+    // Minimum size of a departure where stations are apart: pipes that three stations see are out of round by 0.5 to
+    // 0.9 of that.
+    // Chosen: by those; not swept.
+    double min_station_spreads = 2;  // spread of the stations
 };
 
 // How a shape is followed through the cloud (grow_shape.h), and which points at its edges are left out.

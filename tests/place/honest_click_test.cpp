@@ -87,14 +87,14 @@ TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AReducerIsNoCylinder))
     EXPECT_LT(std::fabs(fit.shape.second - cone.second), 4 * fit.errors.second);
 }
 
-// The noise next to the place is half of that farther on, and the first threshold cuts that. Before, a doubtful patch
-// around the place.
+// The noise next to the place is less than half of that farther on, and the first threshold cuts that. Before, a
+// doubtful patch around the place.
 TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AWallIsFollowedWhereItsNoiseRises))
 {
     std::vector<SurfacePoint> points;
     for (int i = 0; i < 24000; ++i) {
         const Vec3d at{dice_.between(-2, 2), dice_.between(-2, 2), 0};
-        const double noise = length(at) < 1.2 ? sigma : 2 * sigma;
+        const double noise = length(at) < 0.95 ? sigma : 2.2 * sigma;
         points.push_back({map + at + Vec3d{0, 0, noise * dice_.normal()}, {0, 0, 1}});
     }
     const FittedPrimitive fitted = at(points, map);
