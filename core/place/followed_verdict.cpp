@@ -167,8 +167,8 @@ double FollowedVerdict::station_spread() const
 {
     const PointStations stations(*cloud_.tree());
     if (stations.source() == StationSource::none) return known_.registration;
-    const double found = station_survey(*cloud_.tree(), stations, places_.front()).spread().spread;
-    return std::max(found, known_.registration);
+    const StationSurvey survey = station_survey(*cloud_.tree(), stations, places_.front());
+    return survey.names_stations ? std::max(survey.evidence.spread().spread, known_.registration) : known_.registration;
 }
 
 // Where the noise is larger than that around the places, and no threshold allows for it.

@@ -128,6 +128,9 @@ void add_station_errors(const PointSet& points, const StationErrorOptions& optio
     facts.registration = options.registration;
     const PointStations stations(points.tree());
     facts.source = stations.source();
+    StationSurvey survey;
+    if (facts.source != StationSource::none) survey = station_survey(points.tree(), stations, options.place);
+    if (!survey.names_stations) facts.source = StationSource::none;
     if (facts.source == StationSource::none) {
         if (!(options.registration > 0)) return;
         add_in_quadrature(fit.errors, errors_of_unknown_stations(fit, options.registration));
@@ -146,7 +149,7 @@ void add_station_errors(const PointSet& points, const StationErrorOptions& optio
         return doubt_uncertain_size(fit);
     }
     const double as_one = sums.noise_as_one(), within = sums.noise_within();
-    StationEvidence evidence = station_survey(points.tree(), stations, options.place);
+    StationEvidence evidence = std::move(survey.evidence);
     double alike = agreement;
     if (facts.stations > 1) {
         const double spread = sums.evidence(within).spread().spread;

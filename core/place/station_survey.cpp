@@ -32,6 +32,8 @@ constexpr double widest = 0.1;             // and the middle one to the largest,
 constexpr double least_overlap = 0.6;      // of what differences show, relative to stations that see all of a patch
 constexpr double most_noise = 2;           // of a patch, relative to the quarter with the least noise
 constexpr double most_deviations = 4;      // of patches from the others
+constexpr double least_mixed = 0.6;        // neighbours of another station, relative to their number by chance
+constexpr double enough_by_chance = 500;   // for saying that they do not mix
 constexpr Eigen::Index surface_terms = 6;  // of a height of the second degree
 
 struct StationPoint {
@@ -46,6 +48,7 @@ struct Patch {
     PatchMatrix h;  // of heights: a number for each pair of stations
     PatchVector u;
     double noise = 0;
+    double mixed = 0, mixed_by_chance = 0;  // numbers of points whose nearest neighbour is of another station
 
     // How far what the stations show is from what the shifts say, in units of its deviation by noise alone, and of the
     // heights.
@@ -98,7 +101,29 @@ bool frame_of(const std::vector<StationPoint>& points, Vec3d& middle, std::array
     return true;
 }
 
-// Nothing where it is no smooth surface of several stations.
+// Points of stations that see the same surface have neighbours of each other's.
+void count_mixed(const std::vector<std::array<double, 2>>& places, const std::vector<StationPoint>& points,
+                 Patch& patch)
+{
+    const auto n = static_cast<double>(points.size());
+    std::map<std::uint32_t, std::size_t> counts;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        double nearest = infinity;
+        std::uint32_t station = points[i].station;
+        for (std::size_t j = 0; j < points.size(); ++j) {
+            if (j == i) continue;
+            const double dx = places[j][0] - places[i][0], dy = places[j][1] - places[i][1], away = dx * dx + dy * dy;
+            if (away < nearest) nearest = away, station = points[j].station;
+        }
+        patch.mixed += station != points[i].station;
+        ++counts[points[i].station];
+    }
+    for (const auto& [station, count] : counts)
+        patch.mixed_by_chance += static_cast<double>(count) * (n - static_cast<double>(count)) / (n - 1);
+}
+
+// False where it is no smooth surface that several stations see all of; `mixed` is then set, too, where it is a
+// surface.
 bool patch_of(std::vector<StationPoint> points, Patch& patch)
 {
     std::map<std::uint32_t, std::size_t> counts;
@@ -122,6 +147,7 @@ bool patch_of(std::vector<StationPoint> points, Patch& patch)
                stations = static_cast<Eigen::Index>(patch.stations.size());
     PatchMatrix terms(n, surface_terms), of_station = PatchMatrix::Zero(n, stations);
     PatchVector heights(n);
+    std::vector<std::array<double, 2>> places;
     for (Eigen::Index i = 0; i < n; ++i) {
         const StationPoint& p = points[static_cast<std::size_t>(i)];
         const Vec3d d = p.place - middle;
@@ -129,7 +155,9 @@ bool patch_of(std::vector<StationPoint> points, Patch& patch)
         terms.row(i) << 1, x, y, x * x, x * y, y * y;
         of_station(i, number(p.station)) = 1;
         heights[i] = dot(axes[2], d);
+        places.push_back({x, y});
     }
+    count_mixed(places, points, patch);
     PatchMatrix normal = terms.transpose() * terms;
     normal.diagonal().array() += 1e-9 * static_cast<double>(n);
     const Eigen::LDLT<PatchMatrix> solver(normal);
@@ -158,7 +186,7 @@ public:
     {
     }
 
-    StationEvidence run(const Vec3d& place)
+    StationSurvey run(const Vec3d& place)
     {
         for (const NodeId root : tree_.part_roots())
             if (root != no_node) gather(root, place);
@@ -168,7 +196,7 @@ public:
             look_at(view);
             if (is_enough()) break;
         }
-        return agreeing();
+        return {agreeing(), mixed_by_chance_ < enough_by_chance || mixed_ >= least_mixed * mixed_by_chance_};
     }
 
 private:
@@ -224,7 +252,10 @@ private:
             for (end = begin; end < order.size() && order[end].first == order[begin].first; ++end)
                 some.push_back(inside[order[end].second]);
             Patch patch;
-            if (some.size() <= most_points && patch_of(some, patch)) patches_.push_back(std::move(patch));
+            const bool shows = some.size() <= most_points && patch_of(some, patch);
+            mixed_ += patch.mixed;
+            mixed_by_chance_ += patch.mixed_by_chance;
+            if (shows) patches_.push_back(std::move(patch));
         }
     }
 
@@ -300,11 +331,12 @@ private:
     std::vector<StationPoint> points_;
     std::vector<View> views_;
     std::vector<Patch> patches_;
+    double mixed_ = 0, mixed_by_chance_ = 0;
 };
 
 }  // namespace
 
-StationEvidence station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place)
+StationSurvey station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place)
 {
     return Survey(tree, stations).run(place);
 }

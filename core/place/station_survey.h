@@ -7,11 +7,18 @@
 
 namespace pcm {
 
+struct StationSurvey {
+    StationEvidence evidence;
+    // False where the points of different numbers do not mix on the surfaces, as those of stations do and those of
+    // tiles, objects or classes do not: the attribute names something else.
+    bool names_stations = true;
+};
+
 // The points of the node at the place and of the nodes above it, in the box of the lowest of these, then of the next
 // one until there is enough, are divided into cubes of some tens of points. A cube with points of several stations on
 // one smooth surface (a height of the second degree over a plane, of as little noise as most) is evidence; one that
 // contradicts the others by more than four of their deviations is not. Reads the chunks from the root to the place,
 // once. The result does not depend on the order of points. Throws what reading throws.
-StationEvidence station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place);
+StationSurvey station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place);
 
 }  // namespace pcm

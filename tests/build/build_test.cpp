@@ -305,7 +305,8 @@ TEST(Build, PCM_NOT_UNDER_SANITIZERS(MemoryTooSmallForOneBinMakesManyAndLosesNot
 }
 
 // The strided sample sees none of the points that pile up at the end of the file.
-TEST(Build, ADenseSpotThatTheSampleMissed)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST(Build, PCM_NOT_UNDER_THREAD(ADenseSpotThatTheSampleMissed))
 {
     const TemporaryFolder folder;
     auto points = records(Shape::surface, 400000, 10);

@@ -8,6 +8,7 @@
 #include "pcm/tree/tree.h"
 #include "tests/build/schema_of.h"
 #include "tests/memory_reader.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <chrono>
@@ -161,7 +162,8 @@ MemoryCloud gridded(const std::string& kind, std::size_t count)
     return cloud;
 }
 
-TEST(Partition, OfGriddedClouds)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST(Partition, PCM_NOT_UNDER_THREAD(OfGriddedClouds))
 {
     for (const std::string kind : {"random", "extremes", "line", "dense spot", "pile", "one row"})
         for (const std::size_t count : {0u, 1u, 2u, 900u, 30000u})
@@ -208,7 +210,8 @@ MemoryCloud doubles(const std::string& kind, std::size_t count)
     return cloud;
 }
 
-TEST(Partition, OfDoubles)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST(Partition, PCM_NOT_UNDER_THREAD(OfDoubles))
 {
     for (const std::string kind :
          {"random", "map coordinates", "not finite", "nothing but NaN", "signed zeros", "huge", "tiny"})

@@ -6,6 +6,7 @@
 #include "pcm/system/error.h"
 #include "tests/clouds.h"
 #include "tests/failing_threads.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <atomic>
@@ -102,7 +103,7 @@ TEST_F(L2CacheTest, RandomOperationsAgainstAModel)
     std::vector<NodeId> nodes;
     for (NodeId id = 0; id < tree_->nodes().size(); ++id)
         if (tree_->node(id).points) nodes.push_back(id);
-    for (int i = 0; i < 100000; ++i) {
+    for (int i = 0; i < tries(100000, 20000); ++i) {
         // Some nodes are asked for more often than others.
         const NodeId node = nodes[std::min(random() % nodes.size(), random() % nodes.size())];
         const ColumnSet& columns = wishes[random() % wishes.size()];

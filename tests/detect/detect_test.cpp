@@ -256,7 +256,8 @@ TEST_F(Detect, CloudsWithoutShapesHaveNone)
 }
 
 // Its noise is wider than the spacing of its coarsest level.
-TEST_F(Detect, AManyTimesDividedCloudOfNoiseAloneHasNone)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(AManyTimesDividedCloudOfNoiseAloneHasNone))
 {
     Dice dice(9);
     std::vector<Vec3d> points;
@@ -356,7 +357,8 @@ TEST_F(Detect, CanBeCancelledAtAnyStage)
     }
 }
 
-TEST_F(Detect, LabelsBecomeAnAttribute)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(LabelsBecomeAnAttribute))
 {
     make(scene, 0.002);
     const DetectReport report = detect();
@@ -402,7 +404,8 @@ TEST_F(Detect, LabelsCanBeCancelledAndTheTreeStaysAsItWas)
 }
 
 // Caps and outlines are those of all points, not of some.
-TEST_F(Detect, BoundsReachTheOutermostPoints)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(BoundsReachTheOutermostPoints))
 {
     make(scene, 0.002);
     const DetectReport report = detect();
@@ -418,7 +421,8 @@ TEST_F(Detect, BoundsReachTheOutermostPoints)
 }
 
 // The noise of a stereo camera grows with the distance: the table's is three times that of most surfaces.
-TEST_F(Detect, RougherSurfacesThanMostHaveAWiderThreshold)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(RougherSurfacesThanMostHaveAWiderThreshold))
 {
     PCM_REQUIRE_SAMPLE("primitives/table_scene_mug_stereo_textured.pcd");
     build_tree({sample("primitives/table_scene_mug_stereo_textured.pcd")}, folder_ / "mug.pct");
@@ -439,7 +443,8 @@ TEST_F(Detect, RougherSurfacesThanMostHaveAWiderThreshold)
 }
 
 // A floor whose scans lie in layers, some of them whole at the cloud's threshold.
-TEST_F(Detect, AFloorInLayersIsOnePlane)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(AFloorInLayersIsOnePlane))
 {
     PCM_REQUIRE_SAMPLE("primitives/room_scan1.pcd");
     build_tree({sample("primitives/room_scan1.pcd")}, folder_ / "room.pct");

@@ -2,6 +2,7 @@
 #include "pcm/detect/wider_shapes.h"
 
 #include "tests/place/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -74,7 +75,8 @@ protected:
 const Vec3d floor_place{0, 0, 0}, hill_place{20, 0, 0}, desk_place{0, 10, 0};
 
 // The floor's waves are twice as high as the threshold: it comes as crests and troughs. The hill falls by 3 m.
-TEST_F(WiderShapes, ReplaceThePiecesOfASurfaceThatEndsAndNoOthers)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(WiderShapes, PCM_NOT_UNDER_THREAD(ReplaceThePiecesOfASurfaceThatEndsAndNoOthers))
 {
     add_square(floor_place, 4, [](double x, double) { return 0.018 * std::sin(2 * pi * x / 1.3); });
     add_square(hill_place, 6, [](double x, double y) { return -(x * x + y * y) / 6; });

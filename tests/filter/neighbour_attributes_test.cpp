@@ -8,6 +8,7 @@
 #include "pcm/update/target.h"
 #include "tests/filter/oracle.h"
 #include "tests/outcome.h"
+#include "tests/sanitizers.h"
 
 namespace {
 
@@ -99,7 +100,8 @@ protected:
     const fs::path tree_ = folder_ / "cloud.pct";
 };
 
-TEST_F(NeighbourAttributes, AreThoseOfComparingAllPairs)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(NeighbourAttributes, PCM_NOT_UNDER_THREAD(AreThoseOfComparingAllPairs))
 {
     for (const Vec3d& origin : {Vec3d{0, 0, 0}, Vec3d{500000, 4800000, 120}})
         for (const std::size_t k : {1, 2, 5, 16, 37}) {
@@ -129,7 +131,8 @@ TEST_F(NeighbourAttributes, OfVolumesAndWithinADistance)
     expect_exact(12, 3e-7, 0.05);
 }
 
-TEST_F(NeighbourAttributes, OfTinyAndHugeClouds)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(NeighbourAttributes, PCM_NOT_UNDER_THREAD(OfTinyAndHugeClouds))
 {
     for (const double extent : {1e-9, 1e-6, 1.0, 1e9}) {
         SCOPED_TRACE(extent);

@@ -4,6 +4,7 @@
 #include "pcm/filter/level_clock.h"
 #include "pcm/update/tree_changes.h"
 #include "tests/filter/oracle.h"
+#include "tests/sanitizers.h"
 
 #include <map>
 
@@ -48,7 +49,8 @@ protected:
     const fs::path tree_ = folder_ / "cloud.pct";
 };
 
-TEST_F(Precision, PointsOfTheLevelAreExactAndTheErrorOfOthersIsReported)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Precision, PCM_NOT_UNDER_THREAD(PointsOfTheLevelAreExactAndTheErrorOfOthersIsReported))
 {
     NeighbourAttributeOptions options = options_of(true, false);
     const auto levels = Tree::open(tree_)->info().levels;
@@ -176,7 +178,8 @@ TEST_F(Precision, RandomPointsAreOfAllPointsAlike)
     for (const auto& [place, count] : counts) EXPECT_LT(count, 40);
 }
 
-TEST_F(Precision, AnErrorTargetChoosesTheCoarsestLevelThatKeepsIt)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Precision, PCM_NOT_UNDER_THREAD(AnErrorTargetChoosesTheCoarsestLevelThatKeepsIt))
 {
     L2Cache cache(Tree::open(tree_));
     NeighbourAttributeOptions options = options_of(true, false);

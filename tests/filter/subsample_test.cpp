@@ -7,6 +7,7 @@
 #include "pcm/update/erase.h"
 
 #include "tests/memory_reader.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <gtest/gtest.h>
@@ -116,7 +117,8 @@ SubsampleOptions number_of(std::uint64_t points, bool exact)
     return options;
 }
 
-TEST_F(Subsample, ExactSpacingOnCloudsOfAllKinds)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Subsample, PCM_NOT_UNDER_THREAD(ExactSpacingOnCloudsOfAllKinds))
 {
     struct Case {
         const char* name;

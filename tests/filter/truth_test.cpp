@@ -2,6 +2,7 @@
 #include "pcm/filter/neighbour_attributes.h"
 #include "pcm/generate/scene.h"
 #include "tests/filter/oracle.h"
+#include "tests/sanitizers.h"
 
 #include <map>
 
@@ -13,7 +14,8 @@ using namespace pcm::test;
 class Truth : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(Noise, Truth, testing::Values(0.0, 0.003));
 
-TEST_P(Truth, NormalsAreThoseOfPlanesCylindersAndSpheres)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_P(Truth, PCM_NOT_UNDER_THREAD(NormalsAreThoseOfPlanesCylindersAndSpheres))
 {
     const TemporaryFolder folder;
     SceneOptions scene;

@@ -2,6 +2,7 @@
 #include "pcm/filter/two_surfaces.h"
 
 #include "pcm/cloud/symmetric_eigen.h"
+#include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
 
@@ -91,7 +92,8 @@ double share_seen(const Height& height, std::size_t neighbours = 16, double leas
 }
 
 // The more neighbours, the more plates: of 16 at least three in four, of 40 nearly all.
-TEST(TwoSurfaces, PlatesAreSeen)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST(TwoSurfaces, PCM_NOT_UNDER_THREAD(PlatesAreSeen))
 {
     for (const double gap : {0.02, 0.25})
         for (const double noise : {0.0, 0.1}) {
@@ -102,7 +104,8 @@ TEST(TwoSurfaces, PlatesAreSeen)
 }
 
 // Heights that depend on the place, and noise of one surface, are seldom taken for two.
-TEST(TwoSurfaces, SingleSurfacesAreNot)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST(TwoSurfaces, PCM_NOT_UNDER_THREAD(SingleSurfacesAreNot))
 {
     const std::vector<Height> surfaces{
         [](double, double, std::mt19937_64& r) { return std::normal_distribution<double>(0, 0.05)(r); },

@@ -7,6 +7,7 @@
 #include "pcm/update/erase.h"
 
 #include "tests/filter/voxel_oracle.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <gtest/gtest.h>
@@ -158,7 +159,8 @@ void expect_grid(const MemoryCloud& model, const MemoryCloud& found, const Voxel
     }
 }
 
-TEST_F(VoxelGrid, EqualsAMapOfVoxelsOnCloudsOfAllKinds)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(VoxelGrid, PCM_NOT_UNDER_THREAD(EqualsAMapOfVoxelsOnCloudsOfAllKinds))
 {
     struct Case {
         const char* name;

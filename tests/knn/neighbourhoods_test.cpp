@@ -204,7 +204,8 @@ protected:
 
 const Grid millimetres{{0.001, 0.001, 0.001}, {500000, 4800000, 100}};
 
-TEST_F(NeighbourhoodsOf, ASurfaceInManyUnits)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ASurfaceInManyUnits))
 {
     const auto surface = [](std::mt19937_64& random, std::size_t) {
         const double x = 30 * uniform(random), y = 30 * uniform(random);
@@ -217,7 +218,8 @@ TEST_F(NeighbourhoodsOf, ASurfaceInManyUnits)
     expect_right_for(cloud_of(45000, std::nullopt, surface), 9);
 }
 
-TEST_F(NeighbourhoodsOf, AVolumeOfDoubles)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(AVolumeOfDoubles))
 {
     expect_right_for(cloud_of(25000, std::nullopt,
                               [](std::mt19937_64& random, std::size_t) {
@@ -248,7 +250,8 @@ TEST_F(NeighbourhoodsOf, DenseBesideSparse)
                      16);
 }
 
-TEST_F(NeighbourhoodsOf, AGridALineAndManyAtOnePlace)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(AGridALineAndManyAtOnePlace))
 {
     expect_right_for(cloud_of(22500, millimetres,
                               [](std::mt19937_64&, std::size_t i) {
@@ -278,7 +281,8 @@ TEST_F(NeighbourhoodsOf, FewPoints)
     }
 }
 
-TEST_F(NeighbourhoodsOf, ATreeOfSeveralParts)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ATreeOfSeveralParts))
 {
     const auto part = [](double x) {
         return [x](std::mt19937_64& random, std::size_t) {

@@ -5,6 +5,7 @@
 #include "pcm/cloud/condition.h"
 #include "pcm/system/error.h"
 #include "pcm/update/erase.h"
+#include "tests/sanitizers.h"
 #include "tests/select/cloud_of_points.h"
 
 #include <algorithm>
@@ -82,7 +83,8 @@ NearOptions of_radius(double radius)
     return options;
 }
 
-TEST_F(NearPointsTest, AreThoseOfASearchThroughAll)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(NearPointsTest, PCM_NOT_UNDER_THREAD(AreThoseOfASearchThroughAll))
 {
     for (const Shape shape : {Shape::surface, Shape::volume, Shape::line, Shape::duplicates, Shape::clusters}) {
         std::filesystem::remove_all(path());

@@ -6,6 +6,7 @@
 #include "pcm/select/grow.h"
 #include "pcm/system/error.h"
 #include "tests/place/shape_cloud.h"
+#include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
@@ -90,7 +91,8 @@ pcm::Shape shape_of(ShapeKind kind)
     return shape;
 }
 
-TEST(PointsOnShape, AreThoseOfATestOfEachPoint)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST(PointsOnShape, PCM_NOT_UNDER_THREAD(AreThoseOfATestOfEachPoint))
 {
     for (const ShapeKind kind : all_kinds) {
         TemporaryFolder folder;

@@ -23,14 +23,22 @@ struct StationPoint {
     int station = 0;
 };
 
-enum class Says { nothing, source_id, one_source_id, other_ids, time };
+enum class Says { nothing, source_id, one_source_id, other_ids, tiles, time };
+
+// The number of a tile, as a file of a large project has it.
+std::uint16_t tile_of(const Vec3d& p)
+{
+    const auto along = [&](std::size_t k) { return static_cast<int>(std::floor((p[k] - hall[k]) / 2)) + 10; };
+    return static_cast<std::uint16_t>(100 * along(0) + along(1));
+}
 
 void write_stations_ply(const std::filesystem::path& path, const std::vector<StationPoint>& points, Says says)
 {
     std::ofstream file(path, std::ios::binary);
     file << "ply\nformat binary_little_endian 1.0\nelement vertex " << points.size() << "\n";
     for (const char* axis : {"x", "y", "z"}) file << "property double " << axis << "\n";
-    const bool has_ids = says == Says::source_id || says == Says::one_source_id || says == Says::other_ids;
+    const bool has_ids =
+        says == Says::source_id || says == Says::one_source_id || says == Says::other_ids || says == Says::tiles;
     if (has_ids) file << "property ushort point_source_id\n";
     if (says == Says::time) file << "property double gps_time\n";
     file << "end_header\n";
@@ -38,6 +46,7 @@ void write_stations_ply(const std::filesystem::path& path, const std::vector<Sta
         file.write(reinterpret_cast<const char*>(points[i].position.data()), 24);
         const auto id = static_cast<std::uint16_t>(says == Says::source_id   ? 11 + points[i].station
                                                    : says == Says::other_ids ? 7 * i
+                                                   : says == Says::tiles     ? tile_of(points[i].position)
                                                                              : 7);
         // A scan takes two minutes, and the scanner one to its next station.
         const double time =
@@ -167,6 +176,19 @@ TEST_F(StationErrors, GapsInTimeAreStations)
     EXPECT_EQ(gaps.primitive.stations->spread, ids.primitive.stations->spread);
     EXPECT_EQ(gaps.primitive.fit.errors.radius, ids.primitive.fit.errors.radius);
     EXPECT_EQ(gaps.primitive.fit.errors.position, ids.primitive.fit.errors.position);
+}
+
+// The points of tiles mix nowhere.
+TEST_F(StationErrors, NumbersOfTilesAreNoStations)
+{
+    const auto tiles = cloud(0, 8, Says::tiles), nothing = cloud(0, 8, Says::nothing);
+    EXPECT_EQ(PointStations(*tiles->tree()).source(), StationSource::attribute);
+    EXPECT_FALSE(station_survey(*tiles->tree(), PointStations(*tiles->tree()), pipe_.point).names_stations);
+    const FittedPrimitive by_tile = fit(*tiles, pipe_), without = fit(*nothing, pipe_);
+    ASSERT_TRUE(by_tile.primitive.stations);
+    EXPECT_EQ(by_tile.primitive.stations->source, StationSource::none);
+    EXPECT_EQ(by_tile.primitive.fit.errors.position, without.primitive.fit.errors.position);
+    EXPECT_EQ(by_tile.primitive.fit.errors.radius, without.primitive.fit.errors.radius);
 }
 
 // As above.

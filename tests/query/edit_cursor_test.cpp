@@ -8,6 +8,7 @@
 #include "pcm/update/compact.h"
 #include "pcm/update/repair.h"
 #include "tests/clouds.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include <map>
@@ -147,7 +148,8 @@ TEST_F(EditCursorTest, ANewAttributeOfEveryPoint)
 }
 
 // Random selections, values and flushes against a model in memory.
-TEST_F(EditCursorTest, RandomChangesAgainstAModel)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(EditCursorTest, PCM_NOT_UNDER_THREAD(RandomChangesAgainstAModel))
 {
     auto cloud = open(Access::write);
     auto model = values(*cloud, "intensity"), committed = model;

@@ -4,6 +4,7 @@
 
 #include "pcm/system/error.h"
 #include "pcm/tree/point_size.h"
+#include "tests/sanitizers.h"
 #include "tests/select/cloud_of_points.h"
 
 #include <cmath>
@@ -118,7 +119,8 @@ protected:
     std::size_t differences_ = 0, front_ = 0, behind_ = 0, compared_ = 0;
 };
 
-TEST_F(FrontPoints, AreThoseOfADepthBufferOfAllPoints)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(FrontPoints, PCM_NOT_UNDER_THREAD(AreThoseOfADepthBufferOfAllPoints))
 {
     make(Shape::volume, 9000);
     read_sizes();

@@ -7,6 +7,7 @@
 #include "pcm/select/select_points.h"
 #include "pcm/select/surroundings_test.h"
 #include "pcm/system/error.h"
+#include "tests/sanitizers.h"
 #include "tests/select/cloud_of_points.h"
 
 #include <atomic>
@@ -142,7 +143,8 @@ protected:
     std::size_t largest_ = 0;
 };
 
-TEST_F(Grow, ReachesWhatStepsReach)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Grow, PCM_NOT_UNDER_THREAD(ReachesWhatStepsReach))
 {
     for (const Shape shape : {Shape::surface, Shape::volume, Shape::line}) {
         std::filesystem::remove_all(path());
@@ -272,7 +274,8 @@ TEST_F(Grow, UnitsAreAsSmallAsTheMemoryAsks)
 }
 
 // A report comes a few times a second: here each unit takes longer.
-TEST_F(Grow, ReportsTheShareOfUnitsThatAreComplete)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(Grow, PCM_NOT_UNDER_THREAD(ReportsTheShareOfUnitsThatAreComplete))
 {
     class SlowJudges final : public CountedJudges {
         std::unique_ptr<Judge> judge() const override

@@ -3,6 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_lock.h"
 #include "tests/outcome.h"
+#include "tests/sanitizers.h"
 #include "tests/update/model.h"
 
 #include <random>
@@ -59,7 +60,8 @@ protected:
 INSTANTIATE_TEST_SUITE_P(Samplings, Erase, testing::Values(Sampling::poisson, Sampling::grid),
                          [](const auto& info) { return info.param == Sampling::poisson ? "poisson" : "grid"; });
 
-TEST_P(Erase, BoxesAndConditionsAgainstAPlainList)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_P(Erase, PCM_NOT_UNDER_THREAD(BoxesAndConditionsAgainstAPlainList))
 {
     std::mt19937_64 random(3);
     const auto any = [&](double low, double high) {
@@ -107,7 +109,8 @@ public:
     }
 };
 
-TEST_P(Erase, PointsChosenByATestOfEachChunk)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_P(Erase, PCM_NOT_UNDER_THREAD(PointsChosenByATestOfEachChunk))
 {
     const MakeChunkTest make = [&](const std::shared_ptr<const Tree>& tree) {
         EXPECT_EQ(tree->info().points, rows_.size());

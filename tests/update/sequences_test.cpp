@@ -4,6 +4,7 @@
 #include "pcm/update/compact.h"
 #include "pcm/update/erase.h"
 #include "pcm/update/repair.h"
+#include "tests/sanitizers.h"
 #include "tests/update/model.h"
 
 #include <atomic>
@@ -140,7 +141,7 @@ private:
 };
 
 class Sequences : public testing::TestWithParam<int> {};
-INSTANTIATE_TEST_SUITE_P(Seeds, Sequences, testing::Range(0, 8));
+INSTANTIATE_TEST_SUITE_P(Seeds, Sequences, testing::Range(0, tries(8, 3)));
 
 TEST_P(Sequences, AgainstAPlainList)
 {

@@ -10,6 +10,7 @@
 #include "pcm/update/erase.h"
 #include "pcm/update/repair.h"
 #include "pcm/update/tree_changes.h"
+#include "tests/sanitizers.h"
 #include "tests/update/model.h"
 
 #include <map>
@@ -244,7 +245,8 @@ TEST_F(SizesOfTree, AreFoundAgainByCompacting)
 }
 
 // Trees that were built before sizes were kept.
-TEST_F(SizesOfTree, TreesWithoutThemStayUsable)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(SizesOfTree, PCM_NOT_UNDER_THREAD(TreesWithoutThemStayUsable))
 {
     const auto before = rows_of(*Tree::open(path_));
     forget_sizes();

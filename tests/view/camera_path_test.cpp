@@ -1,5 +1,6 @@
 #include "pcm/view/camera_path.h"
 
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 
 #include "pcm/cloud/vector.h"
@@ -308,7 +309,8 @@ TEST_F(PathFile, ErrorsNameTheFrameAndTheProblem)
     }
 }
 
-TEST_F(PathFile, CutAnywhereIsRefused)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST_F(PathFile, PCM_NOT_UNDER_THREAD(CutAnywhereIsRefused))
 {
     const std::string whole = with(R"({"eye": [0, 0, 1], "target": [1, 0, 0], "angle": 60})");
     for (std::size_t length = 0; length < whole.size(); ++length) refused(whole.substr(0, length), "");

@@ -1,6 +1,7 @@
 // Culling and projected sizes against plain projection, in long double where digits count.
 #include "pcm/view/frustum.h"
 
+#include "tests/sanitizers.h"
 #include "tests/view/random_views.h"
 
 #include <gtest/gtest.h>
@@ -257,7 +258,8 @@ TEST(Frustum, RefusesViewsThatShowNothing)
 
 // contains() is true only when the long double projection puts every corner inside; intersects() is false only when one
 // plane of the clip volume has every corner beyond. Both decide as soon as the corners are off by more than rounding.
-TEST(Frustum, ClassifiesBoxesAsExactProjectionDoes)
+// Not under the thread sanitizer: its threads are those that other tests of the room watch.
+TEST(Frustum, PCM_NOT_UNDER_THREAD(ClassifiesBoxesAsExactProjectionDoes))
 {
     Random random(11);
     std::size_t inside = 0, outside = 0, undecided = 0;
