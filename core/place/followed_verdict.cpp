@@ -5,7 +5,6 @@
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/departure.h"
-#include "pcm/place/one_surface.h"
 #include "pcm/place/point_stations.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/station_survey.h"
@@ -66,7 +65,8 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
     ShapeFit& fit = result.primitive.fit;
     const double noise = followed.noise;
     const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
-    if (!evidence.is_one_surface()) return doubt(fit, FitIssue::other_surface, evidence.message());
+    if (!evidence.is_one_surface() && !is_of_stations(noise, evidence))
+        return doubt(fit, FitIssue::other_surface, evidence.message());
     if (is_far_above_close_noise(fit, noise, evidence.bend, result.near))
         return doubt(fit, FitIssue::other_surface,
                      "its points leave it by " + brief(noise) + ", those next to each other at the place by " +
@@ -169,6 +169,14 @@ double FollowedVerdict::station_spread() const
     if (stations.source() == StationSource::none) return known_.registration;
     const StationSurvey survey = station_survey(*cloud_.tree(), stations, places_.front());
     return survey.names_stations ? std::max(survey.evidence.spread().spread, known_.registration) : known_.registration;
+}
+
+// Two stations apart leave a surface to both of its sides, by what other surfaces show of them and no more.
+bool FollowedVerdict::is_of_stations(double noise, const SurfaceEvidence& evidence) const
+{
+    if (!evidence.has_two_peaks()) return false;
+    const double spread = station_spread();
+    return spread > 0 && noise <= place_tuning().following.max_station_noise * std::hypot(known_noise(), spread);
 }
 
 // Where the noise is larger than that around the places, and no threshold allows for it.

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pcm/place/fit_at.h"
+#include "pcm/place/one_surface.h"
 #include "pcm/query/point_set.h"
 #include "pcm/system/progress.h"
 
@@ -56,6 +57,7 @@ private:
     double resolution() const;
     double known_noise() const;
     double station_spread() const;
+    bool is_of_stations(double noise, const SurfaceEvidence& evidence) const;
 
     const PointCloud& cloud_;
     const std::vector<Vec3d>& places_;

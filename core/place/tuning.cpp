@@ -82,7 +82,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.min_shared_bend),  PCM_TUNED(place.following.max_noise_share),
         PCM_TUNED(place.following.min_agreement),    PCM_TUNED(place.following.max_other_noise),
         PCM_TUNED(place.following.min_other_share),  PCM_TUNED(place.following.max_other_agreement),
-        PCM_TUNED(place.following.less_agreement),
+        PCM_TUNED(place.following.less_agreement),   PCM_TUNED(place.following.max_station_noise),
     }};
 }
 
