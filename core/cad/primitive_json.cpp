@@ -180,7 +180,7 @@ ShapeFit fit_of(const JsonFields& fields)
     ShapeFit fit;
     fit.shape = shape_of(fields);
     fit.verdict = fields.has("verdict") ? chosen(fields, "verdict", FitVerdict::refused) : FitVerdict::good;
-    fit.issue = chosen(fields, "issue", FitIssue::other_surface);
+    fit.issue = chosen(fields, "issue", FitIssue::uneven);
     fit.message = fields.text("message", false);
     if (fields.has("sigma")) {
         const JsonFields sigma = fields.object("sigma");

@@ -2,17 +2,20 @@
 
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/tuning.h"
+#include "pcm/place/error_agreement.h"
 #include "pcm/place/tuning.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace pcm {
 namespace {
 
 constexpr std::size_t enough = 3000;  // points to compare kinds
 
-int rank_of(const ShapeFit& fit) { return model_of(fit.shape.kind).rank; }
+int rank_of(ShapeKind kind) { return model_of(kind).rank; }
+int rank_of(const ShapeFit& fit) { return rank_of(fit.shape.kind); }
 
 }  // namespace
 
@@ -41,34 +44,86 @@ bool is_determined(const ShapeFit& fit)
     return fit.verdict == FitVerdict::good || (fit.has_shape() && fit.issue == FitIssue::not_converged);
 }
 
-std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points, double depth)
+double KindComparison::misfit(const Shape& shape) const
 {
-    const bool any_good = std::any_of(fits.begin(), fits.end(), is_determined);
-    std::optional<std::size_t> best;
-    double least = 0;
-    int highest = 0;
-    for (const ShapeFit& fit : fits) highest = std::max(highest, rank_of(fit));
-    for (int rank = 0; rank <= highest; ++rank) {
-        std::optional<std::size_t> of_rank;
-        double least_of_rank = 0;
-        for (std::size_t k = 0; k < fits.size(); ++k) {
-            const bool takes_part = any_good ? is_determined(fits[k]) : fits[k].has_shape();
-            if (!takes_part || rank_of(fits[k]) != rank) continue;
-            const double chance = chance_of(fits[k], points, depth);
-            if (of_rank && chance >= least_of_rank) continue;
-            of_rank = k;
-            least_of_rank = chance;
-        }
-        if (!of_rank) continue;
-        if (best) {
-            const KindTuning& tuned = place_tuning().kinds;
-            const double gain = std::log(rank_of(fits[*best]) == 0 ? tuned.gain_on_plane : tuned.gain_on_curved);
-            if (!(least_of_rank + gain * static_cast<double>(fits[*of_rank].inliers) < least)) continue;
-        }
-        best = of_rank;
-        least = least_of_rank;
+    const double most = std::pow(fit_tuning().thresholds.inlier_noises, 2);
+    double sum = 0;
+    for (std::size_t i = 0; i < points_.size(); i += every_) {
+        const double d = distance_to(shape, points_.source(i)) / noise_;
+        sum += std::min(d * d, most);
     }
-    return best;
+    return sum * static_cast<double>(every_) / 2;
+}
+
+double KindComparison::agreement(const Shape& shape) const
+{
+    const double limit = fit_tuning().thresholds.inlier_noises * noise_;
+    ErrorAgreement alike(box_.min, box_.diagonal() / place_tuning().kinds.agreement_cubes);
+    for (std::size_t i = 0; i < points_.size(); i += every_) {
+        const double d = signed_distance(shape, points_.source(i));
+        if (std::fabs(d) <= limit) alike.add(points_.source(i), d);
+    }
+    return alike.factor();
+}
+
+double KindComparison::evidence(const Shape& shape, const Shape& simpler) const
+{
+    const KindTuning& tuned = place_tuning().kinds;
+    const auto n = static_cast<double>(points_.size());
+    const double alike = agreement(shape), own = std::max(n / (alike * alike), 2.0);
+    const double more = static_cast<double>(model_of(shape.kind).parameters()) -
+                        static_cast<double>(model_of(simpler.kind).parameters());
+    const double gain = std::log(rank_of(simpler.kind) == 0 ? tuned.gain_on_plane : tuned.gain_on_curved);
+    const double won = misfit(simpler) - misfit(shape);
+    return std::min(won - gain * n, won / (alike * alike) - more / 2 * std::log(own) - tuned.min_evidence);
+}
+
+KindComparison::KindComparison(const FitPoints& points, double noise)
+    : points_(points), noise_(noise), every_(1 + points.size() / enough)
+{
+    for (std::size_t i = 0; i < points.size(); i += every_) box_.extend(points.source(i));
+}
+
+KindChoice choose_kind(const std::vector<ShapeFit>& fits, const FitPoints& points)
+{
+    KindChoice choice;
+    const bool any_good = std::any_of(fits.begin(), fits.end(), is_determined);
+    const auto takes_part = [&](const ShapeFit& fit) { return any_good ? is_determined(fit) : fit.has_shape(); };
+    double noise = infinity;
+    std::uint64_t most = 0;
+    for (const ShapeFit& fit : fits)
+        if (takes_part(fit)) most = std::max(most, fit.inliers);
+    for (const ShapeFit& fit : fits)
+        if (takes_part(fit) && 2 * fit.inliers >= most)
+            noise = std::min(noise, fit.noise > 0 ? std::min(fit.noise, fit.threshold) : fit.threshold);
+    if (!(noise > 0 && noise < infinity)) noise = 1e-9;
+    const KindComparison compared(points, noise);
+    std::vector<std::size_t> order;
+    for (std::size_t k = 0; k < fits.size(); ++k)
+        if (takes_part(fits[k])) order.push_back(k);
+    std::vector<double> misfit(fits.size(), infinity);
+    for (const std::size_t k : order) misfit[k] = compared.misfit(fits[k].shape);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::make_pair(rank_of(fits[a]), misfit[a]) < std::make_pair(rank_of(fits[b]), misfit[b]);
+    });
+    for (const std::size_t k : order) {
+        if (!choice.best) {
+            choice.best = k;
+        } else if (rank_of(fits[k]) > rank_of(fits[*choice.best]) &&
+                   compared.evidence(fits[k].shape, fits[*choice.best].shape) > 0) {
+            choice.next = choice.best;
+            choice.best = k;
+        } else if (!choice.next || misfit[k] < misfit[*choice.next]) {
+            choice.next = k;
+        }
+    }
+    if (choice.next) choice.log_ratio = misfit[*choice.next] - misfit[*choice.best];
+    return choice;
+}
+
+std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points)
+{
+    return choose_kind(fits, points).best;
 }
 
 std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3d>& points, double noise,

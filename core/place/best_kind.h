@@ -1,6 +1,7 @@
 // Which of several fits explains points best.
 #pragma once
 
+#include "pcm/cloud/geometry.h"
 #include "pcm/fit/shape_fit.h"
 
 #include <cstddef>
@@ -21,12 +22,43 @@ double chance_of(const ShapeFit& fit, const FitPoints& points, double depth);
 // Whether the points determine the shape: the fit is good, or doubtful because least squares did not settle.
 bool is_determined(const ShapeFit& fit);
 
-// The fit that is least probable by chance. Kinds have ranks: the plane; cylinder and sphere, which may be planes of
-// wide radius; cone and torus, which may be cylinders. One of a higher rank must be as improbable as the one of lower
-// rank would be with half the noise, where that is a plane, else with 1 / 1.2 of it: errors of scanners are alike at
-// neighbours, and a shape with more parameters can follow them. Fits that are not determined are considered only where
-// none is, and refused ones never. The place in the list; nothing where all are refused.
-std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points, double depth);
+// Shapes are compared by the same points, with the same noise and up to the same distance, whatever thresholds they
+// were fitted with: the misfit of a shape is half the sum of min(d, 3 noise)^2 / noise^2, the logarithm of a likelihood
+// of Gaussian errors and even outliers without its constant. Of many points some take part. Keeps references.
+class KindComparison {
+public:
+    // `noise`: one standard deviation, above 0, source units.
+    KindComparison(const FitPoints& points, double noise);
+    double misfit(const Shape& shape) const;
+    // How far the logarithm of the likelihood ratio of a shape to one with fewer parameters is above what is asked for:
+    // five standard deviations, and half the logarithm of the number of points for each parameter more (Schwarz 1978).
+    // The ratio grows with the number of points; where errors of neighbours are alike it is that of as many points as
+    // have errors of their own. And it must be more than a small gain per point, since surfaces of real things are
+    // never quite flat. Above 0: the shape is the better one.
+    double evidence(const Shape& shape, const Shape& simpler) const;
+
+private:
+    double agreement(const Shape& shape) const;
+
+    const FitPoints& points_;
+    const double noise_;
+    const std::size_t every_;
+    Box3d box_;
+};
+
+struct KindChoice {
+    std::optional<std::size_t> best;  // place in the list; nothing where all are refused
+    std::optional<std::size_t> next;  // the best one of another kind
+    double log_ratio = 0;             // logarithm of the likelihood of the best one to that of the next
+};
+
+// The fit that explains the points best, with the fewest parameters. Kinds have ranks: the plane; cylinder and sphere,
+// which may be planes of wide radius; cone and torus, which may be cylinders. One of a higher rank is taken where
+// KindComparison has evidence for it, of one rank the one of less misfit; the noise is the least one of the fits that
+// have half of the most inliers. Fits that are not determined are considered only where none is, and refused ones
+// never.
+KindChoice choose_kind(const std::vector<ShapeFit>& fits, const FitPoints& points);
+std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points);  // its best one
 
 // A kind that explains the inliers of `fit` among `points` far better: most of them within six standard deviations of
 // `noise`, that of the points' surface, and with less than three tenths of the noise of `fit`, or less than half of

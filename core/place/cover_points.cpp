@@ -1,5 +1,6 @@
 #include "pcm/place/cover_points.h"
 
+#include "pcm/fit/random_numbers.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/tree/source_rounding.h"
 
@@ -8,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 namespace pcm {
@@ -50,14 +52,43 @@ std::uint16_t level_with(const PointSet& set, std::size_t most)
     return level;
 }
 
-// Of coarse levels, and of each node those farthest from `middle` in the directions.
-std::vector<Vec3d> some_points(const PointSet& set, const std::vector<Vec3d>& directions, const Vec3d& middle,
-                               unsigned threads, const ProgressFunction& progress, std::size_t most)
+// Which points of a set are taken.
+class Choice {
+public:
+    static Choice of_coarse_levels(const PointSet& set, std::size_t most)
+    {
+        Choice choice;
+        choice.all_ = set.size() <= most;
+        if (!choice.all_) choice.level_ = level_with(set, most);
+        return choice;
+    }
+    static Choice at_random(const PointSet& set, std::size_t most)
+    {
+        Choice choice;
+        choice.all_ = set.size() <= most;
+        if (!choice.all_) choice.share_ = static_cast<double>(most) / static_cast<double>(set.size());
+        return choice;
+    }
+    bool has(const Tree& tree, NodeId id, std::uint32_t number) const
+    {
+        if (all_) return true;
+        if (!share_) return number < tree.node(id).points_to_level(level_);
+        SampleNumbers numbers((std::uint64_t(id) << 32) + number);
+        return std::ldexp(static_cast<double>(numbers.next() >> 11), -53) < *share_;
+    }
+
+private:
+    bool all_ = false;
+    std::uint16_t level_ = 0;
+    std::optional<double> share_;
+};
+
+// The chosen ones, and of each node those farthest from `middle` in the directions.
+std::vector<Vec3d> some_points(const PointSet& set, const Choice& choice, const std::vector<Vec3d>& directions,
+                               const Vec3d& middle, unsigned threads, const ProgressFunction& progress)
 {
     const Tree& tree = set.tree();
     const SourceRounding rounding(tree.info());
-    const bool all = set.size() <= most;
-    const std::uint16_t level = all ? std::uint16_t(0) : level_with(set, most);
     std::map<NodeId, std::vector<Vec3d>> parts;
     std::mutex mutex;
     ScanOptions scan;
@@ -67,10 +98,9 @@ std::vector<Vec3d> some_points(const PointSet& set, const std::vector<Vec3d>& di
     scan.select.progress = progress;
     scan.stage = "Finding what the points cover";
     scan_points(tree, {}, scan, [&](const ScannedPoints& found) {
-        const std::uint32_t coarse = all ? tree.node(found.node).points : tree.node(found.node).points_to_level(level);
         std::vector<Vec3d> positions = source_positions(found, tree.info().grid, rounding);
         std::vector<bool> kept(positions.size(), false);
-        for (std::size_t k = 0; k < positions.size(); ++k) kept[k] = found.numbers[k] < coarse;
+        for (std::size_t k = 0; k < positions.size(); ++k) kept[k] = choice.has(tree, found.node, found.numbers[k]);
         for (const Vec3d& direction : directions) {
             const auto along = [&](const Vec3d& p) { return dot(direction, p - middle); };
             const auto farthest = std::max_element(positions.begin(), positions.end(),
@@ -94,13 +124,19 @@ std::vector<Vec3d> some_points(const PointSet& set, const std::vector<Vec3d>& di
 std::vector<Vec3d> cover_points(const PointSet& set, const Shape& shape, unsigned threads,
                                 const ProgressFunction& progress, std::size_t most)
 {
-    return some_points(set, directions_of(shape), shape.point, threads, progress, most);
+    return some_points(set, Choice::of_coarse_levels(set, most), directions_of(shape), shape.point, threads, progress);
 }
 
 std::vector<Vec3d> coarse_points(const PointSet& set, std::size_t most, unsigned threads,
                                  const ProgressFunction& progress)
 {
-    return some_points(set, {}, {}, threads, progress, most);
+    return some_points(set, Choice::of_coarse_levels(set, most), {}, {}, threads, progress);
+}
+
+std::vector<Vec3d> random_points(const PointSet& set, std::size_t most, unsigned threads,
+                                 const ProgressFunction& progress)
+{
+    return some_points(set, Choice::at_random(set, most), {}, {}, threads, progress);
 }
 
 }  // namespace pcm

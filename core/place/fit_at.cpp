@@ -4,13 +4,11 @@
 #include "pcm/cloud/numbers.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/io/crs/coordinate_system.h"
-#include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
+#include "pcm/place/followed_verdict.h"
 #include "pcm/place/local_fit.h"
-#include "pcm/place/one_surface.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/station_errors.h"
-#include "pcm/place/surface_beyond.h"
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/system/error.h"
@@ -28,7 +26,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_judged = 20000;      // points, for whether they are a piece of another surface
 const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
@@ -72,7 +69,7 @@ public:
     {
         const auto start = std::chrono::steady_clock::now();
         for (const Vec3d& p : not_places) leave_out(p);
-        FittedPrimitive result = best_of_neighbourhoods();
+        FittedPrimitive result = best_of_thresholds();
         Primitive& primitive = result.primitive;
         primitive.points = result.points.size();
         if (!result.points.empty()) {
@@ -89,10 +86,15 @@ public:
     }
 
 private:
+    double registration() const  // source units
+    {
+        return options_.registration / 1000 / metres_per_unit(tree_->info().metadata);
+    }
+
     void compare_stations(FittedPrimitive& result) const
     {
         StationErrorOptions options;
-        options.registration = options_.registration / 1000 / metres_per_unit(tree_->info().metadata);
+        options.registration = registration();
         options.place = places_.front();
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.95, 1);
@@ -101,6 +103,10 @@ private:
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(result.agreement) + " times those of independent points");
     }
+
+    // The noise of a neighbourhood is that of its nearest points, or there is a narrower one of which it is: then that
+    // of a surface, if it is one, differs from place to place, and growth may raise the threshold.
+    enum class Way { even, narrow, uneven };
 
     NearOptions near_options(std::size_t count) const
     {
@@ -120,24 +126,72 @@ private:
         limit_.clips.push_back({Region::sphere(place, radius), true});
     }
 
+    // The first threshold that holds all of the noise around the places may cut that of the rest of the surface:
+    // ceilings that hang through, points that the scanner was farther from. Then the shape is followed once more, with
+    // the threshold of which it is least probable by chance; that several surfaces are within it shows in the noise of
+    // all points.
+    FittedPrimitive best_of_thresholds()
+    {
+        whole_progress_ = part_of(options_.progress, 0, 0.6);
+        FittedPrimitive first = best_of_neighbourhoods(true);
+        if (first.primitive.fit.verdict == FitVerdict::good || !is_cut_early_) return first;
+        whole_progress_ = part_of(options_.progress, 0.6, 0.9);
+        FittedPrimitive wider = best_of_neighbourhoods(false);
+        const bool is_better = wider.primitive.fit.verdict == FitVerdict::good || wider.left_surface.empty();
+        return is_better ? wider : first;
+    }
+
     // What the noise of a wide neighbourhood is of may be other surfaces: roofs of a hundred points. So where it is
     // larger than that of the nearest points, the shape of a narrow neighbourhood is followed, too, unless the wide
     // one's is good and has the narrow one's points. The narrow one's is the answer where it is good and the other
     // one's is not, or is elsewhere; where errors are alike at neighbours it is a piece that cannot be followed. Where
     // neither can be, it is what is surely there.
-    FittedPrimitive best_of_neighbourhoods()
+    FittedPrimitive best_of_neighbourhoods(bool first_threshold)
     {
         LocalFitOptions options = local_options();
-        options.progress = part_of(options_.progress, 0, 0.3);
+        options.first_threshold = first_threshold;
+        options.progress = part_of(whole_progress_, 0, 0.3);
         LocalFit wide = fit_locally(cloud_, places_, options);
-        options.progress = part_of(options_.progress, 0.3, 0.4);
+        options.progress = part_of(whole_progress_, 0.3, 0.4);
         std::optional<LocalFit> narrow = fit_narrowly(cloud_, places_, options, wide);
-        FittedPrimitive of_wide = followed(std::move(wide), narrow ? Way::uneven : Way::even, 0.4, narrow ? 0.65 : 0.9);
+        const Way way = narrow ? Way::uneven : Way::even;
+        FittedPrimitive of_wide = followed(wide, way, 0.4, narrow ? 0.65 : 0.9);
+        is_cut_early_ = cuts_noise_ && wide.is_first_threshold;
+        if (other_kind_) follow_other_kind(std::move(wide), way, of_wide);
         if (!narrow) return of_wide;
         const bool is_good = of_wide.primitive.fit.verdict == FitVerdict::good;
         if (is_good && has_points_of(*narrow, of_wide.primitive.fit.shape)) return of_wide;
-        FittedPrimitive of_narrow = followed(std::move(*narrow), Way::narrow, 0.65, 0.9);
+        FittedPrimitive of_narrow = followed(std::move(*narrow), Way::narrow, 0.65, 1);
         return is_good && of_narrow.primitive.fit.verdict != FitVerdict::good ? of_wide : of_narrow;
+    }
+
+    // Growth shows what the places' neighbourhoods are too small for: that a plane is an arc, a cylinder a cone. Errors
+    // that neighbours share with that kind, too, are those of the scanner: then the first one's verdict stands.
+    void follow_other_kind(LocalFit local, Way way, FittedPrimitive& result)
+    {
+        const std::string other_doubt = other_doubt_;
+        local.fit = *other_kind_;
+        local.fit.inliers = 0;
+        local.fit.is_inlier.assign(local.near.ids.size(), 0);
+        for (std::size_t i = 0; i < local.near.ids.size(); ++i) {
+            const bool is_on = distance_to(local.fit.shape, local.near.points.source(i)) <= local.fit.threshold;
+            local.fit.is_inlier[i] = is_on ? 1 : 0;
+            local.fit.inliers += is_on ? 1 : 0;
+        }
+        if (local.fit.inliers == 0) return doubt_kind(other_doubt, result.primitive.fit);
+        local.next_kind = std::string("next best kind: ") + traits_of(result.primitive.fit.shape.kind).name +
+                          ", noise " + brief(result.primitive.fit.noise);
+        const double enough = std::max(tuned_.max_other_agreement, tuned_.less_agreement * agreement_);
+        FittedPrimitive other = followed(std::move(local), way, 0.9, 1);
+        if (other.primitive.fit.verdict != FitVerdict::good)
+            doubt_kind(other_doubt, result.primitive.fit);
+        else if (agreement_ <= enough)
+            result = std::move(other);
+    }
+
+    static void doubt_kind(const std::string& why, ShapeFit& fit)
+    {
+        if (fit.verdict == FitVerdict::good) doubt(fit, FitIssue::other_surface, why);
     }
 
     // Of a fit's points, as near as noise that differs from place to place leaves them.
@@ -161,10 +215,6 @@ private:
         return options;
     }
 
-    // The noise of a neighbourhood is that of its nearest points, or there is a narrower one of which it is: then that
-    // of a surface, if it is one, differs from place to place, and growth may raise the threshold.
-    enum class Way { even, narrow, uneven };
-
     FittedPrimitive followed(LocalFit local, Way way, double begin, double end)
     {
         FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}};
@@ -176,13 +226,16 @@ private:
         primitive.estimator = traits_of(options_.fit.estimator).name;
         primitive.fit = result.local;
         primitive.fit.is_inlier.clear();
-        noise_ = local.noise / fit_tuning().thresholds.inlier_noises;
-        progress_ = part_of(options_.progress, begin, end);
+        if (!local.next_kind.empty()) result.notes.push_back(local.next_kind);
+        known_ = {local.noise / fit_tuning().thresholds.inlier_noises, local.even.noise, registration()};
+        other_kind_.reset();
+        cuts_noise_ = false;
+        progress_ = part_of(whole_progress_, begin, end);
         if (result.local.has_shape()) add_points(local.close, way, result);
         return result;
     }
 
-    void add_points(const NearPoints& close, Way way, FittedPrimitive& result) const
+    void add_points(const NearPoints& close, Way way, FittedPrimitive& result)
     {
         const ShapeFit& local = result.local;
         std::map<NodeId, std::vector<std::uint32_t>> inliers;
@@ -220,8 +273,15 @@ private:
         options.limit = limit_;
         options.memory_bytes = options_.memory_bytes;
         options.threads = options_.threads;
-        options.progress = part_of(progress_, 0, 0.9);
+        options.progress = part_of(progress_, 0, way == Way::even ? 0.6 : 0.9);
+        FittedPrimitive raised = result;
         take(grow_shape(local.shape, result.points, options), way == Way::narrow, result);
+        if (!cuts_noise_ || way != Way::even || result.primitive.fit.verdict == FitVerdict::good) return;
+        // The surface's noise is larger elsewhere than at the place.
+        options.raise_threshold = true;
+        options.progress = part_of(progress_, 0.6, 0.9);
+        take(grow_shape(local.shape, raised.points, options), false, raised);
+        if (raised.left_surface.empty()) result = std::move(raised);
     }
 
     // Errors that are alike at neighbours turn a surface: then it may be turned farther.
@@ -239,8 +299,9 @@ private:
         return std::max(step, std::min(4 * step, narrowest_radius(shape) / 2));
     }
 
-    void take(GrownShape grown, bool is_narrow, FittedPrimitive& result) const
+    void take(GrownShape grown, bool is_narrow, FittedPrimitive& result)
     {
+        cuts_noise_ = false;
         result.rounds = grown.rounds;
         result.converged = grown.converged;
         if (!grown.fit.has_shape())
@@ -250,12 +311,17 @@ private:
             return come_back("its points leave it by " + brief(grown.fit.noise) + ", those around the place by " +
                                  brief(result.local.noise),
                              FitIssue::no_consensus, result);
-        if (options_.fit.threshold == 0 && grown.fit.noise > even_spread * grown.threshold)
+        if (options_.fit.threshold == 0 && grown.fit.noise > even_spread * grown.threshold) {
+            cuts_noise_ = true;
             return come_back("its points are spread evenly within the threshold, as points of no surface are",
                              FitIssue::no_consensus, result);
+        }
         FittedPrimitive followed{result};
         take_grown(std::move(grown), followed);
-        if (is_narrow) doubt_few_points(followed);
+        if (is_narrow) {
+            if (other_kind_) doubt_kind(other_doubt_, followed.primitive.fit);
+            doubt_few_points(followed);
+        }
         const ShapeFit& fit = followed.primitive.fit;
         const bool is_doubted = fit.verdict != FitVerdict::good && result.local.verdict == FitVerdict::good;
         if (options_.fit.threshold == 0 && is_doubted && (is_narrow || fit.issue == FitIssue::no_consensus))
@@ -286,7 +352,7 @@ private:
                   "): these are the points around the place alone");
     }
 
-    void take_grown(GrownShape grown, FittedPrimitive& result) const
+    void take_grown(GrownShape grown, FittedPrimitive& result)
     {
         result.agreement = grown.agreement;
         result.points = std::move(grown.points);
@@ -301,7 +367,12 @@ private:
             grown.fit.message = result.local.message;
         }
         result.primitive.fit = std::move(grown.fit);
-        doubt_other_surface(grown.around, grown.noise, result);
+        FollowedVerdict verdict(cloud_, places_, options_, known_, progress_);
+        agreement_ = grown.agreement;
+        verdict.judge({grown.around, grown.noise, grown.agreement, grown.part}, result);
+        other_kind_ = verdict.other_kind();
+        other_doubt_ = verdict.other_doubt();
+        cuts_noise_ = verdict.cuts_noise();
     }
 
     static void keep_reached_seeds(FittedPrimitive& result)
@@ -314,111 +385,18 @@ private:
         keep_few_seeds(result.reached, true);
     }
 
-    // `wide`: connected, up to a few thresholds from the shape. The points may be a ring or strip of another surface,
-    // all of it within a wide threshold, or there by chance.
-    void doubt_other_surface(const PointSet& wide, double noise, FittedPrimitive& result) const
-    {
-        ShapeFit& fit = result.primitive.fit;
-        if (fit.verdict != FitVerdict::good || result.points.empty()) return;
-        const std::vector<Vec3d> around =
-            coarse_points(wide, most_judged, options_.threads, part_of(progress_, 0.9, 0.94));
-        const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
-        if (options_.fit.threshold == 0 && !evidence.is_one_surface())
-            return doubt(fit, FitIssue::other_surface, evidence.message());
-        if (options_.fit.threshold == 0 && is_far_above_close_noise(fit, noise, evidence, result.near))
-            return doubt(fit, FitIssue::other_surface,
-                         "its points leave it by " + brief(noise) + ", those next to each other at the place by " +
-                             brief(noise_) +
-                             ": it may hold several surfaces, so take a smaller neighbourhood, or give "
-                             "a threshold");
-        if (options_.fit.threshold == 0 &&
-            fit.threshold > place_tuning().growth.raised_limit * result.local.threshold &&
-            !evidence.has_shared_errors())
-            return doubt(fit, FitIssue::other_surface,
-                         "its points leave it farther and farther the more of them there are, by " + brief(noise) +
-                             " at last: it may be a piece of another surface, so take a smaller neighbourhood");
-        if (options_.fit.threshold == 0 && fit.noise > tuned_.max_noise_share * fit.threshold)
-            return doubt(fit, FitIssue::no_consensus,
-                         "the threshold cuts the noise of its points, which may be those of another surface: give a "
-                         "larger threshold, or take a smaller neighbourhood");
-        if (options_.fit.threshold == 0 && !passes_places(fit, result.near))
-            return doubt(fit, FitIssue::no_consensus,
-                         "it does not pass through the place that was picked: pick another place of the surface");
-        const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
-        const std::string name = traits_of(fit.shape.kind).name;
-        if (beyond.is_piece(noise_ > 0 ? noise / noise_ : 0)) {
-            doubt(fit, FitIssue::other_surface,
-                  "the surface continues smoothly beside these points, but off the " + name +
-                      ": they are a ring or strip where it touches a surface of another kind; fit that");
-        } else if (const auto other = far_better_kind(result, noise, around)) {
-            doubt(fit, FitIssue::other_surface,
-                  std::string("a ") + traits_of(*other).name + " fits these points far better than a " + name +
-                      ": fit that");
-        } else if (beyond.is_by_chance()) {
-            doubt(fit, FitIssue::no_consensus,
-                  "almost as many points are beside the " + name +
-                      " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
-                      "where the noise is larger");
-        }
-    }
-
-    // Errors that neighbours share are no part of the noise of the points next to each other; they show there or in the
-    // whole.
-    bool is_far_above_close_noise(const ShapeFit& fit, double noise, const SurfaceEvidence& whole,
-                                  const NearPoints& near) const
-    {
-        if (!(noise_ > 0) || !(noise > tuned_.max_close_noise * noise_)) return false;
-        std::vector<Vec3d> positions;
-        for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
-        const SurfaceEvidence at_place = surface_evidence(fit.shape, spread_of(fit), resolution(), positions);
-        return std::max(whole.bend, at_place.bend) < tuned_.min_shared_bend;
-    }
-
-    // A place of another surface may be beside a fit that was narrowed or followed.
-    bool passes_places(const ShapeFit& fit, const NearPoints& near) const
-    {
-        return std::all_of(places_.begin(), places_.end(), [&](const Vec3d& place) {
-            double to_cloud = infinity;
-            for (std::size_t i = 0; i < near.ids.size(); ++i)
-                to_cloud = std::min(to_cloud, length(near.points.source(i) - place));
-            return distance_to(fit.shape, place) <= to_cloud + farthest_place(fit);
-        });
-    }
-
-    double resolution() const
-    {
-        const Vec3d& scale = tree_->info().grid.scale;
-        return std::max({scale[0], scale[1], scale[2]});
-    }
-
-    // Where the noise is larger than that around the places, and no threshold allows for it.
-    std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
-                                             const std::vector<Vec3d>& around) const
-    {
-        if (options_.fit.threshold > 0 || !(noise_ > 0 && noise > tuned_.max_noise_growth * noise_)) return {};
-        ShapeFit fit = result.primitive.fit;
-        fit.noise = noise;
-        std::vector<Vec3d> near;
-        for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
-        const auto other = better_kind(fit, near, noise_, part_of(progress_, 0.94, 0.97));
-        return other ? other : better_kind(fit, around, noise_, part_of(progress_, 0.97, 1));
-    }
-
-    static void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
-    {
-        fit.verdict = FitVerdict::doubtful;
-        fit.issue = issue;
-        fit.message = message;
-    }
-
     const PointCloud& cloud_;
     const std::shared_ptr<const Tree> tree_;
     const std::vector<Vec3d>& places_;
     const FitAtOptions& options_;
     const FollowingTuning& tuned_ = place_tuning().following;
     Selection limit_;
-    ProgressFunction progress_;  // of following
-    double noise_ = 0;           // of the surface around the places, one standard deviation; 0: unknown
+    ProgressFunction whole_progress_, progress_;      // of one of the thresholds, and of following there
+    bool cuts_noise_ = false, is_cut_early_ = false;  // whether a threshold cut the noise of the points reached
+    KnownErrors known_;
+    std::optional<ShapeFit> other_kind_;  // FollowedVerdict::other_kind()
+    std::string other_doubt_;
+    double agreement_ = 1;  // GrownShape::agreement of the last one
 };
 
 }  // namespace

@@ -16,7 +16,7 @@ namespace pcm {
 
 struct FitAtOptions {
     ShapeFitOptions fit;
-    // Several kinds: each is fitted, and best_of() (best_kind.h) decides. Empty: fit.kind alone.
+    // Several kinds: each is fitted, and choose_kind() (best_kind.h) decides. Empty: fit.kind alone.
     std::vector<ShapeKind> kinds;
     double radius = 0;      // of the neighbourhood of a place, source units
     std::size_t count = 0;  // or its number of points; both 0: chosen, as is the threshold (local_fit.h)

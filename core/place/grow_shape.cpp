@@ -1,10 +1,12 @@
 #include "pcm/place/grow_shape.h"
 
+#include "pcm/place/cover_points.h"
 #include "pcm/place/inner_points.h"
 #include "pcm/place/near_shape.h"
 #include "pcm/place/next_to.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/refit.h"
+#include "pcm/place/swept_part.h"
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/select/grow.h"
@@ -17,7 +19,8 @@
 namespace pcm {
 namespace {
 
-constexpr double rounds_end = 0.7;  // share of the progress
+constexpr double rounds_end = 0.7;          // share of the progress
+constexpr std::size_t most_sliced = 20000;  // points, for the part of a sweep
 
 class ShapeGrowth {
 public:
@@ -30,7 +33,7 @@ public:
     GrownShape run(const Shape& start)
     {
         const PointSet none(seeds_.shared_tree());
-        GrownShape grown{{}, 0, 1, none, start, threshold_, none, 0, false};
+        GrownShape grown{{}, 0, 1, none, start, threshold_, {}, none, 0, false};
         grown.fit.shape = start;
         const unsigned rounds = std::max(1u, options_.most_rounds);
         while (grown.rounds < rounds && !grown.converged) {
@@ -99,18 +102,37 @@ private:
         const double way = std::max(options_.step, beyond_thresholds * threshold_);
         grown.around = points_next_to(grown.points, way, near, options_.limit, options_.threads,
                                       part_of(options_.progress, 0, 0.3));
-        const PointSet inner = inner_points(grown.points, grown.around, before, threshold_, options_.threads,
-                                            part_of(options_.progress, 0.3, 0.5));
-        if (inner.size() == grown.points.size() ||
-            static_cast<double>(inner.size()) < tuned_.min_inner * static_cast<double>(grown.points.size()))
-            return;
-        const RefittedShape fitted = refit(inner, before, 0.5, 0.7, true);
+        PointSet inner = inner_points(grown.points, grown.around, before, threshold_, options_.threads,
+                                      part_of(options_.progress, 0.3, 0.5));
+        const auto is_enough = [&] {
+            return static_cast<double>(inner.size()) >= tuned_.min_inner * static_cast<double>(grown.points.size());
+        };
+        if (!is_enough()) inner = grown.points;
+        Shape start = before;
+        const auto part = swept_part_of(inner, grown);
+        if (part) {
+            inner = points_where(
+                inner, [&](const Vec3d& p) { return part->has(p); }, options_.threads,
+                part_of(options_.progress, 0.5, 0.55));
+            start = part->shape;
+        }
+        if (inner.size() == grown.points.size()) return;
+        const RefittedShape fitted = refit(inner, start, 0.55, 0.7, true);
         if (!fitted.fit.has_shape()) return;
+        grown.part = part;
         if (change_in_errors(before, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) > tuned_.settled_change)
             reach(fitted.fit.shape, 0.7, 1, grown);
         grown.fit = fitted.fit;
         grown.fit.inliers = grown.points.size();
         grown.agreement = fitted.agreement;
+    }
+
+    // Without what straight pipes add to an elbow.
+    std::optional<SweptPart> swept_part_of(const PointSet& points, const GrownShape& grown) const
+    {
+        if (grown.fit.shape.kind != ShapeKind::torus) return {};
+        return swept_part(grown.fit.shape, grown.fit.noise, threshold_,
+                          random_points(points, most_sliced, options_.threads, part_of(options_.progress, 0.5, 0.5)));
     }
 
     RefittedShape refit(const PointSet& points, const Shape& shape, double begin, double end, bool moves) const

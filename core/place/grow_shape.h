@@ -3,10 +3,12 @@
 
 #include "pcm/cloud/selection.h"
 #include "pcm/fit/shape_fit.h"
+#include "pcm/place/swept_part.h"
 #include "pcm/query/point_set.h"
 #include "pcm/system/progress.h"
 
 #include <cstdint>
+#include <optional>
 
 namespace pcm {
 
@@ -31,17 +33,18 @@ inline constexpr double beyond_thresholds = 4;
 
 struct GrownShape {
     // To the points reached, but, where these are most of them, without those beside which the cloud leaves the shape
-    // (inner_points.h): some of them are another surface's. Without is_inlier; errors as of refit.h, and the threshold
-    // of the last round.
+    // (inner_points.h), and without straight pipes that an elbow leads into (swept_part.h): these are another
+    // surface's. Without is_inlier; errors as of refit.h, and the threshold of the last round.
     ShapeFit fit;
-    double noise = 0;        // as fit.noise, of a fit to all points reached
-    double agreement = 1;    // RefittedShape::agreement
-    PointSet points;         // reached: near `fit.shape`, to a quarter of its errors
-    Shape followed;          // the shape that they are near, of the last round of growth
-    double threshold = 0;    // and within which distance
-    PointSet around;         // next to these, up to beyond_thresholds from `fit.shape`; empty without rounds
-    unsigned rounds = 0;     // done
-    bool converged = false;  // the last round changed the shape by less than a quarter of its errors
+    double noise = 0;               // as fit.noise, of a fit to all points reached
+    double agreement = 1;           // RefittedShape::agreement
+    PointSet points;                // reached: near `fit.shape`, to a quarter of its errors
+    Shape followed;                 // the shape that they are near, of the last round of growth
+    double threshold = 0;           // and within which distance
+    std::optional<SweptPart> part;  // of a swept shape, where `fit` is to that part of the points alone
+    PointSet around;                // next to these, up to beyond_thresholds from `fit.shape`; empty without rounds
+    unsigned rounds = 0;            // done
+    bool converged = false;         // the last round changed the shape by less than a quarter of its errors
 };
 
 // From the seeds (those near the surface), by steps from point to point, through points whose distance from the surface

@@ -90,6 +90,21 @@ bool EdgeCubes::is_edge(const Vec3d& p) const
            static_cast<double>(sum.beside) > tuned.max_edge_share * static_cast<double>(sum.on);
 }
 
+PointSet points_where(const PointSet& points, const std::function<bool(const Vec3d&)>& wanted, unsigned threads,
+                      const ProgressFunction& progress)
+{
+    PointSet chosen(points.shared_tree());
+    std::mutex mutex;
+    scan(points, threads, progress, [&](const ScannedPoints& found, const std::vector<Vec3d>& positions) {
+        std::vector<std::uint32_t> numbers;
+        for (std::size_t k = 0; k < positions.size(); ++k)
+            if (wanted(positions[k])) numbers.push_back(found.numbers[k]);
+        const std::lock_guard lock(mutex);
+        chosen.set(found.node, numbers);
+    });
+    return chosen;
+}
+
 PointSet inner_points(const PointSet& points, const PointSet& around, const Shape& shape, double threshold,
                       unsigned threads, const ProgressFunction& progress)
 {
@@ -102,16 +117,8 @@ PointSet inner_points(const PointSet& points, const PointSet& around, const Shap
         for (std::size_t k = 0; k < positions.size(); ++k) cubes.add(positions[k], on[k]);
     });
     cubes.widen();
-    PointSet inner(points.shared_tree());
-    scan(points, threads, part_of(progress, 0.6, 1),
-         [&](const ScannedPoints& found, const std::vector<Vec3d>& positions) {
-             std::vector<std::uint32_t> numbers;
-             for (std::size_t k = 0; k < positions.size(); ++k)
-                 if (!cubes.is_edge(positions[k])) numbers.push_back(found.numbers[k]);
-             const std::lock_guard lock(mutex);
-             inner.set(found.node, numbers);
-         });
-    return inner;
+    return points_where(
+        points, [&](const Vec3d& p) { return !cubes.is_edge(p); }, threads, part_of(progress, 0.6, 1));
 }
 
 }  // namespace pcm

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <unordered_map>
 
 namespace pcm {
@@ -44,6 +45,11 @@ private:
     std::uint64_t points_ = 0;
     std::unordered_map<Key, Counts, Hash> cubes_;
 };
+
+// The points of the set at places for which `wanted` holds, which several threads may ask. Streams. Throws
+// Error(cancelled), and what reading throws.
+PointSet points_where(const PointSet& points, const std::function<bool(const Vec3d&)>& wanted, unsigned threads = 0,
+                      const ProgressFunction& progress = {});
 
 // The points of the set that are not beside points of `around` which are farther than the threshold from the shape
 // (EdgeCubes, two thresholds wide at first). Streams. Throws Error(cancelled), and what reading throws.

@@ -38,12 +38,12 @@ public:
         gather_close(best);
         if (options_.radius > 0 || options_.count > 0) {
             best.near = neighbourhood(options_.radius, options_.count, 1000000, 0.1, 0.3);
-            best.fit = fitted(best.near, 0.3, 1);
+            best.fit = fitted(best.near, 0.3, 1, best.next_kind);
             doubt_several_surfaces(best);
             return best;
         }
         best.near = best.close;
-        best.fit = fitted(best.near, 0.1, 0.2);
+        best.fit = fitted(best.near, 0.1, 0.2, best.next_kind);
         std::size_t count = is_at_places(best) ? tuned_.first_points : look_closer(best);
         for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
             count *= tuned_.widening;
@@ -51,13 +51,15 @@ public:
                          end = 0.3 + 0.7 * static_cast<double>(round) / most_widenings;
             NearPoints near = neighbourhood(0, count, most_points, begin, (begin + end) / 2);
             if (near.found <= best.near.found) break;  // these are all points
-            ShapeFit fit = fitted(near, (begin + end) / 2, end);
+            std::string next_kind;
+            ShapeFit fit = fitted(near, (begin + end) / 2, end, next_kind);
             if (!is_improvement(fit, near, best)) {
                 if (best.fit.has_shape()) break;
                 continue;
             }
             best.near = std::move(near);
             best.fit = std::move(fit);
+            best.next_kind = std::move(next_kind);
         }
         if (best.near.found < best.close.found)
             best.notes.push_back("the neighbourhood was narrowed to " + grouped(best.near.found) + " points");
@@ -69,18 +71,14 @@ public:
             best.fit.message = "it does not pass through the points nearest to the place: take a smaller neighbourhood";
         }
         doubt_several_surfaces(best);
+        best.is_first_threshold = stopped_early_;
         return best;
     }
 
     std::optional<LocalFit> run_narrowly(const LocalFit& wide)
     {
         if (options_.radius > 0 || options_.count > 0 || options_.fit.threshold > 0) return {};
-        EvenNoise even;
-        for (const Vec3d& place : places_) {
-            const EvenNoise here = even_noise_at(place);
-            if (even.count > 0 && here.count > even.count) continue;
-            even = here;
-        }
+        const EvenNoise even = wide.even;
         const std::size_t among = even.count * places_.size();
         if (even.count == 0 || among >= wide.near.found || !(even.noise > 0)) return {};
         if (wide.fit.has_shape() &&
@@ -93,7 +91,7 @@ public:
         noise_ = fit_tuning().thresholds.inlier_noises * even.noise;
         narrow.noise = noise_;
         narrow.near = narrow.close = neighbourhood(0, even.count, even.count, 0.2, 0.3);
-        narrow.fit = fitted(narrow.near, 0.3, 1);
+        narrow.fit = fitted(narrow.near, 0.3, 1, narrow.next_kind);
         if (!is_at_places(narrow)) return {};
         narrow.notes.push_back("the neighbourhood was narrowed to " + grouped(narrow.near.found) +
                                " points: beyond these the noise rises");
@@ -101,16 +99,23 @@ public:
     }
 
 private:
-    EvenNoise even_noise_at(const Vec3d& place) const
+    // Where several places were picked, that of the narrowest neighbourhood.
+    EvenNoise even_noise_at_places() const
     {
-        NearOptions options;
-        options.places = true;
-        options.count = tuned_.first_points;
-        options.limit = options_.limit;
-        const NearPoints near = points_near(cloud_, place, options);
-        std::vector<Vec3d> positions;
-        for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
-        return even_noise(positions);
+        EvenNoise even;
+        for (const Vec3d& place : places_) {
+            NearOptions options;
+            options.places = true;
+            options.count = tuned_.first_points;
+            options.limit = options_.limit;
+            const NearPoints near = points_near(cloud_, place, options);
+            std::vector<Vec3d> positions;
+            for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
+            const EvenNoise here = even_noise(positions);
+            if (even.count > 0 && here.count > even.count) continue;
+            even = here;
+        }
+        return even;
     }
 
     NearPoints neighbourhood(double radius, std::size_t count, std::size_t most, double begin, double end)
@@ -161,6 +166,7 @@ private:
         result.close = neighbourhood(0, tuned_.first_points, tuned_.first_points, 0, 0.1);
         result.noise = automatic_threshold(result.close.points);
         noise_ = options_.fit.threshold > 0 ? options_.fit.threshold : result.noise;
+        if (!(options_.fit.threshold > 0)) result.even = even_noise_at_places();
         for (const Vec3d& place : places_) {
             NearOptions options;
             options.places = true;
@@ -213,12 +219,14 @@ private:
     std::size_t look_closer(LocalFit& best)
     {
         NearPoints near = neighbourhood(0, tuned_.closer_points, tuned_.closer_points, 0.2, 0.22);
-        ShapeFit fit = fitted(near, 0.22, 0.3);
+        std::string next_kind;
+        ShapeFit fit = fitted(near, 0.22, 0.3, next_kind);
         if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near) ||
             !is_of_one_surface(fit, near))
             return tuned_.first_points;
         best.near = std::move(near);
         best.fit = std::move(fit);
+        best.next_kind = std::move(next_kind);
         return tuned_.closer_points;
     }
 
@@ -286,7 +294,7 @@ private:
     }
 
     // Of the best kind; kinds that hold several surfaces only where no kind holds one that passes through the places.
-    ShapeFit fitted(const NearPoints& near, double begin, double end) const
+    ShapeFit fitted(const NearPoints& near, double begin, double end, std::string& next_kind) const
     {
         std::vector<ShapeFit> fits, of_one_surface;
         for (std::size_t k = 0; k < kinds_.size(); ++k) {
@@ -298,7 +306,17 @@ private:
         }
         if (!of_one_surface.empty()) fits = std::move(of_one_surface);
         leave_out_noisier(near, fits);
-        return std::move(fits[best_of(fits, near.points, near.radius).value_or(0)]);
+        const KindChoice choice = choose_kind(fits, near.points);
+        next_kind = choice.next ? text_of_next(fits[*choice.next], choice.log_ratio) : std::string();
+        return std::move(fits[choice.best.value_or(0)]);
+    }
+
+    static std::string text_of_next(const ShapeFit& next, double log_ratio)
+    {
+        const ShapeTraits& traits = traits_of(next.shape.kind);
+        std::string text = std::string("next best kind: ") + traits.name;
+        if (traits.has_radius()) text += " of radius " + brief(next.shape.radius) + " ± " + brief(next.errors.radius);
+        return text + ", noise " + brief(next.noise) + ", logarithm of the likelihood ratio " + brief(log_ratio);
     }
 
     // Thresholds differ from kind to kind: one that is wide enough for several surfaces holds more points.
@@ -315,6 +333,27 @@ private:
     }
 
     bool holds_noise(const ShapeFit& fit) const { return fit.noise < tuned_.max_noise_share * fit.threshold; }
+
+    // A wider threshold adds nothing of the surface: all of its noise is within, and errors are not those of
+    // neighbours.
+    bool is_sure(const ShapeFit& fit, const NearPoints& near) const
+    {
+        return is_sound(fit, near) && fit.noise < tuned_.max_sure_noise * fit.threshold &&
+               evidence_of(fit, near).bend < tuned_.max_sure_bend;
+    }
+
+    bool is_enough(bool is_one, const ShapeFit& fit, const NearPoints& near) const
+    {
+        if (!options_.first_threshold || !is_one || !is_sure(fit, near)) return false;
+        stopped_early_ = true;
+        return true;
+    }
+
+    // A surface with the noise of its points, which passes the places.
+    bool is_sound(const ShapeFit& fit, const NearPoints& near) const
+    {
+        return is_determined(fit) && holds_noise(fit) && share_of(fit, near) >= tuned_.min_share && passes(fit, near);
+    }
 
     // Whether points of another surface are near the shape, with a threshold twice as large as before.
     bool takes_in_another(const ShapeFit& fit, const ShapeFit& before) const
@@ -348,7 +387,7 @@ private:
                 least = chance;
                 is_one = best.has_shape() && is_now;
             }
-            if (options_.fit.threshold > 0 || !(noise_ > 0)) break;
+            if (options_.fit.threshold > 0 || !(noise_ > 0) || is_enough(is_one, best, near)) break;
         }
         if (best.has_shape() && !is_one) lower(near, options, end, best);
         narrow(near, options, end, best);
@@ -362,9 +401,7 @@ private:
         for (int lowered = 1; lowered <= most_lowered; ++lowered) {
             options.threshold = std::ldexp(noise_, -lowered);
             ShapeFit fit = fit_shape(near.points, options);
-            if (!is_determined(fit) || !holds_noise(fit) || share_of(fit, near) < tuned_.min_share ||
-                !passes(fit, near) || !is_of_one_surface(fit, near))
-                continue;
+            if (!is_sound(fit, near) || !is_of_one_surface(fit, near)) continue;
             best = std::move(fit);
             return;
         }
@@ -389,6 +426,7 @@ private:
     std::vector<ShapeKind> kinds_;           // of which the best is kept
     std::vector<std::vector<Vec3d>> cores_;  // the nearest points of each place
     double noise_ = 0;                       // a threshold from it; 0: unknown
+    mutable bool stopped_early_ = false;     // LocalFit::is_first_threshold
 };
 
 }  // namespace

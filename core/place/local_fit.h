@@ -9,14 +9,17 @@
 //   quarter of its points is tried: a narrow face beside wider ones;
 // - the threshold is the noise's own (automatic_threshold()) or 2, 4, 8 or 16 times that: the one at which it is
 //   least probable that points spread evenly over the neighbourhood's depth lie so near a surface by chance (Moisan,
-//   Stival 2004: an a contrario RANSAC). One at which the noise rises by more than the threshold has taken in another
-//   surface, and ends that; the threshold is then lowered to 3.3 times the noise found.
-//   Thresholds and kinds that hold several surfaces (one_surface.h), and fits of twice the noise of another one at the
-//   place, are taken only where there is nothing else, and are doubtful; where the closest points are those of two
-//   surfaces, a half, a quarter and an eighth of the threshold are tried.
+//   Stival 2004: an a contrario RANSAC). The first one that holds a surface of the places with all of its noise ends
+//   that (`first_threshold`): wider ones add what is not the surface. One at which the noise rises by more than the
+//   threshold has taken in another surface, and ends it, too; the threshold is then lowered to 3.3 times the noise
+//   found. Kinds are compared with one noise and one distance, whatever thresholds they have (best_kind.h). Thresholds
+//   and kinds that hold several surfaces (one_surface.h), and fits of twice the noise of another one at the place, are
+//   taken only where there is nothing else, and are doubtful; where the closest points are those of two surfaces, a
+//   half, a quarter and an eighth of the threshold are tried.
 #pragma once
 
 #include "pcm/fit/shape_fit.h"
+#include "pcm/place/even_noise.h"
 #include "pcm/place/near_points.h"
 #include "pcm/point_cloud.h"
 
@@ -29,9 +32,11 @@ namespace pcm {
 
 struct LocalFitOptions {
     ShapeFitOptions fit;           // threshold 0: chosen
-    std::vector<ShapeKind> kinds;  // of which best_of() chooses; empty: fit.kind
+    std::vector<ShapeKind> kinds;  // of which choose_kind() chooses; empty: fit.kind
     double radius = 0;             // of a place's neighbourhood, source units
     std::size_t count = 0;         // or its number of points; both 0: chosen
+    // Whether the first threshold that holds a surface of the places with all of its noise ends the search for one.
+    bool first_threshold = true;
     Selection limit;
     ProgressFunction progress;
 };
@@ -43,6 +48,9 @@ struct LocalFit {
     // Three standard deviations of the close points from their own surface, whatever its shape, source units; 0: they
     // do not say.
     double noise = 0;
+    bool is_first_threshold = false;  // whether wider ones were not tried (`first_threshold`)
+    EvenNoise even;                   // of the points around the places; nothing where a threshold is given
+    std::string next_kind;            // the next best kind with its numbers, for people; empty: there is none
     std::vector<std::string> notes;
 };
 

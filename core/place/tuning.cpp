@@ -3,57 +3,23 @@
 #include "pcm/place/tuned_values.h"
 
 #include <array>
+#include <cstddef>
+#include <tuple>
 
 namespace pcm {
 namespace {
 
 PlaceTuning place_values;
 
-// A value without a row does not compile, neither one of these nor one of the others.
-constexpr std::size_t last_values =
-    (sizeof(TurnedTuning) + sizeof(FollowingTuning) + sizeof(StationTuning) + sizeof(PatchTuning)) / sizeof(double);
+template <class... Groups>
+constexpr std::size_t values_of = (sizeof(Groups) + ...) / sizeof(double);
 
-std::array<TunedValue, last_values> last_rows(PlaceTuning& place)
+// A value without a row does not compile.
+using ValuesAtPlace =
+    std::array<TunedValue, values_of<NeighbourhoodTuning, EvidenceTuning, BeyondTuning, KindTuning, DepartureTuning>>;
+ValuesAtPlace values_at_place(PlaceTuning& place)
 {
     return {{
-        PCM_TUNED(place.turned.counted),
-        PCM_TUNED(place.turned.cube_noises),
-        PCM_TUNED(place.turned.min_block_points),
-        PCM_TUNED(place.turned.deviations),
-        PCM_TUNED(place.following.min_narrow_points),
-        PCM_TUNED(place.following.max_noise_growth),
-        PCM_TUNED(place.following.max_close_noise),
-        PCM_TUNED(place.following.min_shared_bend),
-        PCM_TUNED(place.following.max_noise_share),
-        PCM_TUNED(place.stations.max_parts),
-        PCM_TUNED(place.stations.min_gap),
-        PCM_TUNED(place.stations.mean_gaps),
-        PCM_TUNED(place.stations.min_points),
-        PCM_TUNED(place.patches.enough),
-        PCM_TUNED(place.patches.enough_stations),
-        PCM_TUNED(place.patches.box_points),
-        PCM_TUNED(place.patches.cube_points),
-        PCM_TUNED(place.patches.min_points),
-        PCM_TUNED(place.patches.max_points),
-        PCM_TUNED(place.patches.min_station_points),
-        PCM_TUNED(place.patches.max_thickness),
-        PCM_TUNED(place.patches.min_width),
-        PCM_TUNED(place.patches.min_overlap),
-        PCM_TUNED(place.patches.max_noise),
-        PCM_TUNED(place.patches.max_deviation),
-        PCM_TUNED(place.patches.min_mixed),
-        PCM_TUNED(place.patches.enough_by_chance),
-    }};
-}
-
-}  // namespace
-
-const PlaceTuning& place_tuning() { return place_values; }
-
-std::vector<TunedValue> place_tuned_values()
-{
-    PlaceTuning& place = place_values;
-    const std::array<TunedValue, sizeof(PlaceTuning) / sizeof(double) - last_values> first{{
         PCM_TUNED(place.neighbourhood.first_points),
         PCM_TUNED(place.neighbourhood.closer_points),
         PCM_TUNED(place.neighbourhood.widening),
@@ -64,6 +30,8 @@ std::vector<TunedValue> place_tuned_values()
         PCM_TUNED(place.neighbourhood.max_noise_wider),
         PCM_TUNED(place.neighbourhood.min_share),
         PCM_TUNED(place.neighbourhood.max_noise_share),
+        PCM_TUNED(place.neighbourhood.max_sure_noise),
+        PCM_TUNED(place.neighbourhood.max_sure_bend),
         PCM_TUNED(place.evidence.neighbours),
         PCM_TUNED(place.evidence.spread_noises),
         PCM_TUNED(place.evidence.max_two_peaks),
@@ -86,22 +54,77 @@ std::vector<TunedValue> place_tuned_values()
         PCM_TUNED(place.kinds.max_radius),
         PCM_TUNED(place.kinds.gain_on_plane),
         PCM_TUNED(place.kinds.gain_on_curved),
-        PCM_TUNED(place.growth.max_raised),
-        PCM_TUNED(place.growth.raised_limit),
-        PCM_TUNED(place.growth.min_inner),
-        PCM_TUNED(place.growth.settled_change),
-        PCM_TUNED(place.growth.max_edge_share),
-        PCM_TUNED(place.growth.min_edge_points),
-        PCM_TUNED(place.growth.edge_cube),
-        PCM_TUNED(place.growth.min_cube_points),
-        PCM_TUNED(place.growth.agreement_cubes),
-        PCM_TUNED(place.even_noise.first_points),
-        PCM_TUNED(place.even_noise.widening),
-        PCM_TUNED(place.even_noise.level),
+        PCM_TUNED(place.kinds.min_evidence),
+        PCM_TUNED(place.kinds.agreement_cubes),
+        PCM_TUNED(place.departure.min_share),
+        PCM_TUNED(place.departure.max_rest),
+        PCM_TUNED(place.departure.max_agreement),
+        PCM_TUNED(place.departure.min_station_spreads),
     }};
-    const auto last = last_rows(place);
-    std::vector<TunedValue> all(first.begin(), first.end());
-    all.insert(all.end(), last.begin(), last.end());
+}
+
+using ValuesOfGrowth = std::array<TunedValue, values_of<GrowthTuning, EvenNoiseTuning, TurnedTuning, FollowingTuning>>;
+ValuesOfGrowth values_of_growth(PlaceTuning& place)
+{
+    return {{
+        PCM_TUNED(place.growth.max_raised),          PCM_TUNED(place.growth.raised_limit),
+        PCM_TUNED(place.growth.min_inner),           PCM_TUNED(place.growth.settled_change),
+        PCM_TUNED(place.growth.max_edge_share),      PCM_TUNED(place.growth.min_edge_points),
+        PCM_TUNED(place.growth.edge_cube),           PCM_TUNED(place.growth.min_cube_points),
+        PCM_TUNED(place.growth.agreement_cubes),     PCM_TUNED(place.growth.min_swept_gap),
+        PCM_TUNED(place.growth.min_slice_points),    PCM_TUNED(place.growth.max_slice_gain),
+        PCM_TUNED(place.growth.max_usual_gain),      PCM_TUNED(place.growth.min_swept),
+        PCM_TUNED(place.even_noise.first_points),    PCM_TUNED(place.even_noise.widening),
+        PCM_TUNED(place.even_noise.level),           PCM_TUNED(place.turned.counted),
+        PCM_TUNED(place.turned.cube_noises),         PCM_TUNED(place.turned.min_block_points),
+        PCM_TUNED(place.turned.deviations),          PCM_TUNED(place.following.min_narrow_points),
+        PCM_TUNED(place.following.max_noise_growth), PCM_TUNED(place.following.max_close_noise),
+        PCM_TUNED(place.following.min_shared_bend),  PCM_TUNED(place.following.max_noise_share),
+        PCM_TUNED(place.following.min_agreement),    PCM_TUNED(place.following.max_other_noise),
+        PCM_TUNED(place.following.min_other_share),  PCM_TUNED(place.following.max_other_agreement),
+        PCM_TUNED(place.following.less_agreement),   PCM_TUNED(place.following.max_station_noise),
+    }};
+}
+
+using ValuesOfStations = std::array<TunedValue, values_of<StationTuning, PatchTuning>>;
+ValuesOfStations values_of_stations(PlaceTuning& place)
+{
+    return {{
+        PCM_TUNED(place.stations.max_parts),
+        PCM_TUNED(place.stations.min_gap),
+        PCM_TUNED(place.stations.mean_gaps),
+        PCM_TUNED(place.stations.min_points),
+        PCM_TUNED(place.patches.enough),
+        PCM_TUNED(place.patches.enough_stations),
+        PCM_TUNED(place.patches.box_points),
+        PCM_TUNED(place.patches.cube_points),
+        PCM_TUNED(place.patches.min_points),
+        PCM_TUNED(place.patches.max_points),
+        PCM_TUNED(place.patches.min_station_points),
+        PCM_TUNED(place.patches.max_thickness),
+        PCM_TUNED(place.patches.min_width),
+        PCM_TUNED(place.patches.min_overlap),
+        PCM_TUNED(place.patches.max_noise),
+        PCM_TUNED(place.patches.max_deviation),
+        PCM_TUNED(place.patches.min_mixed),
+        PCM_TUNED(place.patches.enough_by_chance),
+    }};
+}
+
+static_assert(std::tuple_size_v<ValuesAtPlace> + std::tuple_size_v<ValuesOfGrowth> +
+                  std::tuple_size_v<ValuesOfStations> ==
+              values_of<PlaceTuning>);
+
+}  // namespace
+
+const PlaceTuning& place_tuning() { return place_values; }
+
+std::vector<TunedValue> place_tuned_values()
+{
+    std::vector<TunedValue> all;
+    for (const TunedValue& value : values_at_place(place_values)) all.push_back(value);
+    for (const TunedValue& value : values_of_growth(place_values)) all.push_back(value);
+    for (const TunedValue& value : values_of_stations(place_values)) all.push_back(value);
     return all;
 }
 

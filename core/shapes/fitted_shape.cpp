@@ -6,9 +6,9 @@ namespace pcm {
 
 const char* name_of(FitIssue issue)
 {
-    static constexpr const char* names[] = {"none",         "too few points", "not finite",   "coincident",
-                                            "collinear",    "coplanar",       "thin arc",     "no consensus",
-                                            "out of range", "not converged",  "other surface"};
+    static constexpr const char* names[] = {"none",         "too few points", "not finite",    "coincident",
+                                            "collinear",    "coplanar",       "thin arc",      "no consensus",
+                                            "out of range", "not converged",  "other surface", "uneven"};
     return names[static_cast<std::size_t>(issue)];
 }
 

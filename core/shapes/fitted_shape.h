@@ -29,6 +29,7 @@ enum class FitIssue : std::uint8_t {
     out_of_range,  // its radius is outside of those asked for
     not_converged,
     other_surface,  // the points are those of another surface: a ring or strip of it, or of a kind that fits far better
+    uneven,         // the points leave the surface together: it is out of round, bent or bulged
 };
 const char* name_of(FitIssue issue);      // "thin arc"
 const char* name_of(FitVerdict verdict);  // "good"

@@ -20,7 +20,7 @@ Primitive full_primitive(ShapeKind kind, double x)
     primitive.cloud = "folder/with \\ and \".pct";
     primitive.fit.shape = {kind, {x, -x / 3, 1e-7 * x}, normalised({0.1, 0.2, 0.3}), x / 13, 0.5 / 3};
     primitive.fit.verdict = FitVerdict::doubtful;
-    primitive.fit.issue = FitIssue::other_surface;  // the last one
+    primitive.fit.issue = FitIssue::uneven;  // the last one
     primitive.fit.message = "the arc is thin";
     primitive.fit.errors = {x / 7, 1e-9 / 3, infinity, 0.1};
     primitive.fit.condition = infinity;

@@ -2,7 +2,6 @@
 
 #include "pcm/place/fit_at.h"
 
-#include "pcm/place/best_kind.h"
 #include "pcm/place/local_fit.h"
 #include "pcm/place/refit.h"
 #include "pcm/system/error.h"
@@ -309,36 +308,6 @@ TEST(AutomaticStep, PassesTheGapsBetweenScanLines)
     EXPECT_EQ(automatic_step({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}), 0);
 }
 
-TEST(BestKind, FewerParametersWhereTheyExplainAsMuch)
-{
-    Dice dice(6);
-    std::vector<Vec3d> flat, bent;
-    for (int i = 0; i < 2000; ++i) {
-        const double x = dice.between(-1, 1), y = dice.between(-1, 1);
-        flat.push_back({x, y, 0.01 * dice.normal()});
-        bent.push_back({x, y, -0.5 * x * x + 0.01 * dice.normal()});
-    }
-    const auto kind_of = [&](const std::vector<Vec3d>& positions) {
-        const FitPoints points = FitPoints::of(positions);
-        std::vector<ShapeFit> fits;
-        for (const ShapeKind kind : all_kinds) {
-            ShapeFitOptions options;
-            options.kind = kind;
-            options.threshold = 0.04;
-            fits.push_back(fit_shape(points, options));
-        }
-        const auto best = best_of(fits, points, 1.4);
-        return best ? traits_of(fits[*best].shape.kind).name : "none";
-    };
-    EXPECT_STREQ(kind_of(flat), "plane");
-    EXPECT_STREQ(kind_of(bent), "cylinder");
-    EXPECT_STREQ(kind_of({}), "none");
-    EXPECT_LT(log_false_alarms(1000, 900, 3, 0.1), log_false_alarms(1000, 500, 3, 0.1));
-    EXPECT_LT(log_false_alarms(1000, 900, 3, 0.05), log_false_alarms(1000, 900, 3, 0.1));
-    EXPECT_EQ(log_false_alarms(1000, 3, 3, 0.1), 0);
-    EXPECT_TRUE(std::isfinite(log_false_alarms(1000, 1000, 3, 0)));
-}
-
 // Scans of real things, against what their owners or others published of them (GROUND_TRUTH.csv); nothing but a place
 // is given where nothing else is said.
 class FitScan : public testing::Test {
@@ -429,6 +398,26 @@ TEST_F(FitScan, PCM_NOT_UNDER_THREAD(TangoScene))
     RecordProperty("cone_half_angle_degrees", std::to_string(cone.primitive.fit.shape.second * 180 / pi));
     RecordProperty("torus_radius", std::to_string(torus.primitive.fit.shape.radius));
     RecordProperty("torus_tube", std::to_string(torus.primitive.fit.shape.second));
+}
+
+// A scan by a scanner that was carried: neighbours share errors, and noise differs from place to place. The ceiling
+// hangs through by some millimetres, so that a cylinder of 250 m explains it better, but not what neighbours share. Of
+// the wall the first threshold cuts the noise. Before, doubtful patches around the places.
+TEST_F(FitScan, PCM_NOT_UNDER_SANITIZERS(CeilingAndWallOfAnIndoorScan))
+{
+    const std::string name = "las/indoor.laz";
+    PCM_REQUIRE_SAMPLE(name);
+    const auto cloud = open(name);
+    FitAtOptions options;
+    for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+    const auto at = [&](const Vec3d& place) { return fit_at(*cloud, {place}, {}, options); };
+    const FittedPrimitive ceiling = at({-7.07000, 5.03000, 2.59000}), wall = at({2.48000, -1.66000, 4.31000});
+    for (const FittedPrimitive* plane : {&ceiling, &wall}) {
+        EXPECT_EQ(plane->primitive.fit.verdict, FitVerdict::good) << plane->primitive.fit.message;
+        EXPECT_EQ(plane->primitive.fit.shape.kind, ShapeKind::plane);
+    }
+    EXPECT_GT(ceiling.points.size(), 15000u);
+    EXPECT_GT(wall.points.size(), 3300u);
 }
 
 // Labels of the file say how many points the table has (141,517), and which are on a box and on two equal cans.

@@ -1,0 +1,34 @@
+// How points leave their shape together: an oval pipe, a bulged wall, a dent. What is left of their distances from a
+// smooth surface near the shape is noise.
+#pragma once
+
+#include "pcm/shapes/shape.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace pcm {
+
+struct Departure {
+    std::size_t points = 0;  // that took part
+    // Share of the squared distances that a smooth surface explains beyond what chance does: 0 for noise.
+    double share = 0;
+    double size = 0;  // rms distance of that surface from the shape, source units
+    double rest = 0;  // one standard deviation of the points from that surface, source units
+    double agreement =
+        1;  // of neighbours in what is left (error_agreement.h): errors of a scanner, not a smooth surface
+    bool is_chance = true;  // whether noise alone explains the share (the F test of even_noise.h)
+
+    // Whether that is out of round, bulged or dented, for points whose own noise is `noise`, one standard deviation,
+    // source units: a large share, which leaves that noise, independent from point to point. Errors of scanners that
+    // neighbours share leave more of both.
+    bool is_smooth(double noise) const;
+};
+
+// By least squares of the distances: a polynomial of third degree in the place along the shape and in its normal there,
+// which has ovals and bends of pipes, bulges of walls and spheres alike. `points`: source coordinates; those farther
+// than the threshold (above 0, source units) are ignored, of many some take part, and fewer than 60 say nothing. One
+// thread; milliseconds.
+Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points);
+
+}  // namespace pcm

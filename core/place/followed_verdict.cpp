@@ -1,0 +1,224 @@
+#include "pcm/place/followed_verdict.h"
+
+#include "pcm/fit/models/shape_model.h"
+#include "pcm/fit/shape_fit.h"
+#include "pcm/place/best_kind.h"
+#include "pcm/place/cover_points.h"
+#include "pcm/place/departure.h"
+#include "pcm/place/point_stations.h"
+#include "pcm/place/progress_part.h"
+#include "pcm/place/station_survey.h"
+#include "pcm/place/surface_beyond.h"
+#include "pcm/place/tuning.h"
+#include "pcm/system/text.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t most_judged = 20000;    // points, for whether they are a piece of another surface
+constexpr std::size_t most_compared = 1000;   // points, for another kind
+constexpr std::size_t most_departing = 4000;  // points, for whether they leave it together
+
+// Not where neighbours would share errors about another kind, too, as about any smooth surface: as many points as there
+// are share them by as much more.
+bool may_be_other_kind(const FollowedPoints& followed, const Departure& departure, std::uint64_t points)
+{
+    const FollowingTuning& tuned = place_tuning().following;
+    if (!(followed.agreement > tuned.min_agreement) && departure.is_chance) return false;
+    if (departure.points == 0) return true;
+    const double more = static_cast<double>(points) / static_cast<double>(departure.points);
+    const double left = std::sqrt(1 + (departure.agreement * departure.agreement - 1) * std::max(more, 1.0));
+    return left <= std::max(tuned.max_other_agreement, tuned.less_agreement * followed.agreement);
+}
+
+}  // namespace
+
+void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
+{
+    fit.verdict = FitVerdict::doubtful;
+    fit.issue = issue;
+    fit.message = message;
+}
+
+FollowedVerdict::FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
+                                 const KnownErrors& known, const ProgressFunction& progress)
+    : cloud_(cloud), places_(places), options_(options), known_(known), progress_(progress)
+{
+}
+
+void FollowedVerdict::judge(const FollowedPoints& followed, FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    if (fit.verdict != FitVerdict::good || result.points.empty()) return;
+    const std::vector<Vec3d> around =
+        coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94));
+    if (options_.fit.threshold == 0) judge_noise(followed, around, result);
+    if (fit.verdict == FitVerdict::good) judge_kind(followed, around, result);
+}
+
+void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around,
+                                  FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    const double noise = followed.noise;
+    const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
+    if (!evidence.is_one_surface() && !is_of_stations(noise, evidence))
+        return doubt(fit, FitIssue::other_surface, evidence.message());
+    if (is_far_above_close_noise(fit, noise, evidence.bend, result.near))
+        return doubt(fit, FitIssue::other_surface,
+                     "its points leave it by " + brief(noise) + ", those next to each other at the place by " +
+                         brief(known_noise()) +
+                         ": it may hold several surfaces, so take a smaller neighbourhood, or give "
+                         "a threshold");
+    if (fit.threshold > place_tuning().growth.raised_limit * result.local.threshold && !evidence.has_shared_errors())
+        return doubt(fit, FitIssue::other_surface,
+                     "its points leave it farther and farther the more of them there are, by " + brief(noise) +
+                         " at last: it may be a piece of another surface, so take a smaller neighbourhood");
+    cuts_noise_ = fit.noise > place_tuning().following.max_noise_share * fit.threshold;
+    if (cuts_noise_)
+        return doubt(fit, FitIssue::no_consensus,
+                     "the threshold cuts the noise of its points, which may be those of another surface: give a "
+                     "larger threshold, or take a smaller neighbourhood");
+    if (!passes_places(fit, result.near))
+        return doubt(fit, FitIssue::no_consensus,
+                     "it does not pass through the place that was picked: pick another place of the surface");
+}
+
+void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around,
+                                 FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    const std::string name = traits_of(fit.shape.kind).name;
+    const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
+    std::vector<Vec3d> fitted;  // without points of other surfaces within the threshold, such as the feet of walls
+    for (const Vec3d& p :
+         random_points(result.points, most_departing, options_.threads, part_of(progress_, 0.94, 0.94)))
+        if (!followed.part || followed.part->has(p)) fitted.push_back(p);
+    const Departure departure = departure_of(fit.shape, fit.threshold, fitted);
+    const bool is_automatic = options_.fit.threshold == 0;
+    if (is_automatic && may_be_other_kind(followed, departure, result.points.size()))
+        find_other_kind(fit, followed.around);
+    if (other_)
+        other_doubt_ = std::string("a ") + traits_of(other_->shape.kind).name + " of noise " + brief(other_->noise) +
+                       " is more probable here than this " + name + " of noise " + brief(followed.noise) + ": fit that";
+    if (beyond.is_piece(known_.close_noise > 0 ? followed.noise / known_.close_noise : 0)) {
+        doubt(fit, FitIssue::other_surface,
+              "the surface continues smoothly beside these points, but off the " + name +
+                  ": they are a ring or strip where it touches a surface of another kind; fit that");
+    } else if (const auto other = far_better_kind(result, followed.noise, around)) {
+        doubt(
+            fit, FitIssue::other_surface,
+            std::string("a ") + traits_of(*other).name + " fits these points far better than a " + name + ": fit that");
+    } else if (beyond.is_by_chance()) {
+        doubt(fit, FitIssue::no_consensus,
+              "almost as many points are beside the " + name +
+                  " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
+                  "where the noise is larger");
+    } else if (is_automatic && departure.is_smooth(known_noise()) &&
+               departure.size > place_tuning().departure.min_station_spreads * station_spread()) {
+        doubt(fit, FitIssue::uneven,
+              "the points leave the " + name + " together by " + brief(departure.size) +
+                  " (root mean square) and are within " + brief(departure.rest) +
+                  " of a smooth surface: it is out of round, bent or bulged by that");
+    }
+}
+
+// Errors that neighbours share are no part of the noise of the points next to each other; they show there or in the
+// whole.
+bool FollowedVerdict::is_far_above_close_noise(const ShapeFit& fit, double noise, double bend,
+                                               const NearPoints& near) const
+{
+    const FollowingTuning& tuned = place_tuning().following;
+    if (!(known_noise() > 0) || !(noise > tuned.max_close_noise * known_noise())) return false;
+    std::vector<Vec3d> positions;
+    for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
+    const SurfaceEvidence at_place = surface_evidence(fit.shape, spread_of(fit), resolution(), positions);
+    return std::max(bend, at_place.bend) < tuned.min_shared_bend;
+}
+
+// A place of another surface may be beside a fit that was narrowed or followed.
+bool FollowedVerdict::passes_places(const ShapeFit& fit, const NearPoints& near) const
+{
+    return std::all_of(places_.begin(), places_.end(), [&](const Vec3d& place) {
+        double to_cloud = infinity;
+        for (std::size_t i = 0; i < near.ids.size(); ++i)
+            to_cloud = std::min(to_cloud, length(near.points.source(i) - place));
+        return distance_to(fit.shape, place) <= to_cloud + farthest_place(fit);
+    });
+}
+
+double FollowedVerdict::resolution() const
+{
+    const Vec3d& scale = cloud_.info().grid.scale;
+    return std::max({scale[0], scale[1], scale[2]});
+}
+
+double FollowedVerdict::known_noise() const
+{
+    if (known_.close_noise > 0 && known_.own_noise > 0) return std::min(known_.close_noise, known_.own_noise);
+    return std::max(known_.close_noise, known_.own_noise);
+}
+
+// Stations that the registration has left apart make a round pipe out of round by as much.
+double FollowedVerdict::station_spread() const
+{
+    const PointStations stations(*cloud_.tree());
+    if (stations.source() == StationSource::none) return known_.registration;
+    const StationSurvey survey = station_survey(*cloud_.tree(), stations, places_.front());
+    return survey.names_stations ? std::max(survey.evidence.spread().spread, known_.registration) : known_.registration;
+}
+
+// Two stations apart leave a surface to both of its sides, by what other surfaces show of them and no more.
+bool FollowedVerdict::is_of_stations(double noise, const SurfaceEvidence& evidence) const
+{
+    if (!evidence.has_two_peaks()) return false;
+    const double spread = station_spread();
+    return spread > 0 && noise <= place_tuning().following.max_station_noise * std::hypot(known_noise(), spread);
+}
+
+// Where the noise is larger than that around the places, and no threshold allows for it.
+std::optional<ShapeKind> FollowedVerdict::far_better_kind(const FittedPrimitive& result, double noise,
+                                                          const std::vector<Vec3d>& around) const
+{
+    if (options_.fit.threshold > 0) return {};
+    if (!(known_.close_noise > 0 && noise > place_tuning().following.max_noise_growth * known_.close_noise)) return {};
+    ShapeFit fit = result.primitive.fit;
+    fit.noise = noise;
+    std::vector<Vec3d> near;
+    for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
+    const auto other = better_kind(fit, near, known_.close_noise, part_of(progress_, 0.94, 0.97));
+    return other ? other : better_kind(fit, around, known_.close_noise, part_of(progress_, 0.97, 1));
+}
+
+// Among the points on the shape and around it, where a plane that touches a pipe is left by it. Of the next rank alone:
+// where a plane is a cone, a cylinder is more probable, too, and is judged in its turn.
+void FollowedVerdict::find_other_kind(const ShapeFit& fit, const PointSet& around)
+{
+    const FitPoints compared =
+        FitPoints::of(random_points(around, most_compared, options_.threads, part_of(progress_, 0.94, 0.94)));
+    std::vector<ShapeFit> fits{fit};
+    ShapeFitOptions options = options_.fit;
+    options.threshold = fit.threshold;
+    options.progress = part_of(progress_, 0.94, 0.94);
+    const FollowingTuning& tuned = place_tuning().following;
+    double own = 0;
+    for (std::size_t i = 0; i < compared.size(); ++i)
+        own += distance_to(fit.shape, compared.source(i)) <= fit.threshold;
+    for (const ShapeKind kind : options_.kinds) {
+        if (kind == fit.shape.kind || model_of(kind).rank > model_of(fit.shape.kind).rank + 1) continue;
+        options.kind = kind;
+        fits.push_back(fit_shape(compared, options));
+        const ShapeFit& other = fits.back();
+        const bool is_as_near = other.noise <= tuned.max_other_noise * fit.noise &&
+                                static_cast<double>(other.inliers) >= tuned.min_other_share * own;
+        if (other.verdict != FitVerdict::good || !is_as_near) fits.pop_back();
+    }
+    fits.front().inliers = static_cast<std::uint64_t>(own);
+    const KindChoice choice = choose_kind(fits, compared);
+    if (choice.best && *choice.best > 0) other_ = std::move(fits[*choice.best]);
+}
+
+}  // namespace pcm

@@ -1,0 +1,72 @@
+// The verdict on a shape that was followed through a cloud: whether its points are one surface, of that kind, with the
+// noise that the points at the place have.
+#pragma once
+
+#include "pcm/place/fit_at.h"
+#include "pcm/place/one_surface.h"
+#include "pcm/query/point_set.h"
+#include "pcm/system/progress.h"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace pcm {
+
+void doubt(ShapeFit& fit, FitIssue issue, const std::string& message);
+
+// The points as growth left them.
+struct FollowedPoints {
+    const PointSet& around;  // connected, up to beyond_thresholds from the shape
+    double noise = 0;        // GrownShape::noise and agreement
+    double agreement = 1;
+    const std::optional<SweptPart>& part;  // GrownShape::part
+};
+
+// Standard deviations, source units; 0: unknown.
+struct KnownErrors {
+    double close_noise = 0;   // of the points at the places from their own surface
+    double own_noise = 0;     // the least of it: clutter or the other face of a plate enlarge the first
+    double registration = 0;  // that was given, of a station of the scanner along each axis
+};
+
+// Keeps references. One object by one thread.
+class FollowedVerdict {
+public:
+    FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
+                    const KnownErrors& known, const ProgressFunction& progress);
+
+    // Doubts a good fit whose points may be a ring or strip of another surface, several surfaces within a wide
+    // threshold, there by chance, out of round or bulged.
+    void judge(const FollowedPoints& followed, FittedPrimitive& result);
+    // A shape of another kind that was asked for and for which these points are far more probable: it is to be
+    // followed in turn, and the fit doubtful for `other_doubt` if that cannot be. Nothing where there is none.
+    const std::optional<ShapeFit>& other_kind() const { return other_; }
+    const std::string& other_doubt() const { return other_doubt_; }
+    // Whether it was doubted because the threshold cuts the noise of its points.
+    bool cuts_noise() const { return cuts_noise_; }
+
+private:
+    void judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around, FittedPrimitive& result);
+    void judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around, FittedPrimitive& result);
+    bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near) const;
+    bool passes_places(const ShapeFit& fit, const NearPoints& near) const;
+    std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
+                                             const std::vector<Vec3d>& around) const;
+    void find_other_kind(const ShapeFit& fit, const PointSet& around);
+    double resolution() const;
+    double known_noise() const;
+    double station_spread() const;
+    bool is_of_stations(double noise, const SurfaceEvidence& evidence) const;
+
+    const PointCloud& cloud_;
+    const std::vector<Vec3d>& places_;
+    const FitAtOptions& options_;
+    const KnownErrors known_;
+    const ProgressFunction& progress_;
+    std::optional<ShapeFit> other_;
+    std::string other_doubt_;
+    bool cuts_noise_ = false;
+};
+
+}  // namespace pcm

@@ -1,0 +1,130 @@
+// Clicks on what is not quite a shape, or hardly another one: no wrong shape is called good.
+#include "pcm/place/cover_points.h"
+#include "pcm/place/fit_at.h"
+
+#include "tests/place/shape_cloud.h"
+#include "tests/sanitizers.h"
+
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <vector>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+constexpr double sigma = 0.0015;
+constexpr Vec3d map{456780, 5432100, 120};
+
+class HonestClick : public testing::Test {
+protected:
+    FittedPrimitive at(const std::vector<SurfacePoint>& points, const Vec3d& place)
+    {
+        build_surface_tree(folder_.path(), points);
+        cloud_ = PointCloud::open(folder_ / "surface.pct");
+        FitAtOptions options;
+        for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+        return fit_at(*cloud_, {place}, {}, options);
+    }
+    Dice dice_{12};
+    TemporaryFolder folder_;
+    std::shared_ptr<PointCloud> cloud_;
+};
+
+// 600 x 540 mm. Before, "cylinder: good" with a radius that depended on the place.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AnOvalPipeIsOutOfRound))
+{
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 12000; ++i) {
+        const double a = dice_.between(0, 2 * pi);
+        const Vec3d n = normalised({std::cos(a) / 0.3, std::sin(a) / 0.27, 0});
+        points.push_back(
+            {map + Vec3d{0.3 * std::cos(a), 0.27 * std::sin(a), dice_.between(0, 1.8)} + sigma * dice_.normal() * n,
+             n});
+    }
+    for (const int i : {0, 100, 2000}) {
+        const FittedPrimitive fitted = at(points, points[static_cast<std::size_t>(i)].position);
+        EXPECT_NE(fitted.primitive.fit.verdict, FitVerdict::good)
+            << text_of(fitted.primitive.fit.shape) << ", noise " << fitted.primitive.fit.noise;
+    }
+}
+
+// 20 degrees of a cylinder of 2 m. Before, a plane.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AnArcIsNoPlane))
+{
+    pcm::Shape arc;
+    arc.kind = ShapeKind::cylinder;
+    arc.point = map;
+    arc.axis = normalised({0.1, 0.2, 1});
+    arc.radius = 2;
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 15000; ++i) points.push_back(point_on(arc, 1.4, pi / 9, sigma, dice_));
+    const FittedPrimitive fitted = at(points, points[7].position);
+    const ShapeFit& fit = fitted.primitive.fit;
+    EXPECT_EQ(fit.verdict, FitVerdict::good) << fit.message;
+    ASSERT_EQ(fit.shape.kind, ShapeKind::cylinder);
+    EXPECT_LT(std::fabs(fit.shape.radius - 2), 4 * fit.errors.radius);
+}
+
+// Half an angle of 10 degrees. Before, a cylinder around the place.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AReducerIsNoCylinder))
+{
+    pcm::Shape cone;
+    cone.kind = ShapeKind::cone;
+    cone.point = map;
+    cone.axis = {0, 0, 1};
+    cone.second = 10 * pi / 180;
+    std::vector<SurfacePoint> points;
+    while (points.size() < 6000) {
+        const SurfacePoint p = point_on(cone, 1.2, pi, sigma, dice_);
+        if (p.position[2] - map[2] > 0.6) points.push_back(p);
+    }
+    const ShapeFit fit = at(points, points[11].position).primitive.fit;
+    EXPECT_EQ(fit.verdict, FitVerdict::good) << fit.message;
+    ASSERT_EQ(fit.shape.kind, ShapeKind::cone);
+    EXPECT_LT(std::fabs(fit.shape.second - cone.second), 4 * fit.errors.second);
+}
+
+// The noise next to the place is less than half of that farther on, and the first threshold cuts that. Before, a
+// doubtful patch around the place.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AWallIsFollowedWhereItsNoiseRises))
+{
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 24000; ++i) {
+        const Vec3d at{dice_.between(-2, 2), dice_.between(-2, 2), 0};
+        const double noise = length(at) < 0.95 ? sigma : 2.2 * sigma;
+        points.push_back({map + at + Vec3d{0, 0, noise * dice_.normal()}, {0, 0, 1}});
+    }
+    const FittedPrimitive fitted = at(points, map);
+    EXPECT_EQ(fitted.primitive.fit.verdict, FitVerdict::good) << fitted.primitive.fit.message;
+    EXPECT_EQ(fitted.primitive.fit.shape.kind, ShapeKind::plane);
+    EXPECT_GT(fitted.points.size(), 23000u);
+    EXPECT_GT(fitted.reached.threshold, 4 * sigma);
+}
+
+// Points of coarse levels represent their cells, and lie on one side of a noisy surface.
+TEST_F(HonestClick, RandomPointsLieAboutTheirSurface)
+{
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 24000; ++i)
+        points.push_back({map + Vec3d{dice_.between(-2, 2), dice_.between(-2, 2), sigma * dice_.normal()}, {0, 0, 1}});
+    build_surface_tree(folder_.path(), points);
+    cloud_ = PointCloud::open(folder_ / "surface.pct");
+    PointSet all(cloud_->tree());
+    for (NodeId id = 0; id < cloud_->tree()->nodes().size(); ++id) {
+        std::vector<std::uint32_t> numbers(cloud_->tree()->node(id).points);
+        std::iota(numbers.begin(), numbers.end(), 0u);
+        all.set(id, numbers);
+    }
+    const std::vector<Vec3d> some = random_points(all, 4000, 1);
+    EXPECT_NEAR(static_cast<double>(some.size()), 4000, 4 * std::sqrt(4000));
+    double mean = 0;
+    for (const Vec3d& p : some) mean += (p[2] - map[2]) / static_cast<double>(some.size());
+    EXPECT_LT(std::fabs(mean), 4 * sigma / std::sqrt(static_cast<double>(some.size())));
+    EXPECT_EQ(random_points(all, 4000, 3), some);
+    EXPECT_EQ(random_points(all, 24000).size(), 24000u);
+}
+
+}  // namespace

@@ -1,0 +1,132 @@
+// An elbow without the straight pipes at its ends, by points whose truth is known.
+#include "pcm/place/swept_part.h"
+
+#include "pcm/fit/shape_fit.h"
+#include "pcm/place/grow_shape.h"
+#include "tests/place/shape_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+constexpr double sigma = 0.0015, threshold = 0.005;
+constexpr Vec3d map{456780, 5432100, 120};
+
+pcm::Shape bend()
+{
+    pcm::Shape shape;
+    shape.kind = ShapeKind::torus;
+    shape.point = map;
+    shape.axis = normalised({0.1, 0.2, 1});
+    shape.radius = 0.457;
+    shape.second = 0.162;
+    return shape;
+}
+
+// A quarter of the torus and, from both of its ends on, straight pipes of this length, all around.
+std::vector<SurfacePoint> elbow(double legs, Dice& dice, int density)
+{
+    const pcm::Shape shape = bend();
+    const auto [u, v] = across(shape.axis);
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < density; ++i) {
+        const double a = dice.between(0, pi / 2), b = dice.between(0, 2 * pi);
+        const Vec3d out = std::cos(a) * u + std::sin(a) * v;
+        const Vec3d n = std::cos(b) * out + std::sin(b) * shape.axis;
+        points.push_back({shape.point + shape.radius * out + (shape.second + sigma * dice.normal()) * n, n});
+    }
+    const double arc = shape.radius * pi / 2;
+    for (int i = 0; i < static_cast<int>(density * legs / arc); ++i)
+        for (const int end : {0, 1}) {
+            const Vec3d out = end == 0 ? u : v, on = end == 0 ? -1 * v : -1 * u;
+            const double b = dice.between(0, 2 * pi);
+            const Vec3d n = std::cos(b) * out + std::sin(b) * shape.axis;
+            points.push_back({shape.point + shape.radius * out + dice.between(0, legs) * on +
+                                  (shape.second + sigma * dice.normal()) * n,
+                              n});
+        }
+    return points;
+}
+
+std::vector<Vec3d> near(const pcm::Shape& shape, const std::vector<SurfacePoint>& points)
+{
+    std::vector<Vec3d> on;
+    for (const SurfacePoint& p : points)
+        if (distance_to(shape, p.position) <= threshold) on.push_back(p.position);
+    return on;
+}
+
+TEST(SweptPart, AnElbowEndsWhereItsPipesBegin)
+{
+    Dice dice(3);
+    const std::vector<SurfacePoint> all = elbow(0.4, dice, 6000);
+    pcm::Shape shape = bend();
+    double radius = 0;
+    for (int round = 0; round < 4; ++round) {  // least squares of all points within the threshold
+        const std::vector<Vec3d> points = near(shape, all);
+        RefineOptions options;
+        options.threshold = threshold;
+        const ShapeFit fit = refine_shape(FitPoints::of(points), shape, options);
+        ASSERT_TRUE(fit.has_shape());
+        shape = fit.shape;
+        radius = fit.shape.radius;
+    }
+    EXPECT_GT(std::fabs(radius - 0.457), 0.002) << "the pipes turn it";
+    const auto part = swept_part(shape, sigma, threshold, near(shape, all));
+    ASSERT_TRUE(part);
+    EXPECT_NEAR(part->shape.radius, 0.457, 0.0012);
+    EXPECT_NEAR(part->shape.second, 0.162, 0.0003);
+    EXPECT_GT(part->to - part->from, 0.9);
+    EXPECT_LT(part->to - part->from, pi / 2);
+    const auto [u, v] = across(bend().axis);
+    EXPECT_TRUE(part->has(map + 0.5 * normalised(u + v)));
+    EXPECT_FALSE(part->has(map + 0.457 * u - 0.1 * v));
+    EXPECT_FALSE(part->has(map + 0.457 * v - 0.1 * u));
+}
+
+TEST(SweptPart, WithoutPipesNothingIsLeftOut)
+{
+    int left_out = 0;
+    for (int seed = 0; seed < 10; ++seed) {
+        Dice dice(seed);
+        left_out += swept_part(bend(), sigma, threshold, near(bend(), elbow(0, dice, 4000))) ? 1 : 0;
+    }
+    EXPECT_LE(left_out, 1);
+}
+
+TEST(SweptPart, OtherKindsAndFewPointsHaveNone)
+{
+    pcm::Shape plane;
+    plane.point = map;
+    EXPECT_FALSE(swept_part(plane, sigma, threshold, {map, map, map}));
+    EXPECT_FALSE(swept_part(bend(), sigma, threshold, {map, map, map}));
+    Dice dice(1);
+    EXPECT_FALSE(swept_part(bend(), 0, threshold, near(bend(), elbow(0.4, dice, 4000))));
+}
+
+// The whole way: the elbow's radius is within three of its standard deviations, and growth says which part it is of.
+TEST(SweptPart, GrowthFitsTheElbowAlone)
+{
+    TemporaryFolder folder;
+    Dice dice(5);
+    const auto tree = build_surface_tree(folder.path(), elbow(0.4, dice, 6000));
+    GrowShapeOptions options;
+    options.threshold = threshold;
+    options.step = 0.05;
+    const auto [u, v] = across(bend().axis);
+    const Vec3d middle = map + 0.457 * normalised(u + v);
+    const PointSet seeds = set_where(tree, [&](const Vec3d& p) { return length(p - middle) < 0.25; });
+    const GrownShape grown = grow_shape(bend(), seeds, options);
+    ASSERT_TRUE(grown.fit.has_shape());
+    ASSERT_TRUE(grown.part);
+    EXPECT_LT(std::fabs(grown.fit.shape.radius - 0.457), 3 * grown.fit.errors.radius);
+    EXPECT_LT(std::fabs(grown.fit.shape.second - 0.162), 3 * grown.fit.errors.second);
+    EXPECT_LT(length(grown.fit.shape.point - map), 3 * grown.fit.errors.position);
+}
+
+}  // namespace
