@@ -153,7 +153,7 @@ TEST_F(Outliers, PCM_NOT_UNDER_THREAD(AreThoseOfComparingAllPairsAtAnyOffset))
         }
 }
 
-TEST_F(Outliers, AFarStrayDoesNotHideTheOthersFromTheRobustMethod)
+TEST_F(Outliers, PCM_NOT_UNDER_THREAD(AFarStrayDoesNotHideTheOthersFromTheRobustMethod))
 {
     const auto with_stray = [](double u, double v, double w) {
         return u < 0.0005 ? Vec3d{1e9, -1e9, 1e9} : noisy(u, v, w);

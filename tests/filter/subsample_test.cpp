@@ -215,7 +215,7 @@ TEST_F(Subsample, TheLevelNearestToASpacing)
     EXPECT_EQ(all.points, 30000u);
 }
 
-TEST_F(Subsample, ANumberOfPoints)
+TEST_F(Subsample, PCM_NOT_UNDER_THREAD(ANumberOfPoints))
 {
     const auto tree = tree_of(random_cloud(some_types(), std::nullopt, 30000, 7, 10));
     const MemoryCloud whole = points_of(tree);

@@ -221,7 +221,7 @@ TEST_F(VoxelGrid, ThreadsAndMemoryDoNotChangeTheResult)
 }
 
 // More points in one voxel than memory holds, beside others: the voxel gets a unit of its own and is summed in passing.
-TEST_F(VoxelGrid, AVoxelWithMorePointsThanMemoryHolds)
+TEST_F(VoxelGrid, PCM_NOT_UNDER_THREAD(AVoxelWithMorePointsThanMemoryHolds))
 {
     MemoryCloud cloud = random_cloud(all_types(), Grid{{0.0001, 0.0001, 0.0001}, {5e5, 4.8e6, 0}}, 30000, 6, 10);
     make_categories(cloud);

@@ -228,7 +228,7 @@ TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(AVolumeOfDoubles))
     EXPECT_GT(report_.units, 1u);
 }
 
-TEST_F(NeighbourhoodsOf, ClustersFarApartAndStrays)
+TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ClustersFarApartAndStrays))
 {
     expect_right_for(cloud_of(25000, std::nullopt,
                               [](std::mt19937_64& random, std::size_t i) {
@@ -239,7 +239,7 @@ TEST_F(NeighbourhoodsOf, ClustersFarApartAndStrays)
     EXPECT_GT(report_.units, 1u);
 }
 
-TEST_F(NeighbourhoodsOf, DenseBesideSparse)
+TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(DenseBesideSparse))
 {
     expect_right_for(cloud_of(30000, millimetres,
                               [](std::mt19937_64& random, std::size_t i) {
@@ -335,7 +335,7 @@ private:
     std::vector<std::uint32_t> computed_;
 };
 
-TEST_F(NeighbourhoodsOf, ALevelComputesItsPointsAndTheOthersTakeTheNearest)
+TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ALevelComputesItsPointsAndTheOthersTakeTheNearest))
 {
     const auto opened = tree(cloud_of(25000, millimetres, [](std::mt19937_64& random, std::size_t) {
         return Vec3d{500000 + 9 * uniform(random), 4800000 + 9 * uniform(random), 100};

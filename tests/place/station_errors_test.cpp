@@ -152,7 +152,7 @@ TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(RadiiAndPositionsLieWithinThreeDe
     EXPECT_LT(quotient, 6) << "positions lie in three directions";
 }
 
-TEST_F(StationErrors, StationsThatAreNotShiftedAddNextToNothing)
+TEST_F(StationErrors, PCM_NOT_UNDER_THREAD(StationsThatAreNotShiftedAddNextToNothing))
 {
     const auto there = cloud(0, 3, Says::source_id);
     for (const pcm::Shape& truth : {pipe_, ball_}) {
@@ -164,7 +164,7 @@ TEST_F(StationErrors, StationsThatAreNotShiftedAddNextToNothing)
     }
 }
 
-TEST_F(StationErrors, GapsInTimeAreStations)
+TEST_F(StationErrors, PCM_NOT_UNDER_THREAD(GapsInTimeAreStations))
 {
     const auto by_time = cloud(0.0015, 5, Says::time);
     EXPECT_EQ(PointStations(*by_time->tree()).source(), StationSource::time_gaps);
@@ -179,7 +179,7 @@ TEST_F(StationErrors, GapsInTimeAreStations)
 }
 
 // The points of tiles mix nowhere.
-TEST_F(StationErrors, NumbersOfTilesAreNoStations)
+TEST_F(StationErrors, PCM_NOT_UNDER_THREAD(NumbersOfTilesAreNoStations))
 {
     const auto tiles = cloud(0, 8, Says::tiles), nothing = cloud(0, 8, Says::nothing);
     EXPECT_EQ(PointStations(*tiles->tree()).source(), StationSource::attribute);
@@ -235,7 +235,7 @@ TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(PointsThatAreRepeatedCountAsPlace
 }
 
 // A ball that one station sees, and nothing around it: its size needs no registration, its position does.
-TEST_F(StationErrors, OneStationAloneTakesWhatIsGiven)
+TEST_F(StationErrors, PCM_NOT_UNDER_THREAD(OneStationAloneTakesWhatIsGiven))
 {
     const auto there = cloud(0.001, 8, Says::source_id, false);
     const FittedPrimitive points = fit(*there, ball_), given = fit(*there, ball_, 2);
