@@ -130,7 +130,7 @@ TEST(FarPoints, TheLimitLeavesOutAllFarPoints)
     }
 }
 
-// Places are told apart by 64ths of the power of two below them: sixteen are few.
+// Places differ by 64ths of the power of two below them: sixteen are few.
 TEST(FarPoints, FewPlacesAreFarWhateverTheNumberOfTheirPoints)
 {
     const std::vector<Vec3d> cloud = scattered({50, 50, 5}, 40, 500);
