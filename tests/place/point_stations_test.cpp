@@ -203,7 +203,7 @@ protected:
                 return Numbers{0, static_cast<std::uint16_t>(8 + station), 0, middle + place};
             },
             3000);
-        return station_survey(*room, PointStations(*room), middle + Vec3d{2, 2, 0}).spread();
+        return station_survey(*room, PointStations(*room), middle + Vec3d{2, 2, 0}).evidence.spread();
     }
 };
 
@@ -244,7 +244,7 @@ TEST_F(StationSurveyTest, StationsThatSeeDifferentPartsOfAWallAreNotCompared)
         const PointStations stations(*made);
         EXPECT_EQ(stations.source(), StationSource::attribute);
         if (stations.source() == StationSource::none) return std::size_t{99};
-        return station_survey(*made, stations, {}).stations();
+        return station_survey(*made, stations, {}).evidence.stations();
     };
     const auto any = [&] { return dice_.between(0, 1); };
     const auto small = [&] { return 0.001 * dice_.normal(); };
