@@ -221,7 +221,7 @@ class Window(MeshLabTest):
         self.assertTrue((tree / "index.pct").exists())
 
     def test_escape_cancels_a_build(self):
-        las = self.generate_file("large", 3000000, "--seed", 4)
+        las = self.generate_file("large", 6000000, "--seed", 4)  # no build is over before Escape is pressed
         # The script continues during the build. Until it is cancelled, the window cannot be closed.
         run = self.gui(f"""
             wait-view
