@@ -12,6 +12,7 @@ import subprocess
 import sys
 
 TARGET = "what_is_installed"
+OF_THEIR_OWN = {"manual"}  # targets that take minutes; what they make is installed where it was made
 
 
 def ninja(build, *arguments):
@@ -31,7 +32,7 @@ def main():
             for path in map(pathlib.Path, re.findall(r'"([^"]+)"', files)):
                 if build in path.parents and str(path.relative_to(build)) in made:
                     installed.add(str(path.relative_to(build)))
-    missing = sorted(installed - needed)
+    missing = sorted(installed - needed - OF_THEIR_OWN)
     for path in missing:
         print(f"{path} is installed, and the target {TARGET} does not make it (CMakeLists.txt)")
     print(f"{len(installed)} built files are installed: {' '.join(sorted(installed))}")
