@@ -261,8 +261,9 @@ struct FollowingTuning {
     // Chosen: by those scenes, and 270 clicks on plants of two generators; not swept.
     double max_close_noise = 3;  // noise of the closest points
     // Maximum noise of a surface whose two peaks are two stations that are apart: the two faces of a plate of 8 mm
-    // leave the plane between them by 4 mm, where noise and stations are 1.5 mm each. Chosen: a pipe seen by two
-    // stations 4 mm apart; not swept.
+    // leave the plane between them by 4 mm, where noise and stations are 1.5 mm each.
+    //
+    // Chosen: a pipe seen by two stations 4 mm apart; not swept.
     double max_station_noise = 1.5;  // noise of the closest points and spread of the stations, together
     // Chosen: with max_close_noise; not swept.
     double min_shared_bend = 0.25;  // share of the squared distances
