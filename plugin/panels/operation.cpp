@@ -7,6 +7,7 @@
 #include <QEvent>
 #include <QKeyEvent>
 #include <QMessageBox>
+#include <QWidget>
 
 #include <algorithm>
 #include <csignal>
@@ -67,7 +68,8 @@ ProgressFunction Operation::progress()
 bool Operation::report(const ProgressUpdate& update)
 {
     // meshlabserver has no window and prints each text on a line of its own.
-    const bool window = QApplication::activeWindow();
+    const QWidgetList windows = QApplication::topLevelWidgets();  // the active one may be another program's
+    const bool window = std::any_of(windows.begin(), windows.end(), [](const QWidget* w) { return w->isVisible(); });
     const bool done = update.fraction >= 1;  // nothing is left to wait for or to cancel
     const std::string text = std::string(update.stage) + (done ? std::string() : time_left(update.seconds_left)) +
                              (window ? done ? "" : " (Esc cancels)" : "\n");
