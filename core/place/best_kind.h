@@ -24,7 +24,7 @@ bool is_determined(const ShapeFit& fit);
 
 // Shapes are compared by the same points, with the same noise and up to the same distance, whatever thresholds they
 // were fitted with: the misfit of a shape is half the sum of min(d, 3 noise)^2 / noise^2, the logarithm of a likelihood
-// of Gaussian errors and even outliers without its constant. Of many points some take part. Keeps references.
+// of Gaussian errors and even outliers without its constant. Of many points a part is used. Keeps references.
 class KindComparison {
 public:
     // `noise`: one standard deviation, above 0, source units.

@@ -56,7 +56,7 @@ OnShape on_shape(const Shape& shape, double threshold, const std::vector<Vec3d>&
     return on;
 }
 
-// Of what the polynomial leaves, in cubes as those of growth.
+// Agreement of what the polynomial leaves, in cubes as those of growth.
 double agreement_of(const OnShape& on, const std::vector<double>& rest)
 {
     Box3d box;

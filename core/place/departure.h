@@ -10,13 +10,13 @@
 namespace pcm {
 
 struct Departure {
-    std::size_t points = 0;  // that took part
+    std::size_t points = 0;  // number of points used
     // Share of the squared distances that a smooth surface explains beyond what chance does: 0 for noise.
     double share = 0;
     double size = 0;  // rms distance of that surface from the shape, source units
     double rest = 0;  // one standard deviation of the points from that surface, source units
     double agreement =
-        1;  // of neighbours in what is left (error_agreement.h): errors of a scanner, not a smooth surface
+        1;  // factor of neighbours in the rest (error_agreement.h): errors of a scanner, not a smooth surface
     bool is_chance = true;  // whether noise alone explains the share (the F test of even_noise.h)
 
     // Whether that is out of round, bulged or dented, for points whose own noise is `noise`, one standard deviation,
