@@ -121,11 +121,6 @@ KindChoice choose_kind(const std::vector<ShapeFit>& fits, const FitPoints& point
     return choice;
 }
 
-std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points)
-{
-    return choose_kind(fits, points).best;
-}
-
 std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3d>& points, double noise,
                                      const ProgressFunction& progress)
 {

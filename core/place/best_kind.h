@@ -58,7 +58,6 @@ struct KindChoice {
 // have half of the most inliers. Fits that are not determined are considered only where none is, and refused ones
 // never.
 KindChoice choose_kind(const std::vector<ShapeFit>& fits, const FitPoints& points);
-std::optional<std::size_t> best_of(const std::vector<ShapeFit>& fits, const FitPoints& points);  // its best one
 
 // A kind that explains the inliers of `fit` among `points` far better: most of them within six standard deviations of
 // `noise`, that of the points' surface, and with less than three tenths of the noise of `fit`, or less than half of

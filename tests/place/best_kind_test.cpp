@@ -33,7 +33,7 @@ TEST(BestKind, FewerParametersWhereTheyExplainAsMuch)
             options.threshold = 0.04;
             fits.push_back(fit_shape(points, options));
         }
-        const auto best = best_of(fits, points);
+        const auto best = choose_kind(fits, points).best;
         return best ? traits_of(fits[*best].shape.kind).name : "none";
     };
     EXPECT_STREQ(kind_of(flat), "plane");
