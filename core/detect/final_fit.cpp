@@ -1,12 +1,16 @@
 #include "pcm/detect/final_fit.h"
 
+#include "pcm/detect/drawn_points.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_sums.h"
+#include "pcm/place/departure.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/extreme_points.h"
+#include "pcm/place/one_surface.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/primitive_list.h"
 #include "pcm/system/error.h"
+#include "pcm/system/text.h"
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
@@ -22,6 +26,8 @@ namespace {
 
 constexpr std::uint32_t no_candidate = 0xffffffffu;
 constexpr std::size_t groups = 64;  // groups of nodes; their sums are added in order
+// Points of a candidate that its doubts come from; of very many candidates fewer, so that they take 64 MB.
+constexpr std::size_t most_drawn = 500, least_drawn = 100, all_drawn = std::size_t(2) << 20;
 
 struct Candidate {
     Shape shape;
@@ -34,29 +40,33 @@ struct Candidate {
     bool interior = true;  // is fitted to points inside, not to those at edges
 };
 
-// What bounds and errors need of a candidate's points in addition to the sums.
+// What bounds, errors and doubts need of a candidate's points in addition to the sums.
 struct PartFacts {
-    explicit PartFacts(const Candidate& c)
-        : ends(c.shape, c.middle), alike(c.corner, c.extent / place_tuning().growth.agreement_cubes)
+    PartFacts(const Candidate& c, std::size_t most)
+        : ends(c.shape, c.middle), alike(c.corner, c.extent / place_tuning().growth.agreement_cubes), some(most)
     {
     }
     ExtremePoints ends;
     ErrorAgreement alike;
+    DrawnPoints some;
 };
 
 struct Sums {
-    Sums(const Candidate& c, bool facts_too)
+    // `drawn`: number of points to draw, and no facts where it is 0.
+    Sums(const Candidate& c, std::size_t drawn)
         : interior(c.shape, c.middle, c.extent), all(c.shape, c.middle, c.extent), use_interior(c.interior)
     {
-        if (facts_too) facts.emplace(c);
+        if (drawn > 0) facts.emplace(c, drawn);
     }
-    void add(const Vec3d& p, bool inside, const Shape& shape)
+    void add(const Vec3d& p, std::uint64_t number, bool inside, const Shape& shape)
     {
         all.add(p);
         if (inside) interior.add(p);
         if (!facts) return;
         facts->ends.add(p);
-        if (inside || !use_interior) facts->alike.add(p, signed_distance(shape, p));
+        if (!inside && use_interior) return;
+        facts->alike.add(p, signed_distance(shape, p));
+        facts->some.add(p, number);
     }
     void add(const Sums& other)
     {
@@ -65,6 +75,7 @@ struct Sums {
         if (!facts) return;
         facts->ends.add(other.facts->ends);
         facts->alike.add(other.facts->alike);
+        facts->some.add(other.facts->some);
     }
     bool enough_interior_points() const
     {
@@ -103,13 +114,15 @@ public:
     FinalFit run()
     {
         for (const double begin : {0.0, 0.25}) {
-            std::vector<Sums> sums = pass(begin, begin + 0.25, false);
+            std::vector<Sums> sums = pass(begin, begin + 0.25, 0);
             for (std::size_t c = 0; c < candidates_.size(); ++c) {
                 candidates_[c].interior = sums[c].use_interior = sums[c].enough_interior_points();
                 if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
             }
         }
-        const std::vector<Sums> sums = pass(0.5, 0.8, true);
+        const std::size_t drawn =
+            std::clamp(all_drawn / std::max<std::size_t>(candidates_.size(), 1), least_drawn, most_drawn);
+        const std::vector<Sums> sums = pass(0.5, 0.8, drawn);
         std::vector<std::uint32_t> order(candidates_.size());
         std::iota(order.begin(), order.end(), 0u);
         std::stable_sort(order.begin(), order.end(),
@@ -172,16 +185,16 @@ private:
 
     // The sums of groups are added in their order, so that the result does not depend on threads, and as soon as those
     // before are there, so that few are held.
-    std::vector<Sums> pass(double begin, double end, bool facts_too)
+    std::vector<Sums> pass(double begin, double end, std::size_t drawn)
     {
         std::vector<Sums> sums;
-        for (const Candidate& c : candidates_) sums.emplace_back(c, facts_too);
+        for (const Candidate& c : candidates_) sums.emplace_back(c, drawn);
         std::vector<GroupSums> open(groups);
         std::vector<bool> done(groups, false);
         std::size_t next = 0;
         std::mutex mutex;
         visit(
-            begin, end, [&](std::size_t group, NodeId node) { add_node(node, facts_too, open[group]); },
+            begin, end, [&](std::size_t group, NodeId node) { add_node(node, drawn, open[group]); },
             [&](std::size_t group) {
                 const std::lock_guard lock(mutex);
                 done[group] = true;
@@ -193,7 +206,7 @@ private:
         return sums;
     }
 
-    void add_node(NodeId node, bool facts_too, GroupSums& sums)
+    void add_node(NodeId node, std::size_t drawn, GroupSums& sums)
     {
         const std::vector<std::uint32_t> labels = labels_.get(node);
         if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
@@ -202,8 +215,9 @@ private:
             const std::uint32_t c = candidate(labels[i]);
             if (c == no_candidate || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
             auto found = sums.find(c);
-            if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], facts_too)).first;
-            found->second.add(at[i], (labels[i] & interior_label) != 0, candidates_[c].shape);
+            if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], drawn)).first;
+            const std::uint64_t number = (static_cast<std::uint64_t>(node) << 32) + i;
+            found->second.add(at[i], number, (labels[i] & interior_label) != 0, candidates_[c].shape);
         }
     }
 
@@ -223,7 +237,28 @@ private:
             primitive.fit.message =
                 "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";
         }
+        if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic)
+            judge(primitive.fit, sums.facts->some.points());
         return primitive;
+    }
+
+    // As a fit at a place is judged, by points that were drawn.
+    void judge(ShapeFit& fit, const std::vector<Vec3d>& some) const
+    {
+        const auto doubt = [&](FitIssue issue, const std::string& message) {
+            fit.verdict = FitVerdict::doubtful;
+            fit.issue = issue;
+            fit.message = message;
+        };
+        const double resolution = largest_magnitude(points_.tree().info().grid.scale);
+        const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution, some);
+        if (!evidence.is_one_surface())
+            return doubt(FitIssue::other_surface, evidence.reason() + ": detect there with a lower threshold");
+        const Departure departure = departure_of(fit.shape, fit.threshold, some);
+        if (departure.is_smooth(options_.noise))
+            doubt(FitIssue::uneven, "the points leave the shape together by " + brief(departure.size) +
+                                        " (root mean square) and are within " + brief(departure.rest) +
+                                        " of a smooth surface: it is out of round, bent or bulged by that");
     }
 
     // A plane whose points are on one line has no outline: no reason to end a detection.

@@ -13,6 +13,10 @@ namespace pcm {
 struct FinalFitOptions {
     std::uint64_t least_points = 0;
     bool keep_pieces = false;  // as doubtful ones
+    // Whether the thresholds come from the cloud's noise, source units: then primitives are doubted whose points are
+    // not those of one surface of that shape.
+    bool is_automatic = false;
+    double noise = 0;
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
 };

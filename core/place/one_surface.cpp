@@ -101,15 +101,19 @@ bool SurfaceEvidence::is_turned() const
     return bend > tuned.min_turned_bend && slope > tuned.max_slope;
 }
 
+std::string SurfaceEvidence::reason() const
+{
+    if (has_two_peaks())
+        return "the points leave the shape to both sides rather than about it, as those of several surfaces do";
+    if (is_turned()) return "the surface of these points is turned away from the shape at most places";
+    return {};
+}
+
 std::string SurfaceEvidence::message() const
 {
-    const std::string hint =
-        ": pick a place farther from other surfaces, take a smaller neighbourhood, or give a "
-        "threshold";
-    if (has_two_peaks())
-        return "the points leave the shape to both sides rather than about it, as those of several surfaces do" + hint;
-    if (is_turned()) return "the surface of these points is turned away from the shape at most places" + hint;
-    return {};
+    const std::string why = reason();
+    if (why.empty()) return why;
+    return why + ": pick a place farther from other surfaces, take a smaller neighbourhood, or give a threshold";
 }
 
 double spread_of(const ShapeFit& fit)

@@ -28,7 +28,8 @@ struct SurfaceEvidence {
     bool has_two_peaks() const;
     bool is_turned() const;
     bool is_one_surface() const { return !has_two_peaks() && !is_turned(); }
-    // Why it is not one surface, and what to do: a sentence for people. Empty where it is.
+    // Why it is not one surface, a sentence for people; message() says also what to do. Empty where it is.
+    std::string reason() const;
     std::string message() const;
 };
 

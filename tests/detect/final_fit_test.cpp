@@ -16,14 +16,21 @@ protected:
 
     FinalFitTest()
     {
+        assigned_.parts.resize(3);
+        for (std::uint32_t floor = 0; floor < 3; ++floor) assigned_.numbers.push_back({floor, floor});
+        build([](std::size_t, double, double, Dice&) { return 0; });
+    }
+    // `height` of a floor's point at a place in the unit square.
+    void build(const std::function<double(std::size_t, double, double, Dice&)>& height)
+    {
         Dice dice(5);
         std::vector<SurfacePoint> points;
         for (std::size_t floor = 0; floor < 3; ++floor)
-            for (std::uint64_t i = 0; i < points_of[floor]; ++i)
-                points.push_back({{2 * static_cast<double>(floor) + dice.between(0, 1), dice.between(0, 1), 0}, {}});
+            for (std::uint64_t i = 0; i < points_of[floor]; ++i) {
+                const double x = dice.between(0, 1), y = dice.between(0, 1);
+                points.push_back({{2 * static_cast<double>(floor) + x, y, height(floor, x, y, dice)}, {}});
+            }
         tree_ = build_surface_tree(folder_.path(), points);
-        assigned_.parts.resize(3);
-        for (std::uint32_t floor = 0; floor < 3; ++floor) assigned_.numbers.push_back({floor, floor});
     }
     // As a part of a surface that bends away from the plane.
     static void bend(SurfacePart& part, double threshold)
@@ -35,7 +42,7 @@ protected:
         part.smooth_squares = 0.8 * part.squares;
         ASSERT_TRUE(is_piece(part, threshold));
     }
-    FinalFit fit(bool keep_pieces)
+    FinalFit fit(bool keep_pieces, double noise = 0)
     {
         PointLabels labels(*tree_);
         for (SurfacePart& part : assigned_.parts) part.points = 0;
@@ -49,6 +56,8 @@ protected:
         FinalFitOptions options;
         options.least_points = 100;
         options.keep_pieces = keep_pieces;
+        options.is_automatic = noise > 0;
+        options.noise = noise;
         options.progress = [](double) {};
         return fit_parts(ChosenPoints(tree_, {}), {hypothesis_}, assigned_, labels, options);
     }
@@ -80,6 +89,44 @@ TEST_F(FinalFitTest, PiecesAreCountedWithTheirPoints)
     EXPECT_EQ(whole.primitives.size(), 3u);
     EXPECT_EQ(whole.pieces, 0u);
     EXPECT_EQ(whole.piece_points, 0u);
+}
+
+// A floor with the scanner's noise, the two faces of a plate within the threshold, and a floor that is bent. In other
+// orders, too, since a floor's number of points decides its place in the list.
+TEST_F(FinalFitTest, PlatesAndBentFloorsAreDoubted)
+{
+    const auto flat = [](double, double, Dice& dice) { return 0.001 * dice.normal(); };
+    const auto plate = [](double, double, Dice& dice) {
+        return (dice.unit() < 0.5 ? -1 : 1) * 0.004 + 0.001 * dice.normal();
+    };
+    const auto bent = [](double x, double, Dice& dice) {
+        return 0.016 * (x - 0.5) * (x - 0.5) + 0.001 * dice.normal();
+    };
+    for (std::size_t turn = 0; turn < 3; ++turn) {
+        build([&](std::size_t floor, double x, double y, Dice& dice) {
+            const std::size_t kind = (floor + turn) % 3;
+            return kind == 0 ? flat(x, y, dice) : kind == 1 ? plate(x, y, dice) : bent(x, y, dice);
+        });
+        const FinalFit result = fit(false, 0.001), given = fit(false);
+        ASSERT_EQ(result.primitives.size(), 3u);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const std::size_t kind = (2 - i + turn) % 3;  // most points first
+            const ShapeFit& one = result.primitives[i].fit;
+            const FitIssue issues[] = {FitIssue::none, FitIssue::other_surface, FitIssue::uneven};
+            EXPECT_EQ(one.issue, issues[kind]) << "floor of kind " << kind << ": " << one.message;
+            EXPECT_EQ(one.verdict, kind == 0 ? FitVerdict::good : FitVerdict::doubtful);
+            EXPECT_EQ(given.primitives[i].fit.verdict, FitVerdict::good)
+                << "a threshold that is given says what is one";
+            if (kind == 1) {
+                EXPECT_NE(one.message.find("lower threshold"), std::string::npos);
+            }
+            // 0.016 (x - 1/2)^2 leaves its mean by 0.016 / sqrt(180)
+            if (kind == 2) {
+                EXPECT_NEAR(std::stod(one.message.substr(one.message.find("by ") + 3)), 0.016 / std::sqrt(180),
+                            0.00015);
+            }
+        }
+    }
 }
 
 }  // namespace
