@@ -55,18 +55,26 @@ void FollowedVerdict::judge(const FollowedPoints& followed, FittedPrimitive& res
     if (fit.verdict != FitVerdict::good || result.points.empty()) return;
     const std::vector<Vec3d> around =
         coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94));
-    if (options_.fit.threshold == 0) judge_noise(followed, around, result);
-    if (fit.verdict == FitVerdict::good) judge_kind(followed, around, result);
+    std::vector<Vec3d> fitted;  // without points of other surfaces within the threshold, such as the feet of walls
+    for (const Vec3d& p :
+         random_points(result.points, most_departing, options_.threads, part_of(progress_, 0.94, 0.94)))
+        if (!followed.part || followed.part->has(p)) fitted.push_back(p);
+    if (options_.fit.threshold == 0) judge_noise(followed, around, fitted, result);
+    if (fit.verdict == FitVerdict::good) judge_kind(followed, around, fitted, result);
 }
 
 void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around,
-                                  FittedPrimitive& result)
+                                  const std::vector<Vec3d>& fitted, FittedPrimitive& result)
 {
     ShapeFit& fit = result.primitive.fit;
     const double noise = followed.noise;
     const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
     if (!evidence.is_one_surface() && !is_of_stations(noise, evidence))
         return doubt(fit, FitIssue::other_surface, evidence.message());
+    // Points of coarse levels lie to one side of a face: the four of a post have one peak of them, and two of all.
+    const SurfaceEvidence of_all = surface_evidence(fit.shape, spread_of(fit), resolution(), fitted);
+    if (of_all.has_two_peaks() && !is_of_stations(noise, of_all))
+        return doubt(fit, FitIssue::other_surface, of_all.message());
     if (is_far_above_close_noise(fit, noise, evidence.bend, result.near))
         return doubt(fit, FitIssue::other_surface,
                      "its points leave it by " + brief(noise) + ", those next to each other at the place by " +
@@ -88,15 +96,11 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
 }
 
 void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around,
-                                 FittedPrimitive& result)
+                                 const std::vector<Vec3d>& fitted, FittedPrimitive& result)
 {
     ShapeFit& fit = result.primitive.fit;
     const std::string name = traits_of(fit.shape.kind).name;
     const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
-    std::vector<Vec3d> fitted;  // without points of other surfaces within the threshold, such as the feet of walls
-    for (const Vec3d& p :
-         random_points(result.points, most_departing, options_.threads, part_of(progress_, 0.94, 0.94)))
-        if (!followed.part || followed.part->has(p)) fitted.push_back(p);
     const Departure departure = departure_of(fit.shape, fit.threshold, fitted);
     const bool is_automatic = options_.fit.threshold == 0;
     if (is_automatic && may_be_other_kind(followed, departure, result.points.size()))
@@ -133,9 +137,7 @@ bool FollowedVerdict::is_far_above_close_noise(const ShapeFit& fit, double noise
 {
     const FollowingTuning& tuned = place_tuning().following;
     if (!(known_noise() > 0) || !(noise > tuned.max_close_noise * known_noise())) return false;
-    std::vector<Vec3d> positions;
-    for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
-    const SurfaceEvidence at_place = surface_evidence(fit.shape, spread_of(fit), resolution(), positions);
+    const SurfaceEvidence at_place = surface_evidence(fit.shape, spread_of(fit), resolution(), near.points.sources());
     return std::max(bend, at_place.bend) < tuned.min_shared_bend;
 }
 
@@ -150,11 +152,7 @@ bool FollowedVerdict::passes_places(const ShapeFit& fit, const NearPoints& near)
     });
 }
 
-double FollowedVerdict::resolution() const
-{
-    const Vec3d& scale = cloud_.info().grid.scale;
-    return std::max({scale[0], scale[1], scale[2]});
-}
+double FollowedVerdict::resolution() const { return largest_magnitude(cloud_.info().grid.scale); }
 
 double FollowedVerdict::known_noise() const
 {
@@ -187,9 +185,8 @@ std::optional<ShapeKind> FollowedVerdict::far_better_kind(const FittedPrimitive&
     if (!(known_.close_noise > 0 && noise > place_tuning().following.max_noise_growth * known_.close_noise)) return {};
     ShapeFit fit = result.primitive.fit;
     fit.noise = noise;
-    std::vector<Vec3d> near;
-    for (std::size_t i = 0; i < result.near.ids.size(); ++i) near.push_back(result.near.points.source(i));
-    const auto other = better_kind(fit, near, known_.close_noise, part_of(progress_, 0.94, 0.97));
+    const auto other =
+        better_kind(fit, result.near.points.sources(), known_.close_noise, part_of(progress_, 0.94, 0.97));
     return other ? other : better_kind(fit, around, known_.close_noise, part_of(progress_, 0.97, 1));
 }
 

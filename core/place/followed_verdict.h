@@ -47,8 +47,11 @@ public:
     bool cuts_noise() const { return cuts_noise_; }
 
 private:
-    void judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around, FittedPrimitive& result);
-    void judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around, FittedPrimitive& result);
+    // `around` of coarse levels, up to beyond_thresholds from the shape; `fitted` at random of those that were fitted.
+    void judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around, const std::vector<Vec3d>& fitted,
+                     FittedPrimitive& result);
+    void judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around, const std::vector<Vec3d>& fitted,
+                    FittedPrimitive& result);
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near) const;
     bool passes_places(const ShapeFit& fit, const NearPoints& near) const;
     std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,

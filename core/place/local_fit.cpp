@@ -109,9 +109,7 @@ private:
             options.count = tuned_.first_points;
             options.limit = options_.limit;
             const NearPoints near = points_near(cloud_, place, options);
-            std::vector<Vec3d> positions;
-            for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
-            const EvenNoise here = even_noise(positions);
+            const EvenNoise here = even_noise(near.points.sources());
             if (even.count > 0 && here.count > even.count) continue;
             even = here;
         }
@@ -173,8 +171,7 @@ private:
             options.count = tuned_.core_points;
             options.limit = options_.limit;
             const NearPoints core = points_near(cloud_, place, options);
-            std::vector<Vec3d> positions;
-            for (std::size_t i = 0; i < core.ids.size(); ++i) positions.push_back(core.points.source(i));
+            std::vector<Vec3d> positions = core.points.sources();
             if (positions.empty()) {
                 result.notes.push_back("there is no point to fit a shape to; " + extent_text(cloud_.info().bounds()));
             } else {
@@ -201,10 +198,8 @@ private:
 
     SurfaceEvidence evidence_of(const ShapeFit& fit, const NearPoints& near) const
     {
-        std::vector<Vec3d> positions;
-        for (std::size_t i = 0; i < near.ids.size(); ++i) positions.push_back(near.points.source(i));
-        const Vec3d& scale = cloud_.info().grid.scale;
-        return surface_evidence(fit.shape, spread_of(fit), std::max({scale[0], scale[1], scale[2]}), positions);
+        return surface_evidence(fit.shape, spread_of(fit), largest_magnitude(cloud_.info().grid.scale),
+                                near.points.sources());
     }
 
     void doubt_several_surfaces(LocalFit& found) const
