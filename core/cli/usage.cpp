@@ -46,7 +46,8 @@ std::string option_of(const ops::Argument& argument)
 }
 
 constexpr const char* exit_status =
-    ".SH EXIT STATUS\n0 done; 1 failed, nothing was changed; 2 the command line makes no sense; 3 done, with a warning; "
+    ".SH EXIT STATUS\n0 done; 1 failed, nothing was changed; 2 the command line makes no sense; 3 done, with a "
+    "warning; "
     "130 cancelled.\n";
 
 std::string manual_page(const Command& command)
@@ -78,11 +79,12 @@ std::string manual_page(const Command& command)
 // The page of the program itself, which leads to those of its commands.
 std::string manual_page_of_all(const std::vector<Command>& commands)
 {
-    std::string page = std::string(".TH pcmlab 1 \"\" \"pcmlab ") + ops::version() +
-                       "\" \"Point clouds\"\n.SH NAME\npcmlab \\- point clouds larger than memory\n"
-                       ".SH SYNOPSIS\n\\fBpcmlab\\fR \\fIcommand\\fR [\\fIoptions\\fR]\n.SH DESCRIPTION\n"
-                       "Builds trees of levels of detail from files of points, and works on all points of a tree in bounded "
-                       "memory.\n.SH COMMANDS\n";
+    std::string page =
+        std::string(".TH pcmlab 1 \"\" \"pcmlab ") + ops::version() +
+        "\" \"Point clouds\"\n.SH NAME\npcmlab \\- point clouds larger than memory\n"
+        ".SH SYNOPSIS\n\\fBpcmlab\\fR \\fIcommand\\fR [\\fIoptions\\fR]\n.SH DESCRIPTION\n"
+        "Builds trees of levels of detail from files of points, and works on all points of a tree in bounded "
+        "memory.\n.SH COMMANDS\n";
     for (const Command& command : commands)
         page += ".TP\n\\fB" + roff("pcmlab-" + command.name) + "\\fR(1)\n" + roff(command.help) + ".\n";
     return page +
@@ -128,7 +130,8 @@ std::optional<std::string> usage_text(const std::vector<std::string>& words, con
 {
     if (words.size() < 2 || words[0] != "help") return std::nullopt;
     const std::string third = words.size() > 2 ? words[2] : "";
-    if (words[1] == "--man") return third.empty() ? manual_page_of_all(commands) : manual_page(command_of(third, commands));
+    if (words[1] == "--man")
+        return third.empty() ? manual_page_of_all(commands) : manual_page(command_of(third, commands));
     if (words[1] == "--completion") return completion(third, commands);
     if (words[1] != "--json") return std::nullopt;
     if (!third.empty()) return text_of(ops::usage_of(row_of(command_of(third, commands))));
