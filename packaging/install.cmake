@@ -70,9 +70,13 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/packaging/pcmConfigVersio
 install(FILES ${PROJECT_BINARY_DIR}/packaging/pcmConfig.cmake ${PROJECT_BINARY_DIR}/packaging/pcmConfigVersion.cmake
         DESTINATION ${package_folder} COMPONENT library)
 
-# cmake strips programs and shared libraries itself.
-if(PCM_STRIP_INSTALL AND CMAKE_STRIP)
+# cmake strips programs and shared libraries itself. Rust's standard library in the decoders' archive carries its code once more, as
+# LLVM's, for linkers that optimise across languages: two thirds of the archive.
+if(PCM_STRIP_INSTALL AND CMAKE_STRIP AND CMAKE_OBJCOPY)
   install(CODE "
 file(GLOB libraries \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${CMAKE_INSTALL_LIBDIR}/libpcm*.a\")
-execute_process(COMMAND \"${CMAKE_STRIP}\" --strip-debug \${libraries} COMMAND_ERROR_IS_FATAL ANY)" COMPONENT library)
+execute_process(COMMAND \"${CMAKE_STRIP}\" --strip-debug \${libraries} COMMAND_ERROR_IS_FATAL ANY)
+foreach(library IN LISTS libraries)
+  execute_process(COMMAND \"${CMAKE_OBJCOPY}\" -R .llvmbc -R .llvmcmd \${library} COMMAND_ERROR_IS_FATAL ANY)
+endforeach()" COMPONENT library)
 endif()

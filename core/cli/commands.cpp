@@ -3,6 +3,9 @@
 #include "pcm/cli/opengl_program.h"
 #include "pcm/cli/operation_command.h"
 
+#include <stdexcept>
+#include <string>
+
 namespace pcm::cli {
 namespace {
 
@@ -25,7 +28,11 @@ const std::vector<Command>& commands()
 {
     static const std::vector<Command> table = [] {
         std::vector<Command> commands;
-        for (const char* name : names) commands.push_back(operation_command(name, start_program_for_opengl));
+        for (const char* name : names) {
+            const ops::Row* const row = ops::find_operation(name);
+            if (!row) throw std::logic_error(std::string("there is no operation ") + name);
+            commands.push_back(operation_command(*row, start_program_for_opengl));
+        }
         return commands;
     }();
     return table;

@@ -34,17 +34,15 @@ int run(const ops::Row& row, Arguments& arguments, const OpenGLSetup& set_up_ope
 
 }  // namespace
 
-Command operation_command(const std::string& name, const OpenGLSetup& set_up_opengl)
+Command operation_command(const ops::Row& row, const OpenGLSetup& set_up_opengl)
 {
-    const ops::Row* const row = ops::find_operation(name);
-    if (!row) throw std::logic_error("there is no operation " + name);
-    return {row->name, row->help, [row, set_up_opengl](Options& options) -> Run {
-                auto arguments = std::make_shared<Arguments>(*row);
+    return {row.name, row.help, [&row, set_up_opengl](Options& options) -> Run {
+                auto arguments = std::make_shared<Arguments>(row);
                 for (ops::Argument& argument : arguments->operation->arguments().list())
                     if (argument.is_in(ops::Face::command)) options.argument(argument);
                 add_common(options, arguments->common);
-                return [row, arguments, set_up_opengl, words = options.words()] {
-                    return run(*row, *arguments, set_up_opengl, words);
+                return [&row, arguments, set_up_opengl, words = options.words()] {
+                    return run(row, *arguments, set_up_opengl, words);
                 };
             }};
 }

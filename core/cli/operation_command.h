@@ -14,7 +14,7 @@ namespace pcm::cli {
 // command line from the command's name on, for a program that does not draw itself but starts another.
 using OpenGLSetup = std::function<void(ops::Context& context, const std::vector<std::string>& words)>;
 
-// Throws std::logic_error where there is no such row.
-Command operation_command(const std::string& name, const OpenGLSetup& set_up_opengl);
+// The row must outlive the command.
+Command operation_command(const ops::Row& row, const OpenGLSetup& set_up_opengl);
 
 }  // namespace pcm::cli

@@ -45,6 +45,11 @@ std::string option_of(const ops::Argument& argument)
     return text;
 }
 
+constexpr const char* exit_status =
+    ".SH EXIT STATUS\n0 done; 1 failed, nothing was changed; 2 the command line makes no sense; 3 done, with a "
+    "warning; "
+    "130 cancelled.\n";
+
 std::string manual_page(const Command& command)
 {
     std::string page =
@@ -68,9 +73,24 @@ std::string manual_page(const Command& command)
     for (const ops::ResultKey& key : row.results)
         page += ".TP\n\\fB" + roff(key.key) + "\\fR (" + roff(key.type) + (*key.unit ? ", " + roff(key.unit) : "") +
                 ")\n" + roff(key.help) + ".\n";
+    return page + exit_status;
+}
+
+// The page of the program itself, which leads to those of its commands.
+std::string manual_page_of_all(const std::vector<Command>& commands)
+{
+    std::string page =
+        std::string(".TH pcmlab 1 \"\" \"pcmlab ") + ops::version() +
+        "\" \"Point clouds\"\n.SH NAME\npcmlab \\- point clouds larger than memory\n"
+        ".SH SYNOPSIS\n\\fBpcmlab\\fR \\fIcommand\\fR [\\fIoptions\\fR]\n.SH DESCRIPTION\n"
+        "Builds trees of levels of detail from files of points, and works on all points of a tree in bounded "
+        "memory.\n.SH COMMANDS\n";
+    for (const Command& command : commands)
+        page += ".TP\n\\fB" + roff("pcmlab-" + command.name) + "\\fR(1)\n" + roff(command.help) + ".\n";
     return page +
-           ".SH EXIT STATUS\n0 done; 1 failed, nothing was changed; 2 the command line makes no sense; 3 done, with a "
-           "warning; 130 cancelled.\n";
+           ".TP\n\\fBpcmlab help\\fR [\\fIcommand\\fR]\nList the commands, or the options of one.\n"
+           ".TP\n\\fBpcmlab manual\\fR\nOpen the manual.\n.TP\n\\fBpcmlab \\-\\-version\\fR\nPrint the version.\n" +
+           exit_status;
 }
 
 // The options of a command, separated by blanks.
@@ -89,14 +109,14 @@ std::string completion(const std::string& shell, const std::vector<Command>& com
     if (shell != "bash" && shell != "zsh") throw UsageError("there is no completion for '" + shell + "': bash or zsh");
     std::string names, cases;
     for (const Command& command : commands) {
-        names += (names.empty() ? "" : " ") + command.name;
+        names += command.name + " ";
         cases += "        " + command.name + ") words='" + options_of(command) + "' ;;\n";
     }
     const std::string bash =
         "# Completion of pcmlab, for bash: source it, or put it into bash-completion's folder.\n"
         "_pcmlab() {\n    local word=${COMP_WORDS[COMP_CWORD]} words=''\n"
         "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        COMPREPLY=($(compgen -W '" +
-        names + " help' -- \"$word\"))\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n" + cases +
+        names + "help manual' -- \"$word\"))\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n" + cases +
         "        help) words='" + names +
         "' ;;\n    esac\n    case $word in\n        -*) COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
         "        *) [ \"${COMP_WORDS[1]}\" != help ] || COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
@@ -110,7 +130,8 @@ std::optional<std::string> usage_text(const std::vector<std::string>& words, con
 {
     if (words.size() < 2 || words[0] != "help") return std::nullopt;
     const std::string third = words.size() > 2 ? words[2] : "";
-    if (words[1] == "--man") return manual_page(command_of(third, commands));
+    if (words[1] == "--man")
+        return third.empty() ? manual_page_of_all(commands) : manual_page(command_of(third, commands));
     if (words[1] == "--completion") return completion(third, commands);
     if (words[1] != "--json") return std::nullopt;
     if (!third.empty()) return text_of(ops::usage_of(row_of(command_of(third, commands))));

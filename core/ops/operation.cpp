@@ -2,8 +2,6 @@
 
 #include "pcm/point_cloud.h"
 
-#include <algorithm>
-
 namespace pcm::ops {
 
 std::string called(Face face, const Argument& argument)
@@ -23,13 +21,6 @@ std::string Operation::called(const Context& context, const std::string& key) co
     const Argument* const argument = arguments_.find(key);
     if (!argument) throw std::logic_error("no argument " + key + " is declared");
     return ops::called(context.face, *argument);
-}
-
-const Row* find_operation(const std::string& name)
-{
-    const auto& rows = operations();
-    const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return row.name == name; });
-    return found == rows.end() ? nullptr : &*found;
 }
 
 namespace {

@@ -135,6 +135,9 @@ struct Row {
 // In the order of the help.
 const std::vector<Row>& operations();
 const Row* find_operation(const std::string& name);  // null: there is none
+// Single rows, for a program that is not to contain the code of all: pcmlab-render.
+Row radii_row();
+Row render_row();
 
 // All that a row says, for programs: name, title, help, arguments (key, option, script, label, help, unit, type,
 // default, least, most, choices, required, advanced, positional, list, on: whether it is a flag that is on by default),

@@ -1,5 +1,7 @@
 #include "pcm/ops/operation.h"
 
+#include <algorithm>
+
 namespace pcm::ops {
 
 // Each is defined in the source of its name; those of selected points are in selected.cpp.
@@ -24,8 +26,6 @@ Row pick_row();
 Row primitives_row();
 Row profile_row();
 Row query_row();
-Row radii_row();
-Row render_row();
 Row repair_row();
 Row save_selected_row();
 Row select_row();
@@ -73,6 +73,13 @@ const std::vector<Row>& operations()
         generate_row(),
     };
     return table;
+}
+
+const Row* find_operation(const std::string& name)
+{
+    const auto& rows = operations();
+    const auto found = std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return row.name == name; });
+    return found == rows.end() ? nullptr : &*found;
 }
 
 }  // namespace pcm::ops

@@ -21,7 +21,7 @@ import markdown
 
 HERE = pathlib.Path(__file__).resolve().parent
 # The order of the pages, under headings.
-CONTENTS = [("", ["index", "window"]), ("From start to end", ["drawing", "measuring", "epochs", "tile", "python"]),
+CONTENTS = [("", ["index", "install", "window"]), ("From start to end", ["drawing", "measuring", "epochs", "tile", "python"]),
             ("Reference", ["operations", "formats", "trust", "messages", "library", "glossary"])]
 REPOSITORY = "../../"  # links to files that are not part of the manual begin so
 

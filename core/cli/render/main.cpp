@@ -20,7 +20,8 @@ void use_opengl(pcm::ops::Context& context, const std::vector<std::string>&)
 int main(int argc, char** argv)
 {
     using pcm::cli::operation_command;
+    const pcm::ops::Row render = pcm::ops::render_row(), radii = pcm::ops::radii_row();
     return pcm::cli::run_program("pcmlab", "Out-of-core point clouds: what needs OpenGL",
-                                 {operation_command("render", use_opengl), operation_command("radii", use_opengl)},
-                                 argc, argv);
+                                 {operation_command(render, use_opengl), operation_command(radii, use_opengl)}, argc,
+                                 argv);
 }
