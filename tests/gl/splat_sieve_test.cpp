@@ -173,8 +173,8 @@ TEST(SplatSieves, EllipsesOfAFewPixelsAreSmall)
                 beside_others += has_others;
                 const double scale = camera.pixels_at(-camera.eye_of(chunk.places[i])[2]);
                 const double own = 2 * static_cast<double>(chunk.radii[i] * style.radius_scale) * scale;
-                const double least = std::min(static_cast<double>(look.least_px),
-                                              2 * static_cast<double>(look.least_radius) * scale);
+                const double least =
+                    std::min(static_cast<double>(look.least_px), 2 * static_cast<double>(look.least_radius) * scale);
                 if (camera.is_in_view(chunk.places[i])) ASSERT_LE(std::max(own, least), limit * (1 + 1e-6));
             }
         }

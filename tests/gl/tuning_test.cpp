@@ -75,8 +75,7 @@ struct Arrival {
 Arrival arrive(const std::shared_ptr<PointCloud>& cloud, bool converge)
 {
     const test::Framebuffer framebuffer(160, 120);
-    const Camera view =
-        test::view_of(test::overview(10), test::perspective(0.9, 4.0 / 3, 0.1, 1000), 160, 120);
+    const Camera view = test::view_of(test::overview(10), test::perspective(0.9, 4.0 / 3, 0.1, 1000), 160, 120);
     Camera before = view;
     before.modelview[12] += 0.1;
     test::Drawing drawing(cloud);
@@ -101,8 +100,8 @@ TEST(GlTuning, SmallSplatsAreSimplerInMotionAlone)
 {
     PCM_REQUIRE_GL(context, test::Profile::core);
     const test::TemporaryFolder folder;
-    const auto cloud = test::make_cloud(folder, "cube", test::grid_at(test::map_offset),
-                                        test::random_points(20000, 10000, 31), 1500);
+    const auto cloud =
+        test::make_cloud(folder, "cube", test::grid_at(test::map_offset), test::random_points(20000, 10000, 31), 1500);
     const Arrival simpler = arrive(cloud, true), final_at_once = arrive(cloud, false);
     const SetValue none("gl.splats.max_small", 0);
     const Arrival exact = arrive(cloud, true);

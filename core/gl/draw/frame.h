@@ -35,8 +35,8 @@ struct FrameCloud {
         double spacing = 0;
         double spacing_px = 0;
     };
-    std::vector<Gap> gaps;  // per node of `wanted`, below it
-    bool filled = false;    // some of its splats are enlarged to fill gaps
+    std::vector<Gap> gaps;    // per node of `wanted`, below it
+    bool filled = false;      // some of its splats are enlarged to fill gaps
     bool simplified = false;  // some of its splats are squares, as long as the view moves
 };
 

@@ -73,7 +73,7 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape s
             continue;
         }
         if (!all && !seen_->intersects(grown(box, reach(shape, group.largest_radius, look)))) continue;
-        auto& runs = quads && needs_quads(shape, box, group.largest_radius, look)     ? as_quads_
+        auto& runs = quads && needs_quads(shape, box, group.largest_radius, look) ? as_quads_
                      : small || are_small(shape, box, group.largest_radius, look) ? as_small_
                                                                                   : as_points_;
         add_run(runs, start, points);
