@@ -20,7 +20,7 @@ bool has_no_gaps(const Frame& frame, double spacing_px)
 bool differs_at_rest(const Frame& frame)
 {
     return std::any_of(frame.clouds.begin(), frame.clouds.end(), [&](const FrameCloud& cloud) {
-        return cloud.filled ||
+        return cloud.filled || cloud.simplified ||
                (!frame.options.paraboloids && traits_of(cloud.style.splats).shape == SplatShape::sphere);
     });
 }
