@@ -130,22 +130,22 @@ TEST_F(Answers, HaveTheKeysOfTheirRows)
     }
 }
 
-// Cancelled when it first tells its progress; what it works on stays as it was.
-TEST_F(Answers, OperationsThatWriteTreesTellTheirProgressAndCanBeCancelled)
+// Cancelled at its first report of progress; what it works on stays as it was.
+TEST_F(Answers, OperationsThatWriteTreesReportProgressAndCanBeCancelled)
 {
     const Calls all = calls(tree_, folder_.path().string());
     for (const char* const name :
          {"append", "compact", "delete", "transform", "merge", "voxel", "radii", "normals", "outliers"}) {
         SCOPED_TRACE(name);
-        int told = 0;
-        const auto cancel = [&](const pcm::ProgressUpdate&) { return ++told < 1; };
+        int reports = 0;
+        const auto cancel = [&](const pcm::ProgressUpdate&) { return ++reports < 1; };
         try {
             answer_of(*find_operation(name), all.at(name), cancel);
-            ADD_FAILURE() << "not cancelled; told " << told << " times";
+            ADD_FAILURE() << "not cancelled; " << reports << " reports";
         } catch (const pcm::Error& error) {
             EXPECT_EQ(error.code(), pcm::ErrorCode::cancelled) << error.what();
         }
-        EXPECT_GE(told, 1);
+        EXPECT_GE(reports, 1);
         const std::string output = all.at(name).at("output")[0];
         EXPECT_FALSE(fs::exists(output)) << output;
     }
