@@ -100,4 +100,29 @@ TEST(CraftedHeader, VeryManyEqualValues)
     }
 }
 
+// The bytes behind those that may be read, and those before the fixed part's end, are not looked at.
+TEST(CraftedHeader, LengthsThatAreNotInTheBytes)
+{
+    const Schema schema;
+    const std::vector<std::byte> good = encode_chunk(equal_points(schema, 100), schema, Grid());
+    const std::uint32_t header_bytes = decode_header(good.data(), good.size(), {}).header_bytes;
+    const auto message = [](const std::vector<std::byte>& bytes, std::size_t size) -> std::string {
+        try {
+            decode_header(bytes.data(), size, {});
+        } catch (const Error& error) {
+            return error.code() == ErrorCode::corrupt ? error.what() : "another code";
+        }
+        return "";
+    };
+    EXPECT_EQ(message(good, header_bytes), "");
+    for (std::size_t size = bpc_layout::fixed_header; size < header_bytes; ++size)
+        EXPECT_NE(message(good, size).find("header length is impossible"), std::string::npos) << size;
+    for (std::uint32_t length = 64; length < bpc_layout::fixed_header + 8; ++length) {
+        std::vector<std::byte> bytes = good;
+        std::memcpy(bytes.data() + bpc_layout::header_bytes_at, &length, 4);
+        seal(bytes);
+        EXPECT_NE(message(bytes, bytes.size()).find("header length is impossible"), std::string::npos) << length;
+    }
+}
+
 }  // namespace

@@ -7,9 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
+#include <vector>
 
 namespace {
 
@@ -434,6 +436,26 @@ TEST(Region, EdgesOfTheRange)
     EXPECT_EQ(ray.relation({{500010, 4800010, 100.002}, {500020, 4800020, 200}}), BoxRelation::outside);
     EXPECT_EQ(ray.relation({{500012, 4800008, 90}, {500020, 4800011.9, 110}}), BoxRelation::outside);
     EXPECT_EQ(ray.relation({{500012, 4800008, 90}, {500020, 4800012.1, 110}}), BoxRelation::crosses);
+}
+
+// Half-spaces along the axes and along turned ones: the bounds are those of the corners, and not wider.
+TEST(Region, BoundsOfPlanesAreTight)
+{
+    const Vec3d centre{454321, 5412345, 310}, half{2, 3, 4};
+    for (const double turn : {0.0, 0.3, std::acos(0.0)}) {
+        const std::array<Vec3d, 3> axes{Vec3d{std::cos(turn), std::sin(turn), 0},
+                                        Vec3d{-std::sin(turn), std::cos(turn), 0}, Vec3d{0, 0, 1}};
+        std::vector<Region::Plane> planes;
+        for (std::size_t k = 0; k < 3; ++k)
+            for (const double side : {-5.0, 0.2}) planes.push_back({side * axes[k], std::fabs(side) * half[k]});
+        const Box3d bounds = Region::convex(centre, planes).bounds();
+        for (std::size_t a = 0; a < 3; ++a) {
+            double reach = 0;
+            for (std::size_t k = 0; k < 3; ++k) reach += half[k] * std::fabs(axes[k][a]);
+            EXPECT_NEAR(bounds.max[a], centre[a] + reach, 1e-6) << turn;
+            EXPECT_NEAR(bounds.min[a], centre[a] - reach, 1e-6) << turn;
+        }
+    }
 }
 
 }  // namespace

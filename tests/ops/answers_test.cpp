@@ -86,7 +86,7 @@ protected:
         ball.fit.shape.radius = 1;
         pcm::write_primitives(folder_ / "list.json", {ball});
     }
-    Json answer_of(const Row& row, const Call& call)
+    Json answer_of(const Row& row, const Call& call, const pcm::ProgressFunction& progress = {})
     {
         const auto operation = row.make();
         for (const auto& [key, words] : call) {
@@ -97,7 +97,9 @@ protected:
             else
                 argument->set(words, key);
         }
-        return json_of(row.name, operation->run(context()));
+        Context with = context();
+        with.progress = progress;
+        return json_of(row.name, operation->run(with));
     }
     // As in a window that has selected all points.
     Context context() const
@@ -125,6 +127,27 @@ TEST_F(Answers, HaveTheKeysOfTheirRows)
         const Json answer = answer_of(row, call->second);
         EXPECT_EQ(pcm::test::faults_of_answer(row, answer), "");
         EXPECT_EQ(answer["command"], row.name);
+    }
+}
+
+// Cancelled at its first report of progress; what it works on stays as it was.
+TEST_F(Answers, OperationsThatWriteTreesReportProgressAndCanBeCancelled)
+{
+    const Calls all = calls(tree_, folder_.path().string());
+    for (const char* const name :
+         {"append", "compact", "delete", "transform", "merge", "voxel", "radii", "normals", "outliers"}) {
+        SCOPED_TRACE(name);
+        int reports = 0;
+        const auto cancel = [&](const pcm::ProgressUpdate&) { return ++reports < 1; };
+        try {
+            answer_of(*find_operation(name), all.at(name), cancel);
+            ADD_FAILURE() << "not cancelled; " << reports << " reports";
+        } catch (const pcm::Error& error) {
+            EXPECT_EQ(error.code(), pcm::ErrorCode::cancelled) << error.what();
+        }
+        EXPECT_GE(reports, 1);
+        const std::string output = all.at(name).at("output")[0];
+        EXPECT_FALSE(fs::exists(output)) << output;
     }
 }
 

@@ -232,6 +232,27 @@ TEST_F(StationSurveyTest, WhatContradictsTheOthersIsLeftOut)
     EXPECT_LT(length(found.shifts.at(9) - found.shifts.at(8) - shift), 0.0003);
 }
 
+// A vault whose heights within a cube are forty times its noise: heights of the second degree explain them. It is as
+// smooth as the floor then, and alone shows the shifts along it.
+TEST_F(StationSurveyTest, CurvedSurfacesAreAsSmoothAsFlatOnes)
+{
+    const auto vault = tree(
+        "p", 12000,
+        [&](int i) {
+            const int station = i / 3 % 2;
+            const double a = dice_.between(0.2, 1.4), b = dice_.between(0, 4), off = noise * dice_.normal();
+            Vec3d place = i % 3 == 0 ? Vec3d{dice_.between(0, 3), dice_.between(0, 3), off}
+                                     : Vec3d{(3 + off) * std::cos(a), (3 + off) * std::sin(a), b};
+            if (station == 1) place = place + shift;
+            return Numbers{0, static_cast<std::uint16_t>(8 + station), 0, place};
+        },
+        3000);
+    const StationSpread found = station_survey(*vault, PointStations(*vault), {2, 2, 1}).evidence.spread();
+    EXPECT_EQ(found.freedom, 3u);
+    EXPECT_LT(length(found.shifts.at(9) - found.shifts.at(8) - shift), 0.0003);
+    EXPECT_NEAR(found.spread, length(shift) / std::sqrt(6.0), 0.0003);
+}
+
 TEST_F(StationSurveyTest, StationsThatSeeDifferentPartsOfAWallAreNotCompared)
 {
     const auto evidence = [&](const std::function<Vec3d(int i)>& place) {
@@ -250,6 +271,41 @@ TEST_F(StationSurveyTest, StationsThatSeeDifferentPartsOfAWallAreNotCompared)
     const auto small = [&] { return 0.001 * dice_.normal(); };
     EXPECT_EQ(evidence([&](int) { return Vec3d{any(), any(), small()}; }), 2u) << "a wall";
     EXPECT_EQ(evidence([&](int i) { return Vec3d{any() + i % 2, any(), small()}; }), 0u) << "halves of a wall";
+}
+
+// Points of a floor that have a number of their own, or with a chance that of their square of 0.2: the nearest one of a
+// point has another number less often than by chance, the less the more numbers are those of squares.
+TEST_F(StationSurveyTest, NumbersOfPlacesAreNoStations)
+{
+    const auto names = [&](int points, double of_squares) {
+        const auto made = tree(
+            "p", points,
+            [&](int) {
+                const Vec3d place{dice_.between(0, 4), dice_.between(0, 4), noise * dice_.normal()};
+                const int square = static_cast<int>(place[0] / 0.2) + static_cast<int>(place[1] / 0.2);
+                const int number = dice_.unit() < of_squares ? square % 2 : dice_.unit() < 0.5;
+                return Numbers{0, static_cast<std::uint16_t>(number), 0, place};
+            },
+            8000);
+        return station_survey(*made, PointStations(*made), {}).names_stations;
+    };
+    EXPECT_TRUE(names(8000, 0));
+    EXPECT_TRUE(names(8000, 0.5)) << "three quarters of the neighbours by chance";
+    EXPECT_FALSE(names(8000, 0.85));
+    EXPECT_FALSE(names(8000, 1));
+    EXPECT_FALSE(names(1400, 1)) << "700 by chance";
+    EXPECT_TRUE(names(800, 1)) << "400 by chance say nothing";
+}
+
+// The walls are eight times as rough as the floor, which alone is looked at: it shows differences of heights.
+TEST_F(StationSurveyTest, RoughSurfacesSayNothing)
+{
+    const StationSpread found = survey([&](Vec3d& place, int) {
+        if (place[2] > 0.02)
+            for (double& along : place) along += 0.004 * dice_.normal();
+    });
+    EXPECT_LT(std::fabs(found.shifts.at(9)[2] - found.shifts.at(8)[2] - shift[2]), 0.0002);
+    for (const std::size_t a : {0, 1}) EXPECT_LT(std::fabs(found.shifts.at(9)[a] - found.shifts.at(8)[a]), 0.001);
 }
 
 }  // namespace

@@ -13,8 +13,8 @@ std::size_t solve(const SampledPoint* sample, Shape* solutions)
     const Vec3d unit = axis / sine;
     const Vec3d between = sample[1].place - sample[0].place;
     const Vec3d q = sample[1].place - dot(between, unit) * unit;  // in the plane of the first point
-    Vec3d on_first, on_second;
-    if (!models::lines_meet(sample[0].place, sample[0].normal, q, sample[1].normal, on_first, on_second)) return 0;
+    Vec3d on_first;
+    if (!models::lines_meet(sample[0].place, sample[0].normal, q, sample[1].normal, on_first)) return 0;
     const double radius = (length(on_first - sample[0].place) + length(on_first - q)) / 2;
     solutions[0] = {ShapeKind::cylinder, on_first, unit, radius, 0};
     return radius > 0 ? 1 : 0;

@@ -94,8 +94,8 @@ void turn(SurfacePatch& patch, const Vec3d& rotation);
 // Frame of a normal, or of an axis and a direction across it.
 SurfacePatch patch_with_normal(const Vec3d& place, const Vec3d& normal);
 SurfacePatch patch_with_axis(const Vec3d& place, const Vec3d& axis, const Vec3d& across);
-// Where the lines through two points along their normals are nearest to each other; false for parallel ones.
-bool lines_meet(const Vec3d& p, const Vec3d& np, const Vec3d& q, const Vec3d& nq, Vec3d& on_p, Vec3d& on_q);
+// Where the line through p along its normal is nearest to the one through q; false for parallel ones.
+bool lines_meet(const Vec3d& p, const Vec3d& np, const Vec3d& q, const Vec3d& nq, Vec3d& on_p);
 
 }  // namespace models
 }  // namespace pcm

@@ -69,14 +69,13 @@ SurfacePatch patch_with_axis(const Vec3d& place, const Vec3d& axis, const Vec3d&
     return patch;
 }
 
-bool lines_meet(const Vec3d& p, const Vec3d& np, const Vec3d& q, const Vec3d& nq, Vec3d& on_p, Vec3d& on_q)
+bool lines_meet(const Vec3d& p, const Vec3d& np, const Vec3d& q, const Vec3d& nq, Vec3d& on_p)
 {
     const Vec3d w = p - q;
     const double c = dot(np, nq), sine = dot(cross(np, nq), cross(np, nq));
     if (!(sine > 1e-12)) return false;
     const double dp = dot(np, w), dq = dot(nq, w);
     on_p = p + ((c * dq - dp) / sine) * np;
-    on_q = q + ((dq - c * dp) / sine) * nq;
     return true;
 }
 

@@ -250,6 +250,15 @@ TEST(CoordinateSystem, Comparison)
     expect(CrsRelation::different, unit_only(9001), unit_only(9002));
 }
 
+// A record of a file may be longer than its text, which ends at the first zero byte.
+TEST(CoordinateSystem, TextsAreComparedUpToTheFirstZeroByte)
+{
+    const std::string one = "geogcs (\"a\1 B\" , 1.5\t)", kept = "GEOGCS[\"a\1 B\",1.5]";
+    EXPECT_EQ(compact_wkt(one), kept);
+    EXPECT_EQ(compact_wkt(one + '\0' + " rest"), kept);
+    EXPECT_EQ(compact_wkt(std::string(1, '\0') + one), "");
+}
+
 TEST(CoordinateSystem, OfSamples)
 {
     const auto expect = [](const std::string& name, unsigned code, unsigned vertical, const std::string& unit) {
