@@ -382,11 +382,6 @@ TEST_F(Detect, PCM_NOT_UNDER_THREAD(LabelsBecomeAnAttribute))
     EXPECT_TRUE(changed->info().schema.find("shape"));
     DetectReport nothing;
     EXPECT_THROW(label_primitives(changed, nothing, options), Error);
-    // Names with a meaning of their own are refused, unless values may be lost.
-    options.attribute = "classification";
-    EXPECT_THROW(check_label_attribute(*changed, options), Error);
-    options.overwrite = true;
-    EXPECT_NO_THROW(check_label_attribute(*changed, options));
 }
 
 TEST_F(Detect, LabelsCanBeCancelledAndTheTreeStaysAsItWas)
