@@ -40,10 +40,8 @@ namespace {
 constexpr std::uint64_t unit_points = 200000;  // points of a sample, estimated by the numbers of points of nodes
 constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // memory of a thread for them
-// Many small places rather than few large ones: spacing and noise of a cloud of several kinds of ground differ by a
-// third as much from choice to choice, at the cost of as many points.
-constexpr std::uint64_t survey_points = 3000;
-constexpr std::size_t survey_places = 160;
+constexpr std::uint64_t survey_points = 20000;
+constexpr std::size_t survey_places = 24;
 constexpr double most_step_cells = 128;  // cells of the sample in a step: all within a step of a unit is in memory
 constexpr double margin_cells = 8;
 
