@@ -59,7 +59,7 @@ void main()
     fragment = vec4(splat_colour.rgb, mark_of(2.0 * inversesqrt(max(places, 1e-6))));
 }
 
-#elif defined(FITTED) && !defined(SMALL)
+#elif defined(FITTED)
 
 // See splat.vert.
 flat in vec3 conic;

@@ -6,7 +6,6 @@
 //   PARABOLOID (of ADAPTIVE): a round splat whose depth grows from the centre on, so that of several splats the one whose centre is nearest
 //     is seen;
 //   ORTHOGRAPHIC (of DISC, FITTED and PARABOLOID): parallel rays;
-//   SMALL (of FITTED): a square of the ellipse's area at the centre's depth;
 //   QUADS: drawn as an instanced strip of four vertices in place of a point: points have a largest size, and vanish when their centre
 //     leaves the clip volume;
 //   DOUBLE (of DISC): values common to a splat's fragments are computed in double;
@@ -219,12 +218,10 @@ void main()
 // pixels is that of Zwicker et al. 2001.) With p the fragment's pixel relative to the centre,
 //   q = dot(conic, (p.x * p.x, p.x * p.y, p.y * p.y)),   inside where q <= 1
 //   depth = depth_line.x + dot(p, depth_line.yz), no farther from the first than depth_most, + depth_line.w * q
-#if !defined(SMALL)
 flat out vec3 conic;
 flat out vec2 centre;  // pixels
 flat out vec4 depth_line;
 flat out float depth_most;
-#endif
 uniform vec2 focal;         // pixels: window = principal + focal * eye.xy / depth; orthographic: without the division
 uniform vec2 principal;
 uniform vec2 depth_of;      // window depth is x + y / depth; orthographic: x + y * depth
@@ -236,7 +233,6 @@ const float volume_growth = 0.6;   // and where finer points are missing it grow
 const float line_width = 0.25;     // share of a line's length
 // How far behind its plane an ellipse's rim lies, in radii: where splats overlap, the one whose centre is nearest is seen.
 const float rim_depth = 1.0;
-const float small_side = 1.7725;  // of a square as large as a circle of radius 1
 
 // The octahedral code of view/point_shapes.h.
 vec3 direction_of(uint code)
@@ -304,19 +300,6 @@ void main()
 #if !defined(ORTHOGRAPHIC)
     if (!lies) r = min(r, 0.5 * length(ray) * depth / eye_scale);
 #endif
-#if defined(SMALL)
-    // Semiaxes of the ellipse, squared. (A quarter turn off the view's axis is neglected.)
-    float wide = r * r / (pixel * pixel) + 0.5, narrow = wide;
-    if (kind == 3u) {
-        narrow = line_width * line_width * (wide - 0.5) + 0.5;
-    } else if (lies) {
-        vec3 n = to_eye * direction_of(bits & 0xffffu);
-        float cosine = dot(n, ray);
-        narrow = (wide - 0.5) * cosine * cosine / (dot(n, n) * dot(ray, ray)) + 0.5;
-    }
-    gl_Position = vec4(place.xy * guard, place.zw);
-    gl_PointSize = small_side * sqrt(sqrt(wide * narrow));
-#else
     float reach = r * eye_scale / unit;
     vec3 u = vec3(1.0, 0.0, 0.0) * reach, v = vec3(0.0, 1.0, 0.0) * reach;
     if (lies) {
@@ -368,7 +351,6 @@ void main()
 #else
     gl_Position = vec4(place.xy * guard, place.zw);
     gl_PointSize = 2.0 * max(extent.x, extent.y);
-#endif
 #endif
 }
 

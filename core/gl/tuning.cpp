@@ -44,7 +44,6 @@ std::vector<TunedValue> gl_tuned_values()
         PCM_TUNED(gl.splats.paraboloid_radius),
         PCM_TUNED(gl.splats.fill),
         PCM_TUNED(gl.splats.max_fill),
-        PCM_TUNED(gl.splats.max_small),
         PCM_TUNED(gl.splats.one_place),
         PCM_TUNED(gl.splats.by_groups),
         PCM_TUNED(gl.smoothing.min_frames),

@@ -99,10 +99,6 @@ struct SplatTuning {
     // Gaps wider than this are not filled any further: such a picture shows nothing anyway.
     // Chosen: not swept.
     double max_fill = 32;  // pixels
-    // While the view moves, fitted splats that are no wider are squares: nobody sees the shape of so few pixels, and a
-    // square needs no depth of its own in each.
-    // Chosen: 3 to 6 in bench/pictures' town: 6 costs 4 % less, but changes more when the view rests.
-    double max_small = 4;  // pixels
     // A box with a smaller range of depths is one place, in the estimate of what a chunk costs (draw/splat_sieve.h).
     // Chosen: not swept.
     double one_place = 0.25;  // depths of its centre

@@ -1,9 +1,7 @@
 // Splats by the points' surroundings, against their formula.
-#include "pcm/gl/base/gl_state.h"
 #include "tests/gl/splat_formulas.h"
 #include "tests/sanitizers.h"
 
-#include <algorithm>
 #include <random>
 
 using namespace pcm;
@@ -142,27 +140,6 @@ Drawn fitted(const SplatScene& scene, const Camera& view, bool reversed = true, 
     return draw(scene, view, style_of(SplatMode::fitted), reversed, look);
 }
 
-// As in a view that moves; whether small ones were squares.
-bool is_simplified(const SplatScene& scene, const Camera& view, Drawn& picture)
-{
-    const DepthFramebuffer framebuffer(view.width, view.height);
-    framebuffer.clear(true);
-    SplatPass pass;
-    {
-        const GlStateGuard state;
-        glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
-        pass.begin(view, scene.info(), style_of(SplatMode::fitted), true, 1, false, {}, {nullptr, {}, 0, true});
-        pass.draw(scene.entry(), {});
-        glClipControl(GL_LOWER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
-    }
-    const bool simplified = pass.simplified();
-    pass.end();
-    picture = {framebuffer.colours(), framebuffer.depths()};
-    pass.release();
-    EXPECT_EQ(drain_gl_errors(), "");
-    return simplified;
-}
-
 std::size_t count_covered(const Drawn& picture)
 {
     return static_cast<std::size_t>(
@@ -251,37 +228,6 @@ TEST(FittedSplat, AShapeIsSeenAsWhatItIs)
     EXPECT_NEAR(leaf[0], 10, 2);
     EXPECT_NEAR(leaf[1], 10, 2);
     EXPECT_EQ(across(volume_shape(0)), round);
-}
-
-// While the view moves those of a few pixels are squares as large as their ellipses, at their centres' depths; wider
-// ones are what they are at rest.
-TEST(FittedSplat, SmallOnesAreSquaresWhileTheViewMoves)
-{
-    PCM_REQUIRE_GL(context, Profile::core);
-    std::mt19937_64 random(29);
-    std::uniform_real_distribution<double> even(-0.5, 0.5);
-    for (const Camera& view : {perspective_view(), parallel_view()})
-        for (const PointShape shape :
-             {0u, shape_of(Surroundings::surface, {0, 0, 1}), shape_of(Surroundings::surface, {0, 0.98, 0.199}),
-              volume_shape(1), shape_of(Surroundings::line, {0.6, 0.8, 0})}) {
-            SCOPED_TRACE(testing::Message() << shape << (view.projection[11] == 0 ? ", parallel" : ", perspective"));
-            double at_rest = 0, moving = 0;
-            for (int i = 0; i < 25; ++i) {
-                const SplatScene scene = one(shape, 0.1, {even(random), even(random), -9});
-                Drawn square;
-                EXPECT_TRUE(is_simplified(scene, view, square));
-                at_rest += static_cast<double>(count_covered(fitted(scene, view)));
-                moving += static_cast<double>(count_covered(square));
-                const auto nearest = *std::max_element(square.depths.begin(), square.depths.end());
-                EXPECT_NEAR(depth_of(view, true, nearest), 9, 1e-3);
-            }
-            EXPECT_NEAR(moving / at_rest, 1, 0.1);
-            const SplatScene wide = one(shape, 0.4);
-            Drawn ellipse;
-            EXPECT_FALSE(is_simplified(wide, view, ellipse));
-            EXPECT_TRUE(ellipse.colours == fitted(wide, view).colours);
-            EXPECT_EQ(ellipse.depths, fitted(wide, view).depths);
-        }
 }
 
 // Where finer points are missing splats grow, among leaves less.

@@ -63,13 +63,13 @@ SyntheticChunk random_chunk(std::mt19937_64& random)
     return chunk;
 }
 
-// 0: not drawn, 1: as points, 2: as quads, 3: small. Runs are in order, apart, and of points that there are.
+// 0: not drawn, 1: as points, 2: as quads. Runs are in order, apart, and of points that there are.
 std::vector<int> ways_of(const SplatSieve& sieve, std::size_t points)
 {
     std::vector<int> ways(points, 0);
-    for (const int way : {1, 2, 3}) {
+    for (const int way : {1, 2}) {
         std::size_t last = 0;
-        for (const VertexRun& run : way == 1 ? sieve.as_points() : way == 2 ? sieve.as_quads() : sieve.as_small()) {
+        for (const VertexRun& run : way == 1 ? sieve.as_points() : sieve.as_quads()) {
             EXPECT_GE(run.first, last);
             EXPECT_GT(run.count, 0u);
             last = run.first + run.count;
@@ -142,45 +142,6 @@ TEST(SplatSieves, LeaveOutNoPointThatIsSeenAndDrawLargeOnesAsQuads)
     EXPECT_GT(left_out, 20000u);
     EXPECT_GT(large, 50u);
     EXPECT_GT(quads, large);
-}
-
-// Ellipses alone, where none of a group is wider than the limit, of its own size or of the least one; what is drawn
-// does not depend on it.
-TEST(SplatSieves, EllipsesOfAFewPixelsAreSmall)
-{
-    constexpr double limit = 6;
-    std::size_t small = 0, beside_others = 0;
-    for_views([&](const SplatCamera& camera, std::mt19937_64& random) {
-        CloudStyle style;
-        style.radius_scale = static_cast<float>(1 + random() % 3);
-        SplatSieve sieve(camera, style, largest_point, guard, limit), without(camera, style, largest_point, guard);
-        for (int k = 0; k < 12; ++k) {
-            const SyntheticChunk chunk = random_chunk(random);
-            const SplatShape shape = k % 3 ? SplatShape::ellipse : SplatShape::sphere;
-            ChunkLook look;
-            look.least_px = static_cast<float>(random() % 9);
-            look.least_radius = static_cast<float>(0.01 * chunk.box.diagonal());
-            sieve.sort(chunk.entry, chunk.box, shape, look);
-            without.sort(chunk.entry, chunk.box, shape, look);
-            const std::vector<int> ways = ways_of(sieve, chunk.places.size());
-            const std::vector<int> others = ways_of(without, chunk.places.size());
-            const bool has_others = std::count(ways.begin(), ways.end(), 1) > 0;
-            for (std::size_t i = 0; i < ways.size(); ++i) {
-                ASSERT_EQ(ways[i] == 3 ? 1 : ways[i], others[i]);
-                if (ways[i] != 3) continue;
-                ASSERT_EQ(shape, SplatShape::ellipse);
-                ++small;
-                beside_others += has_others;
-                const double scale = camera.pixels_at(-camera.eye_of(chunk.places[i])[2]);
-                const double own = 2 * static_cast<double>(chunk.radii[i] * style.radius_scale) * scale;
-                const double least =
-                    std::min(static_cast<double>(look.least_px), 2 * static_cast<double>(look.least_radius) * scale);
-                if (camera.is_in_view(chunk.places[i])) ASSERT_LE(std::max(own, least), limit * (1 + 1e-6));
-            }
-        }
-    });
-    EXPECT_GT(small, 5000u);
-    EXPECT_GT(beside_others, 500u);
 }
 
 // The parts of a chunk: their points are those in view, their sizes those at some depth of the chunk.

@@ -4,7 +4,8 @@
 #include "pcm/gl/draw/frame.h"
 #include "pcm/gl/draw/smoothing.h"
 #include "pcm/gl/tuned_values.h"
-#include "tests/gl/gl_support.h"
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
@@ -64,53 +65,6 @@ TEST(GlTuning, GapsAreFilledAsFarAsIsSet)
     const SetValue fill("gl.splats.fill", 2), most("gl.splats.max_fill", 20);
     EXPECT_EQ(fill_of(10, style), 20);
     EXPECT_EQ(fill_of(1000, style), 40);
-}
-
-// Fitted splats of a cube of points: two frames of a view that comes to rest, and the complete picture.
-struct Arrival {
-    std::vector<test::Pixel> moving, complete;
-    FrameReport report;  // of the first
-};
-
-Arrival arrive(const std::shared_ptr<PointCloud>& cloud, bool converge)
-{
-    const test::Framebuffer framebuffer(160, 120);
-    const Camera view = test::view_of(test::overview(10), test::perspective(0.9, 4.0 / 3, 0.1, 1000), 160, 120);
-    Camera before = view;
-    before.modelview[12] += 0.1;
-    test::Drawing drawing(cloud);
-    drawing.style = CloudStyle();
-    drawing.style.splats = SplatMode::fitted;
-    drawing.style.colour = ColourMode::rgb;
-    RenderOptions options = test::everything();
-    options.converge = converge;
-    test::draw_until_done(drawing, framebuffer, before, test::map_offset, options);
-    Arrival arrival;
-    framebuffer.clear();
-    arrival.report = drawing.draw(view, test::map_offset, options);
-    arrival.moving = framebuffer.read();
-    test::draw_until_done(drawing, framebuffer, view, test::map_offset, options);
-    arrival.complete = framebuffer.read();
-    drawing.release();
-    return arrival;
-}
-
-// Small splats are simpler while the view moves, and never in a picture that stays.
-TEST(GlTuning, SmallSplatsAreSimplerInMotionAlone)
-{
-    PCM_REQUIRE_GL(context, test::Profile::core);
-    const test::TemporaryFolder folder;
-    const auto cloud =
-        test::make_cloud(folder, "cube", test::grid_at(test::map_offset), test::random_points(20000, 10000, 31), 1500);
-    const Arrival simpler = arrive(cloud, true), final_at_once = arrive(cloud, false);
-    const SetValue none("gl.splats.max_small", 0);
-    const Arrival exact = arrive(cloud, true);
-    EXPECT_FALSE(simpler.moving == exact.moving);
-    EXPECT_TRUE(simpler.complete == exact.complete);
-    EXPECT_TRUE(final_at_once.moving == exact.moving);
-    EXPECT_EQ(simpler.report.points_drawn, exact.report.points_drawn);
-    EXPECT_TRUE(simpler.report.refining && simpler.report.repaint);
-    EXPECT_FALSE(simpler.report.full_resolution);
 }
 
 TEST(GlTuning, AMeanHasFramesAsSet)

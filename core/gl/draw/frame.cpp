@@ -40,13 +40,6 @@ Finish Frame::finish(bool fast) const
     return {options.eye_dome, fast, options.fill_gaps && lies_in_surfaces};
 }
 
-bool Frame::can_converge() const
-{
-    return options.converge && options.order == DetailOrder::error &&
-           std::none_of(clouds.begin(), clouds.end(),
-                        [](const FrameCloud& c) { return traits_of(c.style.colour).changes_with_detail; });
-}
-
 std::vector<TreeInView> Frame::trees() const
 {
     std::vector<TreeInView> trees;
@@ -84,8 +77,7 @@ void Frame::begin(const FrameCloud& cloud)
 {
     splats.begin(shifted(cloud.view, offset), cloud.tree->info(), cloud.style, picture.target.reversed(),
                  picture.target.samples(), at_rest, cloud.values,
-                 {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour, frame_of_mean,
-                  !at_rest && !converges && can_converge()});
+                 {cloud.clips.empty() ? nullptr : &cloud.clips, cloud.selected_colour, frame_of_mean});
 }
 
 void Frame::want(std::size_t item, const std::vector<NodeId>& nodes)

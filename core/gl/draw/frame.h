@@ -35,9 +35,8 @@ struct FrameCloud {
         double spacing = 0;
         double spacing_px = 0;
     };
-    std::vector<Gap> gaps;    // per node of `wanted`, below it
-    bool filled = false;      // some of its splats are enlarged to fill gaps
-    bool simplified = false;  // some of its splats are squares, as long as the view moves
+    std::vector<Gap> gaps;  // per node of `wanted`, below it
+    bool filled = false;    // some of its splats are enlarged to fill gaps
 };
 
 struct Frame {
@@ -62,8 +61,6 @@ struct Frame {
     std::array<double, 2> offset{};
     std::uint32_t frame_of_mean = 0;
 
-    // Whether a view at rest refines to full resolution.
-    bool can_converge() const;
     // Splats that lie in surfaces leave gaps where these are seen edge-on, and where the density of points changes.
     Finish finish(bool fast) const;
     // What the splats of this frame cost.

@@ -121,6 +121,13 @@ void load(Frame& frame, const SceneSelection& selection, const SceneSelection* l
     }
 }
 
+bool can_converge(const Frame& frame)
+{
+    return frame.options.order == DetailOrder::error &&
+           std::none_of(frame.clouds.begin(), frame.clouds.end(),
+                        [](const FrameCloud& c) { return traits_of(c.style.colour).changes_with_detail; });
+}
+
 void adapt_page_share(PictureState& p, bool refused)
 {
     const VideoMemoryTuning& tuned = gl_tuning().memory;
@@ -181,11 +188,10 @@ void draw_chunks(Frame& frame, const SceneSelection& selection, const FrameCost&
         for (std::size_t s = 0; s < count; ++s) {
             const SceneSelection::Place& place = cost.strokes()[s].place;
             const VertexEntry& entry = *cost.strokes()[s].entry;
-            FrameCloud& cloud = frame.clouds[place.tree];
+            const FrameCloud& cloud = frame.clouds[place.tree];
             const DetailNode& node = selection.trees[place.tree].wanted[place.index];
             const std::uint32_t clipped =
                 strokes.draw(cloud, node, entry, cloud.residual[place.index], cloud.gaps[place.index]);
-            cloud.simplified = cloud.simplified || frame.splats.simplified();
             ++report.nodes_drawn;
             report.clouds[place.tree].points_drawn += entry.points - clipped;
             report.clouds[place.tree].points_hidden += entry.hidden;
@@ -265,7 +271,7 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     if (selection.order.empty() && selection.budget_reached)
         report.error = "the point budget or the video memory is too small for the first chunk of a cloud";
     // A view that will rest shows its full resolution when its splats are those of a resting view.
-    const bool will_rest = frame.can_converge();
+    const bool will_rest = frame.options.converge && can_converge(frame);
     const bool is_final = progress.everything && !(will_rest && report.nodes_drawn > 0 && differs_at_rest(frame));
     report.full_resolution = is_final;
     if (will_rest && !report.refining) {

@@ -20,7 +20,7 @@ bool has_no_gaps(const Frame& frame, double spacing_px)
 bool differs_at_rest(const Frame& frame)
 {
     return std::any_of(frame.clouds.begin(), frame.clouds.end(), [&](const FrameCloud& cloud) {
-        return cloud.filled || cloud.simplified ||
+        return cloud.filled ||
                (!frame.options.paraboloids && traits_of(cloud.style.splats).shape == SplatShape::sphere);
     });
 }

@@ -73,7 +73,6 @@ struct SplatPass::Impl {
     const SplatProgram* current = nullptr;
     std::array<bool, 4> enabled{};
     std::optional<SplatSieve> sieve;
-    bool simplified = false;
     std::vector<GLint> first;
     std::vector<GLsizei> count;
 
@@ -114,9 +113,7 @@ struct SplatPass::Impl {
             glDisable(GL_POINT_SMOOTH);
         }
         guard_the_border();
-        sieve.emplace(view->camera, view->style, static_cast<double>(view->largest_point), view->guard,
-                      points.move ? gl_tuning().splats.max_small : 0.0);
-        simplified = false;
+        sieve.emplace(view->camera, view->style, static_cast<double>(view->largest_point), view->guard);
         // Made anew each time: contexts of a share group do not share vertex arrays.
         glGenVertexArrays(1, &vertex_array);
         glBindVertexArray(vertex_array);
@@ -199,13 +196,10 @@ struct SplatPass::Impl {
         p.clips = kept == BoxRelation::crosses;
         const SplatTraits& traits = traits_of(p.mode);
         sieve->sort(entry, box, traits.shape, look, nullptr, p.clips ? view->clips : nullptr);
-        for (const std::vector<VertexRun>* const list : {&sieve->as_points(), &sieve->as_small(), &sieve->as_quads()}) {
-            const std::vector<VertexRun>& runs = *list;
+        for (const bool quads : {false, true}) {
+            const std::vector<VertexRun>& runs = quads ? sieve->as_quads() : sieve->as_points();
             if (runs.empty()) continue;
-            const bool quads = list == &sieve->as_quads();
             p.quads = quads;
-            p.small = list == &sieve->as_small();
-            simplified = simplified || p.small;
             const SplatProgram& program = program_of(p);
             if (current != &program) {
                 glUseProgram(program.id());
@@ -232,8 +226,7 @@ struct SplatPass::Impl {
         sieve->sort(entry, box, traits_of(permutation_for(entry).mode).shape, {}, &parts,
                     kept == BoxRelation::crosses ? view->clips : nullptr);
         std::uint64_t vertices = 0;
-        for (const auto* const list : {&sieve->as_points(), &sieve->as_small()})
-            for (const VertexRun& run : *list) vertices += run.count;
+        for (const VertexRun& run : sieve->as_points()) vertices += run.count;
         for (const VertexRun& run : sieve->as_quads()) vertices += 4 * std::uint64_t(run.count);
         return vertices;
     }
@@ -329,7 +322,6 @@ std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart
 {
     return impl_->preview(entry, parts);
 }
-bool SplatPass::simplified() const { return impl_->simplified; }
 void SplatPass::end() { impl_->end(); }
 
 void SplatPass::release()

@@ -25,8 +25,6 @@
 //                derivative at the centre makes of it, widened by a filter (covariance + 0.5 square pixels), so that no
 //                point vanishes and nothing is edge-on. Its depth is the plane's, at most a radius from the centre's,
 //                plus a radius times the square of the relative distance from the centre.
-//                While the view moves, those of a few pixels (gl.splats.max_small) are squares of the ellipse's area at
-//                their centre's depth: a card rejects their fragments by depth before it shades them.
 // Discs of the affine and perspective kinds that are smaller than a pixel and cover no pixel's centre are invisible. A
 // normal of (0, 0, 0) faces the eye. A radius of 0 draws nothing in the last two kinds; NaN was replaced on upload
 // (view/vertex_discs.h).
@@ -68,7 +66,6 @@ struct ShownPoints {
     const ViewClips* clips = nullptr;  // outlives the drawing; those that shaders test count
     std::array<float, 3> selected_colour{};
     std::uint32_t frame = 0;  // frame of a mean (gl/draw/smoothing.h); 0: the picture itself
-    bool move = false;        // the view moves: small fitted splats may be squares
 };
 
 class SplatPass {
@@ -93,8 +90,6 @@ public:
     // colours of another attribute in these. Returns the number of points that were left out in groups of which clips
     // leave none; of other groups clipped points are not counted.
     std::uint32_t draw(const VertexEntry& entry, const ChunkLook& look);
-    // Whether draw() has drawn small splats as squares since begin().
-    bool simplified() const;
     // What draw() would draw with splats of their own sizes: adds the parts of the entry that are in view. Returns the
     // exact number of invocations of the vertex stage: one per point that is drawn, four where splats may be larger
     // than the driver's points.

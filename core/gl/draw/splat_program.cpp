@@ -18,9 +18,9 @@ std::array<float, 2> floats(const std::array<double, 2>& v)
 
 bool SplatPermutation::operator<(const SplatPermutation& o) const
 {
-    return std::tie(mode, colouring, orthographic, quads, samples, doubles, paraboloid, clips, selected, small) <
+    return std::tie(mode, colouring, orthographic, quads, samples, doubles, paraboloid, clips, selected) <
            std::tie(o.mode, o.colouring, o.orthographic, o.quads, o.samples, o.doubles, o.paraboloid, o.clips,
-                    o.selected, o.small);
+                    o.selected);
 }
 
 std::vector<std::string> SplatPermutation::defines() const
@@ -38,7 +38,6 @@ std::vector<std::string> SplatPermutation::defines() const
     if (paraboloid) list.emplace_back("PARABOLOID");
     if (clips) list.emplace_back("CLIPS");
     if (selected) list.emplace_back("SELECTED");
-    if (small) list.emplace_back("SMALL");
     return list;
 }
 

@@ -29,7 +29,6 @@ struct SplatPermutation {
     bool paraboloid = false;  // for the mode adaptive
     bool clips = false;
     bool selected = false;  // some points of the chunk are
-    bool small = false;     // for the mode fitted: squares
 
     bool operator<(const SplatPermutation& o) const;
     std::vector<std::string> defines() const;

@@ -24,9 +24,8 @@ Box3d grown(Box3d box, double by)
 
 }  // namespace
 
-SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard,
-                       double largest_small)
-    : camera_(camera), style_(style), largest_point_(largest_point), guard_(guard), largest_small_(largest_small)
+SplatSieve::SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard)
+    : camera_(camera), style_(style), largest_point_(largest_point), guard_(guard)
 {
     Camera wide = camera.view;
     wide.origin = {0, 0, 0};
@@ -43,16 +42,13 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape s
     const SplatTuning& tuned = gl_tuning().splats;
     as_points_.clear();
     as_quads_.clear();
-    as_small_.clear();
     clipped_ = 0;
     const Box3d reached = grown(whole, reach(shape, entry.largest_radius, look));
     if (!seen_ || !seen_->intersects(reached)) return;
     const bool all = seen_->contains(reached);
     const bool quads = needs_quads(shape, whole, entry.largest_radius, look);
-    const bool small = are_small(shape, whole, entry.largest_radius, look);
-    const bool alike = !quads && (small || !may_be_small(shape));
-    if (all && alike && !clips && (!parts || depth_range(whole) < tuned.by_groups)) {
-        (small ? as_small_ : as_points_).push_back({0, entry.points});
+    if (all && !quads && !clips && (!parts || depth_range(whole) < tuned.by_groups)) {
+        as_points_.push_back({0, entry.points});
         if (parts)
             parts->push_back(depth_range(whole) < tuned.one_place ? part_of(whole, entry.points)
                                                                   : part_in_view(whole, entry.points));
@@ -73,10 +69,7 @@ void SplatSieve::sort(const VertexEntry& entry, const Box3d& whole, SplatShape s
             continue;
         }
         if (!all && !seen_->intersects(grown(box, reach(shape, group.largest_radius, look)))) continue;
-        auto& runs = quads && needs_quads(shape, box, group.largest_radius, look) ? as_quads_
-                     : small || are_small(shape, box, group.largest_radius, look) ? as_small_
-                                                                                  : as_points_;
-        add_run(runs, start, points);
+        add_run(quads && needs_quads(shape, box, group.largest_radius, look) ? as_quads_ : as_points_, start, points);
         if (parts)
             parts->push_back(depth_range(box) < tuned.one_place && (all || seen_->contains(box))
                                  ? part_of(box, points)
@@ -99,16 +92,6 @@ bool SplatSieve::needs_quads(SplatShape shape, const Box3d& box, float largest_r
     }
     const double largest = std::max(camera_.largest_square(box, radius), least);
     return !(largest <= largest_point_ && largest <= 2 * guard_);
-}
-
-// Whether no splat in a box is wider than a small one. Least sizes come from missing points and may be the larger ones.
-bool SplatSieve::are_small(SplatShape shape, const Box3d& box, float largest_radius, const ChunkLook& look) const
-{
-    if (!may_be_small(shape)) return false;
-    const double radius = largest_of_packed * static_cast<double>(largest_radius * style_.radius_scale);
-    const double least = std::min(static_cast<double>(look.least_px),
-                                  camera_.largest_square(box, static_cast<double>(look.least_radius)));
-    return std::max(camera_.largest_square(box, radius), least) <= std::min(largest_small_, largest_point_);
 }
 
 // How far from its centre a splat can be visible, source units. One of SplatShape::pixels vanishes with its centre.

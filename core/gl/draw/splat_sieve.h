@@ -23,9 +23,7 @@ struct SplatPart {
 class SplatSieve {
 public:
     // `largest_point`: driver's limit, pixels; `guard`: pixels by which the clip volume can be extended on each side.
-    // `largest_small`: pixels; 0: no splat is small.
-    SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard,
-               double largest_small = 0);
+    SplatSieve(const SplatCamera& camera, const CloudStyle& style, double largest_point, int guard);
 
     // Sorts a chunk's points; `box` encloses their positions, relative to the view's origin. Adds their places to
     // `parts` unless it is null. No visible point is left out, and none of as_points() is too large for the driver.
@@ -35,13 +33,9 @@ public:
     std::uint32_t clipped() const { return clipped_; }  // points in groups that were left out for the clips
     const std::vector<VertexRun>& as_points() const { return as_points_; }  // in the chunk's order, as are
     const std::vector<VertexRun>& as_quads() const { return as_quads_; }
-    // Ellipses of groups in which none is wider than `largest_small`; not in as_points().
-    const std::vector<VertexRun>& as_small() const { return as_small_; }
 
 private:
     bool needs_quads(SplatShape shape, const Box3d& box, float largest_radius, const ChunkLook& look) const;
-    bool may_be_small(SplatShape shape) const { return largest_small_ > 0 && shape == SplatShape::ellipse; }
-    bool are_small(SplatShape shape, const Box3d& box, float largest_radius, const ChunkLook& look) const;
     double reach(SplatShape shape, float largest_radius, const ChunkLook& look) const;
     double depth_of(const Vec3d& place) const { return -camera_.eye_of(place)[2]; }
     double depth_range(const Box3d& box) const;  // depths of its points, relative to its centre's depth
@@ -52,10 +46,9 @@ private:
     const CloudStyle& style_;
     double largest_point_;
     int guard_;
-    double largest_small_;
     std::optional<Frustum> seen_;  // the view with a border, relative to its origin
     std::uint32_t clipped_ = 0;
-    std::vector<VertexRun> as_points_, as_quads_, as_small_;
+    std::vector<VertexRun> as_points_, as_quads_;
 };
 
 }  // namespace pcm
