@@ -171,7 +171,7 @@ TEST_F(AddedErrors, DoubtGoodFitsWhoseStationsAreFarApart)
     EXPECT_EQ(apart.fit.verdict, FitVerdict::doubtful);
 }
 
-// What is given is added by the stations that there are, unless they are more than are told apart.
+// What is given is added by the stations that there are, unless there are more than are distinguished.
 TEST_F(AddedErrors, ManyStationsAreAsUnknownOnes)
 {
     for (const int count : {48, 49}) {
@@ -291,7 +291,7 @@ TEST_F(AddedErrors, WhereNothingIsAddedNothingIsDoubted)
             Primitive primitive = fitted(ball_, {1e-3, 2e-3, 0.2, 0});
             add(seen, primitive, registration);
             EXPECT_EQ(primitive.fit.errors.radius > 0.2, registration > 0);
-            // Points of stations that cannot be told apart are looked at, whatever is given.
+            // Points of stations that cannot be distinguished are looked at, whatever is given.
             if (stations == 1)
                 EXPECT_EQ(primitive.fit.verdict, registration > 0 ? FitVerdict::doubtful : FitVerdict::good);
         }
