@@ -17,7 +17,7 @@ public:
     explicit DrawnPoints(std::size_t most) : most_(most) {}
 
     void add(const Vec3d& p, std::uint64_t number);  // a number that no other point has
-    void add(const DrawnPoints& other);              // of the same `most`
+    void add(const DrawnPoints& other);              // with the same `most`
     std::vector<Vec3d> points() const;               // in an order that is at random, too, and the same each time
 
 private:

@@ -19,7 +19,8 @@ struct FitPoints {
     Vec3d at(std::size_t i) const { return {x[i], y[i], z[i]}; }
     Vec3d normal(std::size_t i) const { return {nx[i], ny[i], nz[i]}; }
     Vec3d source(std::size_t i) const { return origin + at(i); }
-    std::vector<Vec3d> sources() const  // of all points
+    // All points in source coordinates.
+    std::vector<Vec3d> sources() const
     {
         std::vector<Vec3d> all(size());
         for (std::size_t i = 0; i < all.size(); ++i) all[i] = source(i);

@@ -41,7 +41,7 @@ TEST(DrawnPoints, NeitherOrderNorPartsChangeThem)
     EXPECT_EQ(forward.points(), odd.points());
 }
 
-// Of numbers in sequence, as those of a node's points are, each tenth has its share: 200 draws of 100 from 2000, 2000
+// Numbers are in sequence, as those of a node's points are; each tenth has its share: 200 draws of 100 from 2000, 2000
 // of each tenth with a standard deviation of 41.
 TEST(DrawnPoints, EachIsAsProbable)
 {

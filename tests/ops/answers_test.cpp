@@ -130,7 +130,7 @@ TEST_F(Answers, HaveTheKeysOfTheirRows)
     }
 }
 
-// Cancelled at its first report of progress; what it works on stays as it was.
+// Cancelled at its first report of progress; what it works on is not changed.
 TEST_F(Answers, OperationsThatWriteTreesReportProgressAndCanBeCancelled)
 {
     const Calls all = calls(tree_, folder_.path().string());
