@@ -6,11 +6,11 @@
 #include "pcm/place/departure.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/extreme_points.h"
+#include "pcm/place/followed_verdict.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/primitive_list.h"
 #include "pcm/system/error.h"
-#include "pcm/system/text.h"
 #include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
@@ -245,20 +245,12 @@ private:
     // As a fit at a place is judged, by points that were drawn.
     void judge(ShapeFit& fit, const std::vector<Vec3d>& some) const
     {
-        const auto doubt = [&](FitIssue issue, const std::string& message) {
-            fit.verdict = FitVerdict::doubtful;
-            fit.issue = issue;
-            fit.message = message;
-        };
         const double resolution = largest_magnitude(points_.tree().info().grid.scale);
         const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution, some);
         if (!evidence.is_one_surface())
-            return doubt(FitIssue::other_surface, evidence.reason() + ": detect there with a lower threshold");
+            return doubt(fit, FitIssue::other_surface, evidence.reason() + ": detect there with a lower threshold");
         const Departure departure = departure_of(fit.shape, fit.threshold, some);
-        if (departure.is_smooth(options_.noise))
-            doubt(FitIssue::uneven, "the points leave the shape together by " + brief(departure.size) +
-                                        " (root mean square) and are within " + brief(departure.rest) +
-                                        " of a smooth surface: it is out of round, bent or bulged by that");
+        if (departure.is_smooth(options_.noise)) doubt(fit, FitIssue::uneven, departure.message("shape"));
     }
 
     // A plane whose points are on one line has no outline: no reason to end a detection.

@@ -3,6 +3,7 @@
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/even_noise.h"
 #include "pcm/place/tuning.h"
+#include "pcm/system/text.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -73,6 +74,12 @@ bool Departure::is_smooth(double noise) const
     const DepartureTuning& tuned = place_tuning().departure;
     return !is_chance && share > tuned.min_share && noise > 0 && rest < tuned.max_rest * noise &&
            agreement < tuned.max_agreement;
+}
+
+std::string Departure::message(const std::string& shape) const
+{
+    return "the points leave the " + shape + " together by " + brief(size) + " (root mean square) and are within " +
+           brief(rest) + " of a smooth surface: it is out of round, bent or bulged by that";
 }
 
 Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points)

@@ -5,6 +5,7 @@
 #include "pcm/shapes/shape.h"
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace pcm {
@@ -23,6 +24,8 @@ struct Departure {
     // source units: a large share, which leaves that noise, independent from point to point. Errors of scanners that
     // neighbours share leave more of both.
     bool is_smooth(double noise) const;
+    // What that is, a sentence for people; `shape`: how the shape is called there, such as "cylinder".
+    std::string message(const std::string& shape) const;
 };
 
 // By least squares of the distances: a polynomial of third degree in the place along the shape and in its normal there,

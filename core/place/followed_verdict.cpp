@@ -123,10 +123,7 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
                   "where the noise is larger");
     } else if (is_automatic && departure.is_smooth(known_noise()) &&
                departure.size > place_tuning().departure.min_station_spreads * station_spread()) {
-        doubt(fit, FitIssue::uneven,
-              "the points leave the " + name + " together by " + brief(departure.size) +
-                  " (root mean square) and are within " + brief(departure.rest) +
-                  " of a smooth surface: it is out of round, bent or bulged by that");
+        doubt(fit, FitIssue::uneven, departure.message(name));
     }
 }
 

@@ -41,8 +41,8 @@ TEST(DrawnPoints, NeitherOrderNorPartsChangeThem)
     EXPECT_EQ(forward.points(), odd.points());
 }
 
-// Numbers are in sequence, as those of a node's points are; each tenth has its share: 200 draws of 100 from 2000, 2000
-// of each tenth with a standard deviation of 41.
+// Numbers are in sequence, as those of a node's points are. 200 draws take 100 from 2000: each tenth is to have 2000,
+// and the standard deviation is 41.
 TEST(DrawnPoints, EachIsAsProbable)
 {
     std::array<int, 10> tenths{};
