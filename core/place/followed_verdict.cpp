@@ -123,7 +123,9 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
                   "where the noise is larger");
     } else if (is_automatic && !departure.is_chance) {
         const Departure own = without_stations(departure, result);
-        if (own.is_smooth(known_noise())) doubt(fit, FitIssue::uneven, own.message(name));
+        const bool is_seen =
+            departure.is_smooth(known_noise()) || own.share > place_tuning().departure.min_hidden_share;
+        if (is_seen && own.is_smooth(known_noise())) doubt(fit, FitIssue::uneven, own.message(name));
     }
 }
 
@@ -161,11 +163,14 @@ double FollowedVerdict::known_noise() const
 const FollowedVerdict::Stations& FollowedVerdict::stations()
 {
     if (stations_) return *stations_;
-    stations_ = {known_.registration, false};
+    stations_ = {known_.registration, known_.registration, false};
     const PointStations stations(*cloud_.tree());
     if (stations.source() == StationSource::none) return *stations_;
     const StationSurvey survey = station_survey(*cloud_.tree(), stations, places_.front());
-    if (survey.names_stations) stations_ = {std::max(survey.evidence.spread().spread, known_.registration), true};
+    if (!survey.names_stations) return *stations_;
+    const StationSpread found = survey.evidence.spread();
+    const double most = found.spread > 0 ? found.spread * student_factor(found.freedom) : 0;
+    stations_ = {std::max(found.spread, known_.registration), std::max(most, known_.registration), true};
     return *stations_;
 }
 
@@ -175,9 +180,10 @@ Departure FollowedVerdict::without_stations(const Departure& departure, const Fi
     const double spread = stations().spread;
     if (departure.is_smooth(known_noise()) && departure.size > place_tuning().departure.min_station_spreads * spread)
         return departure;
-    if (!(spread > 0 && known_noise() > 0 && stations().are_named)) return {};
+    const double most = stations().most_spread;
+    if (!(most > 0 && known_noise() > 0 && stations().are_named)) return {};
     return departure_within_stations(result.points, result.primitive.fit, PointStations(*cloud_.tree()),
-                                     {spread, known_noise()}, options_.threads, part_of(progress_, 0.94, 0.94));
+                                     {most, known_noise()}, options_.threads, part_of(progress_, 0.94, 0.94));
 }
 
 // Two stations apart leave a surface to both of its sides, by what other surfaces show of them and no more.

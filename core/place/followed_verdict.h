@@ -50,6 +50,7 @@ public:
 private:
     struct Stations {
         double spread = 0;       // along each axis, source units; 0: they are not apart, or nothing is known
+        double most_spread = 0;  // as far as it is uncertain: what it was estimated from may be few differences
         bool are_named = false;  // whether points say from which one they are
     };
 

@@ -57,6 +57,7 @@ ValuesAtPlace values_at_place(PlaceTuning& place)
         PCM_TUNED(place.kinds.min_evidence),
         PCM_TUNED(place.kinds.agreement_cubes),
         PCM_TUNED(place.departure.min_share),
+        PCM_TUNED(place.departure.min_hidden_share),
         PCM_TUNED(place.departure.max_rest),
         PCM_TUNED(place.departure.max_agreement),
         PCM_TUNED(place.departure.min_station_spreads),
