@@ -1,7 +1,7 @@
-#include "plugin/meshlab/2020/layer_reader.h"
+#include "plugin/meshlab/layer_reader.h"
 
-#include "plugin/meshlab/2020/points_layer.h"
-#include "plugin/meshlab/2020/vertex_attributes.h"
+#include "plugin/meshlab/points_layer.h"
+#include "plugin/meshlab/vertex_attributes.h"
 #include "tests/plugin/scenes.h"
 
 #include <cmath>

@@ -1,0 +1,86 @@
+#include "plugin/meshlab/2021/plugin_bases.h"
+
+#include <QDir>
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace {
+
+// MeshLab's plugins keep the log to themselves, and a layer does not know its document: that of an import is the one
+// whose log the importer was given. An explicit instantiation may name a private member.
+template <GLLogStream* MeshLabPluginLogger::*member>
+struct LogOf {
+    friend GLLogStream* log_of(const MeshLabPluginLogger& plugin) { return plugin.*member; }
+};
+template struct LogOf<&MeshLabPluginLogger::logstream>;
+GLLogStream* log_of(const MeshLabPluginLogger& plugin);
+
+template <IOPluginContainer PluginManager::*member>
+struct ListOf {
+    friend IOPluginContainer& io_plugins_of(PluginManager& manager) { return manager.*member; }
+};
+template struct ListOf<&PluginManager::ioPlugins>;
+IOPluginContainer& io_plugins_of(PluginManager& manager);
+
+// Null: the importer has no log.
+MeshDocument* document_of_log(const MeshLabPluginLogger& plugin)
+{
+    static const std::ptrdiff_t place = [] {
+        MeshDocument any;
+        return reinterpret_cast<char*>(&any.Log) - reinterpret_cast<char*>(&any);
+    }();
+    GLLogStream* const log = log_of(plugin);
+    return log ? reinterpret_cast<MeshDocument*>(reinterpret_cast<char*>(log) - place) : nullptr;
+}
+
+}  // namespace
+
+namespace pcm::host {
+
+unsigned int IoBase::numberMeshesContainedInFile(const QString&, const QString&, const RichParameterList&) const
+{
+    folder_ = QDir::currentPath();
+    return 1;
+}
+
+void IoBase::open(const QString& format, const QString& file_name, MeshModel& layer, int& mask,
+                  const RichParameterList& parameters, vcg::CallBackPos* callback)
+{
+    if (MeshDocument* document = document_of_log(*this)) meet(*document);
+    const QString before = std::exchange(folder_, QString());
+    try {
+        open_layer(format, file_name, layer, mask, parameters, callback);
+    } catch (...) {
+        if (!before.isEmpty()) QDir::setCurrent(before);
+        throw;
+    }
+}
+
+// MeshLab gives an extension to the plugin that it has listed first. Ours comes first by its name where MeshLab loads
+// all, and last where a user or a script loads it: MeshLab's plugins for our extensions are then listed again, after
+// ours.
+std::list<FileFormat> IoBase::exportProjectFormats() const
+{
+    if (std::exchange(is_listed_, true)) return {};
+    PluginManager& manager = meshlab::pluginManagerInstance();
+    std::vector<IOPlugin*> before;
+    for (const auto& formats : {importFormats(), exportFormats()})
+        for (const FileFormat& format : formats)
+            for (const QString& extension : format.extensions)
+                for (IOPlugin* plugin : {manager.inputMeshPlugin(extension), manager.outputMeshPlugin(extension)})
+                    if (plugin && plugin != this && std::find(before.begin(), before.end(), plugin) == before.end())
+                        before.push_back(plugin);
+    if (before.empty()) return {};
+    IOPluginContainer& list = io_plugins_of(manager);
+    auto* const ours = const_cast<IoBase*>(this);
+    list.eraseIOPlugin(ours);
+    for (IOPlugin* plugin : before) list.eraseIOPlugin(plugin);
+    list.pushIOPlugin(ours);
+    for (IOPlugin* plugin : before) list.pushIOPlugin(plugin);
+    return {};
+}
+
+}  // namespace pcm::host
