@@ -96,7 +96,7 @@ void LayerReader::settle_positions()
     info_.position_type = on_grid ? ScalarType::i32 : in_float ? ScalarType::f32 : ScalarType::f64;
 }
 
-// The field keeps its type if all values fit; else it becomes the float that MeshLab shows.
+// The field keeps its type if all values fit; else it becomes the number that MeshLab shows.
 void LayerReader::add_field(Field field, bool may_widen)
 {
     field.attribute.name = unique_name(info_.schema, field.attribute.name);
@@ -108,7 +108,7 @@ void LayerReader::add_field(Field field, bool may_widen)
                     with_type(field.attribute.type, [&](auto zero) { return fits<decltype(zero)>(field.value(v, c)); });
     if (!fit) {
         const Attribute raw = field.attribute;
-        field.attribute.type = ScalarType::f32;
+        field.attribute.type = in_double ? ScalarType::f64 : ScalarType::f32;
         field.attribute.scale = 1;
         field.attribute.offset = 0;
         field.value = [value = std::move(field.value), raw](std::size_t v, std::uint32_t c) {

@@ -91,14 +91,16 @@ std::string variable_name(const std::string& name, const std::set<std::string>& 
 
 Held choose_held(const Column& column, std::uint32_t component, const Attribute& attribute)
 {
+    const bool is_long = attribute.type == ScalarType::i64 || attribute.type == ScalarType::u64;
     bool value_fits = true, whole_fits = true;
     for (std::size_t i = 0; i < column.size(); ++i) {
         const double raw = column.value(i, component);
         const auto shown = static_cast<Scalar>(raw * attribute.scale + attribute.offset);
         value_fits = value_fits && (std::isnan(raw) || raw_of(shown, attribute) == raw);
-        whole_fits = whole_fits && !(std::fabs(raw) > largest_whole);
+        whole_fits = whole_fits && !(std::fabs(raw) >= largest_whole);
     }
-    if (value_fits) return Held::value;
+    // `raw` is rounded from there on, whatever holds it.
+    if (value_fits && (whole_fits || !is_long)) return Held::value;
     if (attribute.type == ScalarType::i64 && !whole_fits) return Held::i64;
     if (attribute.type == ScalarType::u64 && !whole_fits) return Held::u64;
     return Held::f64;
@@ -125,10 +127,13 @@ AttributePlace put_custom(MeshModel& layer, const Attribute& attribute, const Co
         taken.insert(component.name);
         const std::size_t n = column.size(), step = column.components();
         const auto raw = [&](std::size_t i) { return column.value(i, c); };
+        const bool is_raw = attribute.scale == 1 && attribute.offset == 0;
         switch (component.held) {
             case Held::value:
-                fill<Scalar>(layer, component.name, n,
-                             [&](std::size_t i) { return raw(i) * attribute.scale + attribute.offset; });
+                fill<Scalar>(layer, component.name, n, [&](std::size_t i) {
+                    // The sum would make 0 of -0.
+                    return is_raw ? raw(i) : raw(i) * attribute.scale + attribute.offset;
+                });
                 break;
             case Held::f64:
                 fill<double>(layer, component.name, n, raw);

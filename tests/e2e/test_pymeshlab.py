@@ -25,7 +25,7 @@ ONE_A_FORMAT = {
     "las/certainty3d-color-utm-feet-navd88.las": "las", "crossformat/ripple.laz": "laz", "ply/csf_sample_double.ply": "ply",
     "ply/text_extradim.ply": "ply", "pcd/milk_color.pcd": "pcd", "pcd/autzen-utm.pcd": "pcd", "pts/bunnyData.pts": "pts",
     "e57/bunnyDouble.e57": "pcd", "crossformat/ripple.txt": "txt", "xyz/sphere_20k_normal.xyz": "xyz",
-    "ptx/1.2-with-color.ptx": "pcd",
+    "ptx/1.2-with-color.ptx": "pcd", "las/pdrf10-1.4.laz": "pcd",
 }
 
 

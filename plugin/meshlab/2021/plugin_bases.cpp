@@ -1,6 +1,8 @@
 #include "plugin/meshlab/2021/plugin_bases.h"
 
+#include <QCoreApplication>
 #include <QDir>
+#include <QTimer>
 
 #include <algorithm>
 #include <cstddef>
@@ -57,6 +59,12 @@ void IoBase::open(const QString& format, const QString& file_name, MeshModel& la
         if (!before.isEmpty()) QDir::setCurrent(before);
         throw;
     }
+    if (!QCoreApplication::instance()) return;
+    // After that MeshLab decides how to draw the layer, before it handles events again.
+    MeshDocument* const document = &document_of(layer);
+    QTimer::singleShot(0, document, [this, document, mesh_id = layer.id()] {
+        if (MeshModel* shown = document->getMesh(unsigned(mesh_id))) opened(*shown);
+    });
 }
 
 // MeshLab gives an extension to the plugin that it has listed first. Ours comes first by its name where MeshLab loads
