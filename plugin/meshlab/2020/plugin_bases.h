@@ -34,6 +34,7 @@ public:
 
 class IoBase : public MeshIOInterface {
 public:
+    virtual FormatList all_import_formats() const = 0;
     // Settings in Tools > Options.
     virtual void add_global_parameters(RichParameterList& parameters) = 0;
     virtual RichParameterList parameters_before_open(const QString& format, const QString& file_name) const = 0;
@@ -46,6 +47,7 @@ public:
     virtual void save_layer(const QString& format, const QString& file_name, MeshModel& layer, int mask,
                             const RichParameterList& parameters, vcg::CallBackPos* callback) = 0;
 
+    FormatList importFormats() const final { return all_import_formats(); }
     void initGlobalParameterSet(QAction*, RichParameterList& parameters) final;
     void initPreOpenParameter(const QString& format, const QString& file_name, RichParameterList& parameters) final;
     void initOpenParameter(const QString&, MeshModel& layer, RichParameterList&) final { opened(layer); }

@@ -70,9 +70,16 @@ void IoBase::open(const QString& format, const QString& file_name, MeshModel& la
 // MeshLab gives an extension to the plugin that it has listed first. Ours comes first by its name where MeshLab loads
 // all, and last where a user or a script loads it: MeshLab's plugins for our extensions are then listed again, after
 // ours.
-std::list<FileFormat> IoBase::exportProjectFormats() const
+FormatList IoBase::exportProjectFormats() const
 {
     if (std::exchange(is_listed_, true)) return {};
+    list_first();
+    is_settled_ = true;
+    return {};
+}
+
+void IoBase::list_first() const
+{
     PluginManager& manager = meshlab::pluginManagerInstance();
     std::vector<IOPlugin*> before;
     for (const auto& formats : {importFormats(), exportFormats()})
@@ -81,14 +88,36 @@ std::list<FileFormat> IoBase::exportProjectFormats() const
                 for (IOPlugin* plugin : {manager.inputMeshPlugin(extension), manager.outputMeshPlugin(extension)})
                     if (plugin && plugin != this && std::find(before.begin(), before.end(), plugin) == before.end())
                         before.push_back(plugin);
-    if (before.empty()) return {};
+    if (before.empty()) return;
     IOPluginContainer& list = io_plugins_of(manager);
     auto* const ours = const_cast<IoBase*>(this);
     list.eraseIOPlugin(ours);
     for (IOPlugin* plugin : before) list.eraseIOPlugin(plugin);
     list.pushIOPlugin(ours);
     for (IOPlugin* plugin : before) list.pushIOPlugin(plugin);
-    return {};
+}
+
+RichParameterList IoBase::initPreOpenParameter(const QString& format) const
+{
+    // MeshLab's dialog stores the values as settings, which it has made for the plugin that lists the extension.
+    const FormatList listed = QCoreApplication::instance() ? importFormats() : all_import_formats();
+    const bool is_listed = std::any_of(listed.begin(), listed.end(), [&](const FileFormat& other) {
+        return other.extensions.contains(format, Qt::CaseInsensitive);
+    });
+    return is_listed ? parameters_before_open(format, QString()) : RichParameterList();
+}
+
+FormatList IoBase::importFormats() const
+{
+    FormatList formats = all_import_formats();
+    if (!is_settled_) return formats;
+    QStringList others;
+    for (const IOPlugin* plugin : meshlab::pluginManagerInstance().ioPluginIterator())
+        if (plugin != this)
+            for (const FileFormat& format : plugin->importFormats()) others << format.extensions;
+    formats.remove_if(
+        [&](const FileFormat& format) { return others.contains(format.extensions.front(), Qt::CaseInsensitive); });
+    return formats;
 }
 
 }  // namespace pcm::host

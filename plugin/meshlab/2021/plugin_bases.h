@@ -31,6 +31,7 @@ public:
 
 class IoBase : public IOPlugin {
 public:
+    virtual FormatList all_import_formats() const = 0;
     virtual void add_global_parameters(RichParameterList& parameters) = 0;
     virtual RichParameterList parameters_before_open(const QString& format, const QString& file_name) const = 0;
     virtual void opened(MeshModel& layer) = 0;
@@ -42,12 +43,12 @@ public:
                             const RichParameterList& parameters, vcg::CallBackPos* callback) = 0;
 
     QString vendor() const final { return our_vendor(); }
+    // All when MeshLab lists the plugin, and it gives extensions away; afterwards those that no other plugin reads.
+    // MeshLab makes settings for each extension of each plugin, and asserts that their names differ.
+    FormatList importFormats() const final;
     // Called before MeshLab changes the working folder, to which it returns after success only.
     unsigned int numberMeshesContainedInFile(const QString&, const QString&, const RichParameterList&) const final;
-    RichParameterList initPreOpenParameter(const QString& format) const final
-    {
-        return parameters_before_open(format, QString());
-    }
+    RichParameterList initPreOpenParameter(const QString& format) const final;
     using IOPlugin::open;  // the overload for several layers
     void open(const QString& format, const QString& file_name, MeshModel& layer, int& mask,
               const RichParameterList& parameters, vcg::CallBackPos* callback) final;
@@ -61,7 +62,7 @@ public:
         save_layer(format, file_name, layer, mask, parameters, callback);
     }
     // The last that MeshLab asks an importer for when it lists it.
-    std::list<FileFormat> exportProjectFormats() const final;
+    FormatList exportProjectFormats() const final;
 
 protected:
     // Writes to the log. Nothing is printed: this is a library for Python, too.
@@ -69,8 +70,11 @@ protected:
     void warn_after(const QString& text) { reportWarning(text); }
 
 private:
-    mutable QString folder_;  // the working folder before an import
-    mutable bool is_listed_ = false;
+    void list_first() const;
+
+    mutable QString folder_;           // the working folder before an import
+    mutable bool is_listed_ = false;   // MeshLab has listed it, or does
+    mutable bool is_settled_ = false;  // after that
 };
 
 class FilterBase : public FilterPlugin {

@@ -96,7 +96,7 @@ PointCloudIo::PointCloudIo()
     });
 }
 
-FormatList PointCloudIo::importFormats() const { return formats_of(import_formats()); }
+FormatList PointCloudIo::all_import_formats() const { return formats_of(import_formats()); }
 
 void PointCloudIo::add_global_parameters(RichParameterList& parameters)
 {

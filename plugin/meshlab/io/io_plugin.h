@@ -20,7 +20,7 @@ class PointCloudIo : public QObject, public pcm::host::IoBase {
 public:
     PointCloudIo();
     QString pluginName() const override { return "IOPointCloud"; }
-    FormatList importFormats() const override;
+    FormatList all_import_formats() const override;
     FormatList exportFormats() const override;
     void add_global_parameters(RichParameterList& parameters) override;
     RichParameterList parameters_before_open(const QString& format, const QString& file_name) const override;
