@@ -30,6 +30,9 @@ build_jobs() {
 
 meshlab_sdk=$root/build/meshlab-sdk
 fetch_meshlab_sdk() { "$root/packaging/meshlab-sdk" "$meshlab_sdk"; }
+# What PyMeshLab is made of (tests/independent/requirements.txt). Where it cannot be fetched its tests are skipped.
+pymeshlab_sdk=$root/build/pymeshlab-sdk
+fetch_pymeshlab_sdk() { "$root/packaging/meshlab-sdk" "$pymeshlab_sdk" 2025.07 || say "Without PyMeshLab's headers: its tests are skipped."; }
 # Where it cannot be fetched the backend PCL of fitting is left out, and its tests are skipped.
 fetch_pcl_sdk() { "$root/packaging/pcl-sdk" "$root/build/pcl-sdk" || say "Without PCL: its backend is not built."; }
 

@@ -1,9 +1,10 @@
 // One filter of the program's menu.
 //
 // A filter is a row of the table of operations (operation_filter.h), or one file which defines a function that returns
-// it; filters.cpp lists them all. The program's plugin shows them (meshlab/2020/filter).
+// it; filters.cpp lists them all. The program's plugin shows them (meshlab/filter).
 #pragma once
 
+#include "pcm/ops/result.h"
 #include "plugin/panels/operation.h"
 #include "plugin/scene/parameters.h"
 #include "plugin/scene/scene.h"
@@ -22,6 +23,7 @@ struct FilterRun {
     std::function<void(const std::string& line)> log;  // writes a line to the program's log
     // The same for what went wrong after the filter had done its work.
     std::function<void(const std::string& line)> warn;
+    std::function<void(const ops::Json& answer)> answer = {};  // takes what the operation has found; empty: nobody asks
 };
 
 // The menus that list a filter: bits of ops::menu, and this one.

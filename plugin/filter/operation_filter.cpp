@@ -59,6 +59,7 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
         hooks.after(run, *operation, result);
     else
         show_made(run, result);
+    if (run.answer) run.answer(ops::json_of(row.name, result));
 }
 
 }  // namespace

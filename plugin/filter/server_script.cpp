@@ -19,6 +19,7 @@ using Names = QSet<QString>;
 std::map<QString, QList<Names>> filters_of(const QString& path)
 {
     std::map<QString, QList<Names>> filters;
+    if (path.isEmpty()) return filters;
     QFile file(path);
     if (!file.open(QIODevice::ReadOnly)) return filters;
     QXmlStreamReader xml(&file);
@@ -38,8 +39,8 @@ std::map<QString, QList<Names>> filters_of(const QString& path)
 
 QString script_of_process()
 {
-    const QStringList words = QCoreApplication::arguments();
     if (!is_server()) return {};
+    const QStringList words = QCoreApplication::arguments();
     const int at = words.indexOf("-s");
     return at >= 0 && at + 1 < words.size() ? words[at + 1] : QString();
 }
@@ -48,6 +49,7 @@ QString script_of_process()
 
 bool is_server()
 {
+    if (!QCoreApplication::instance()) return false;  // a program that uses MeshLab as a library
     const QStringList words = QCoreApplication::arguments();
     return !words.isEmpty() && QFileInfo(words.first()).baseName() == "meshlabserver";
 }

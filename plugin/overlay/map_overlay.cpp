@@ -19,7 +19,7 @@ const std::array<float, 4> grid_colour{1, 1, 1, 0.35f};
 
 }  // namespace
 
-// As in meshlab/2020/trackball_pose.h.
+// As in meshlab/trackball_pose.h.
 double distance_to_pivot(float fov) { return fov <= 5 ? 8 : 1.75 / std::tan(static_cast<double>(fov) * pi / 360); }
 
 void MapOverlay::draw(const Camera& camera, const SnapshotTile& tile, double depth, const std::string& unit,

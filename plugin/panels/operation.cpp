@@ -34,14 +34,14 @@ Operation::Operation(ProgressCallback* callback) : callback_(callback)
     refuse_second();
     current = this;
     since_events_.start();
-    QCoreApplication::instance()->installEventFilter(this);
+    if (QCoreApplication* const application = QCoreApplication::instance()) application->installEventFilter(this);
     ignore_file_size_signal();
 }
 
 Operation::~Operation()
 {
     if (signal_ignored_) std::signal(SIGXFSZ, SIG_DFL);
-    QCoreApplication::instance()->removeEventFilter(this);
+    if (QCoreApplication* const application = QCoreApplication::instance()) application->removeEventFilter(this);
     current = nullptr;
 }
 
@@ -75,7 +75,7 @@ bool Operation::report(const ProgressUpdate& update)
                              (window ? done ? "" : " (Esc cancels)" : "\n");
     if (callback_) callback_(static_cast<int>(std::clamp(update.fraction, 0.0, 1.0) * 100), text.c_str());
     // MeshLab's callback processes events only when the percentage changes, which may take minutes.
-    if (since_events_.elapsed() > 200) {
+    if (QCoreApplication::instance() && since_events_.elapsed() > 200) {
         QCoreApplication::processEvents(QEventLoop::AllEvents, 50);
         since_events_.start();
     }

@@ -83,6 +83,8 @@ void add_global_settings(Parameters& parameters)
                     {"Never", "For text files", "Always"}});
 }
 
+void ask_always(Parameters& globals) { globals.set(global_prefix + ask, int(always)); }
+
 void add_file_settings(Parameters& parameters, const std::filesystem::path& file, const Parameters& globals)
 {
     const Format* const format = format_of_extension(extension_of(file));
@@ -93,15 +95,16 @@ void add_file_settings(Parameters& parameters, const std::filesystem::path& file
 
     if (is_text) {
         QString found, reason;
-        try {
-            const auto reader = open_reader(file);
-            if (const auto& layout = reader->info().text_layout)
-                found = " [found: " + QString::fromStdString(describe(*layout)).toHtmlEscaped() + "]";
-        } catch (const Error& error) {
-            // Opening the file fails, unless the user specifies the layout.
-            found = " [not detected]";
-            reason = " They are not detected: " + QString::fromStdString(error.what()).toHtmlEscaped();
-        }
+        std::error_code ignored;
+        if (std::filesystem::exists(file, ignored)) try {
+                const auto reader = open_reader(file);
+                if (const auto& layout = reader->info().text_layout)
+                    found = " [found: " + QString::fromStdString(describe(*layout)).toHtmlEscaped() + "]";
+            } catch (const Error& error) {
+                // Opening the file fails, unless the user specifies the layout.
+                found = " [not detected]";
+                reason = " They are not detected: " + QString::fromStdString(error.what()).toHtmlEscaped();
+            }
         parameters.add({columns, QString(), "Columns" + found,
                         "Names of the columns from the left, separated by blanks: x y z, each once; r g b for "
                         "a colour, nx ny nz for a normal, - for a column to skip, any other name for "

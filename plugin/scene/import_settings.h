@@ -17,8 +17,9 @@ namespace pcm::host {
 
 struct ImportSettings {
     std::uint64_t largest_layer = 1'000'000;   // a cloud of more points becomes a tree
-    bool draw_layers = true;                   // a smaller one gets a drawn copy (meshlab/2020/drawn_copy.h)
+    bool draw_layers = true;                   // a smaller one gets a drawn copy (meshlab/drawn_copy.h)
     std::filesystem::path tree_folder;         // where these trees are written; empty: next to the file
+    bool may_build_beside = true;              // false: a tree next to the file is used, and none is written there
     std::optional<double> largest_coordinate;  // points beyond it are left out
     TextLayout text;                           // as far as the user has specified it
     bool skip_bad_lines = false;               // in text files
@@ -26,9 +27,10 @@ struct ImportSettings {
 
 // The persistent ones, for Tools > Options.
 void add_global_settings(Parameters& parameters);
+void ask_always(Parameters& globals);  // those for one file are asked for whatever it is
 
-// Those for one file; none if no dialog is to be shown. `globals`: the persistent settings, which
-// are the defaults.
+// Those for one file; none if no dialog is to be shown. A file that does not exist stands for all with its extension.
+// `globals`: the persistent settings, which are the defaults.
 void add_file_settings(Parameters& parameters, const std::filesystem::path& file, const Parameters& globals);
 
 // From the parameters that the program gives when it opens a file. Those of the file take precedence over the

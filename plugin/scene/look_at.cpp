@@ -10,7 +10,7 @@ namespace pcm::host {
 
 namespace {
 
-// MeshLab's view spans 1.75 of the trackball's units above and below its centre (meshlab/2020/trackball_pose.h).
+// MeshLab's view spans 1.75 of the trackball's units above and below its centre (meshlab/trackball_pose.h).
 constexpr double shown_radius = 1.75;
 
 }  // namespace

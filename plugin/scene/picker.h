@@ -50,7 +50,7 @@ struct PickAnswer {
 // Finds the nearest visible point under `place` (Qt's pixels in the view), as pick/point_picker.h defines it. What
 // counts is the view's last picture: its camera, the layers that are drawn in it with their matrices, hidden classes
 // and conditions, and the clip box. Faces of MeshLab's other layers hide points exactly
-// (meshlab/2020/mesh_occlusion.h).
+// (meshlab/mesh_occlusion.h).
 //
 // `answer` is called in the GUI thread, after pick() has returned: as soon as possible with what is in memory, if there
 // is a point there (final == false), then once with the exact answer. It is not called after `context` or the view is

@@ -9,6 +9,8 @@
 #include "plugin/scene/project_parts.h"
 #include "plugin/scene/reached_text.h"
 
+#include <QCoreApplication>
+
 #include <filesystem>
 #include <utility>
 
@@ -150,7 +152,8 @@ void PrimitiveBook::show()
             drawn.push_back(std::move(line));
     }
     scene_.part<Annotations>().set(owner, std::move(drawn));
-    list().empty() ? timer_.stop() : timer_.start();
+    // Views follow matrices; a program without events has none.
+    list().empty() || !QCoreApplication::instance() ? timer_.stop() : timer_.start();
     emit changed();
 }
 

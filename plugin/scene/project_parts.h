@@ -1,7 +1,7 @@
 // What a document has in addition to MeshLab's layers and is kept in project files: measures, bookmarks, the clip box.
 //
 // A part registers itself once; the render plugin, which watches projects being opened and saved
-// (meshlab/2020/render/project_settings.h), calls it. The text of a part is an element of MeshLab's project that
+// (meshlab/render/project_settings.h), calls it. The text of a part is an element of MeshLab's project that
 // MeshLab ignores.
 #pragma once
 

@@ -108,6 +108,7 @@ Proxy make_proxy(PointCloud& cloud, const Vec3d& origin, std::uint64_t most)
     const std::uint64_t stride = std::max<std::uint64_t>(1, (available + most - 1) / std::max<std::uint64_t>(most, 1));
 
     Proxy proxy;
+    proxy.origin = origin;
     Sample sample;
     bool sampled = false, coloured = false;
     const auto rgb = info.schema.find(attribute_name::rgb);

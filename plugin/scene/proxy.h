@@ -17,6 +17,7 @@ struct ProxyPoint {
 
 struct Proxy {
     std::vector<ProxyPoint> points;
+    Vec3d origin{};         // zero of the positions, in source coordinates
     bool has_rgb = false;   // the cloud has rgb, and not all sampled points are black (in many LAS files all are)
     double spacing = 0;     // every point of the cloud has a point of the sample about this near; 0 if is_whole
     bool is_whole = false;  // these are all points of the cloud

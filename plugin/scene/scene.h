@@ -1,5 +1,5 @@
 // What is open in one window of the program: layers, views, and what tools and panels keep about them. It does
-// not depend on MeshLab; meshlab/2020 implements it over MeshLab's documents, and tests over lists of their own.
+// not depend on MeshLab; plugin/meshlab implements it over MeshLab's documents, and tests over lists of their own.
 #pragma once
 
 #include "plugin/scene/scene_layer.h"

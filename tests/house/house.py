@@ -30,13 +30,13 @@ TOOLS = ("align", "clip", "fit", "measure", "pick", "select", "walk", "all")
 # Headers of other packages and the rooms that may use them; a pattern, then rooms.
 PACKAGES = {
     r"<(GL|EGL)/": {"gl/base", "gl/l1", "gl/compute", "gl/draw", "offscreen", "tests", "bench", "plugin/overlay",
-                     "plugin/meshlab/2020/render", "examples"},
+                     "plugin/meshlab/render", "examples"},
     r"<png.h>": {"offscreen"},
     r"<dxflib/": {"cad"},
     r"<[A-Za-z0-9_]+\.hxx>": {"cad", "tests"},
     r"<CLI/": {"cli", "bench"},
     r"<Q[A-Za-z0-9]+[>/]": {"plugin/scene", "plugin/panels", "plugin/overlay", "plugin/tools", *("plugin/tools/" + tool for tool in TOOLS),
-                      "plugin/meshlab/2020", *("plugin/meshlab/2020/" + part for part in ("io", "render", "filter", "edit")),
+                      "plugin/meshlab", *("plugin/meshlab/" + part for part in ("io", "render", "filter", "edit")),
                       "plugin/filter", "plugin/settings", "tests", "bench"},
     r"<pcl/": {"fit", "bench"},
     r"<flann/": {"knn", "bench"},

@@ -1,7 +1,7 @@
 // The clip box of the tool: handles and what dragging them does, history, and the text that projects keep.
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
-#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/document_scene.h"
 #include "plugin/scene/clip_history.h"
 #include "plugin/scene/clip_text.h"
 #include "plugin/scene/project_parts.h"

@@ -1,8 +1,8 @@
 // Ordinary layers that are drawn as point clouds.
-#include "plugin/meshlab/2020/drawn_copy.h"
+#include "plugin/meshlab/drawn_copy.h"
 
-#include "plugin/meshlab/2020/layer.h"
-#include "plugin/meshlab/2020/points_layer.h"
+#include "plugin/meshlab/layer.h"
+#include "plugin/meshlab/points_layer.h"
 #include "plugin/scene/tree_cache.h"
 #include "tests/plugin/scenes.h"
 

@@ -2,7 +2,7 @@
 #include "pcm/view/first_view.h"
 
 #include "pcm/cloud/vector.h"
-#include "plugin/meshlab/2020/trackball_pose.h"
+#include "plugin/meshlab/trackball_pose.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Locked layers and layers shown alone, through the text that projects keep.
 #include "plugin/scene/layer_marks.h"
-#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/document_scene.h"
 
 #include "pcm/system/error.h"
 #include "plugin/scene/layer_matrix.h"

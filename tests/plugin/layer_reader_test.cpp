@@ -1,7 +1,7 @@
-#include "plugin/meshlab/2020/layer_reader.h"
+#include "plugin/meshlab/layer_reader.h"
 
-#include "plugin/meshlab/2020/points_layer.h"
-#include "plugin/meshlab/2020/vertex_attributes.h"
+#include "plugin/meshlab/points_layer.h"
+#include "plugin/meshlab/vertex_attributes.h"
 #include "tests/plugin/scenes.h"
 
 #include <cmath>
@@ -119,6 +119,23 @@ TEST(LayerReader, KeepsWhatFloatWouldRound)
     EXPECT_EQ(read.attributes[*info.schema.find("gps_time")].value(1), 123456789.123457);
     EXPECT_EQ(read.attributes[*info.schema.find("id")].value(0), 2147483647);
     document.delMesh(layer);  // and its attributes, once
+}
+
+// The double nearest to it is one that float has too, and another number.
+TEST(LayerReader, KeepsWhatDoubleWouldRound)
+{
+    const test::TemporaryFolder folder;
+    const fs::path file = folder / "a.pcd";
+    std::ofstream(file)
+        << "VERSION 0.7\nFIELDS x y z serial\nSIZE 4 4 4 8\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+           "POINTS 2\nDATA ascii\n0 0 0 1152921504606846977\n1 2 3 1152921504606846977\n";
+    MeshDocument document;
+    MeshModel* layer = document.addNewMesh("a", "a");
+    ASSERT_TRUE(load_points(*layer, *open_reader(file), 100, {}));
+    LayerReader reader(*layer, {});
+    const std::size_t serial = *reader.info().schema.find("serial");
+    EXPECT_EQ(reader.info().schema[serial].type, ScalarType::u64);
+    EXPECT_EQ(all_of(reader).attributes[serial].as<std::uint64_t>()[1], 1152921504606846977u);
 }
 
 TEST(LayerReader, ReadsLayersFromElsewhere)

@@ -1,7 +1,7 @@
 // Layers and the registry that ties them to trees.
-#include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/layer.h"
 
-#include "plugin/meshlab/2020/points_layer.h"
+#include "plugin/meshlab/points_layer.h"
 #include "plugin/scene/open_clouds.h"
 #include "tests/plugin/scenes.h"
 

@@ -1,5 +1,5 @@
 // Measures in a document's scene: what is drawn, units, moved layers, text.
-#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/document_scene.h"
 #include "plugin/scene/drawn_measures.h"
 #include "plugin/scene/length_unit.h"
 #include "plugin/scene/measure_text.h"

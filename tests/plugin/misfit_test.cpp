@@ -1,12 +1,12 @@
 // Clouds that do not fit the others of a document: another coordinate system, or too far away for floats.
 #include "plugin/scene/misfit.h"
-#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/document_scene.h"
 
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/system/error.h"
-#include "plugin/meshlab/2020/io/import.h"
-#include "plugin/meshlab/2020/layer.h"
-#include "plugin/meshlab/2020/points_layer.h"
+#include "plugin/meshlab/io/import.h"
+#include "plugin/meshlab/layer.h"
+#include "plugin/meshlab/points_layer.h"
 #include "tests/memory_reader.h"
 #include "tests/plugin/scenes.h"
 

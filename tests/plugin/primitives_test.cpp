@@ -1,12 +1,12 @@
 // Primitives of a document: the list, their drawing and labels, the settings of the tool, and the filters.
-#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/document_scene.h"
 #include "plugin/tools/fit/fit_settings.h"
 
 #include "pcm/cad/primitive_files.h"
 #include "pcm/cloud/condition.h"
 #include "pcm/io/reader.h"
 #include "pcm/system/error.h"
-#include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/layer.h"
 #include "plugin/scene/annotations.h"
 #include "plugin/scene/drawn_primitives.h"
 #include "plugin/scene/layer_matrix.h"

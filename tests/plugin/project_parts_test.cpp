@@ -1,6 +1,6 @@
 // What a document has in addition to layers, in project files.
 #include "plugin/scene/project_parts.h"
-#include "plugin/meshlab/2020/document_scene.h"
+#include "plugin/meshlab/document_scene.h"
 
 #include "pcm/system/error.h"
 #include "plugin/scene/project_unit.h"

@@ -1,7 +1,7 @@
 // Parameters as MeshLab's lists, and settings as MeshLab keeps them.
-#include "plugin/meshlab/2020/rich_parameters.h"
+#include "plugin/meshlab/rich_parameters.h"
 
-#include "plugin/meshlab/2020/meshlab.h"
+#include "plugin/meshlab/meshlab.h"
 #include "plugin/settings/project_settings.h"
 #include "plugin/settings/settings.h"
 

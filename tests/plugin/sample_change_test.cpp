@@ -1,7 +1,7 @@
 // What tools of MeshLab do to the sample of a tree.
-#include "plugin/meshlab/2020/sample_change.h"
+#include "plugin/meshlab/sample_change.h"
 
-#include "plugin/meshlab/2020/layer.h"
+#include "plugin/meshlab/layer.h"
 #include "plugin/scene/open_clouds.h"
 #include "tests/plugin/scenes.h"
 

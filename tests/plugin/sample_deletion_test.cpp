@@ -1,8 +1,8 @@
 #include "plugin/panels/sample_deletion.h"
 
-#include "plugin/meshlab/2020/document_scene.h"
-#include "plugin/meshlab/2020/layer.h"
-#include "plugin/meshlab/2020/sample_change.h"
+#include "plugin/meshlab/document_scene.h"
+#include "plugin/meshlab/layer.h"
+#include "plugin/meshlab/sample_change.h"
 #include "plugin/scene/open_clouds.h"
 #include "plugin/scene/sample_region.h"
 #include "tests/plugin/scenes.h"

@@ -1,5 +1,5 @@
 // Conversion between MeshLab's camera and a pose, checked against MeshLab's own matrices.
-#include "plugin/meshlab/2020/trackball_pose.h"
+#include "plugin/meshlab/trackball_pose.h"
 
 #include <gtest/gtest.h>
 #include "pcm/cloud/vector.h"

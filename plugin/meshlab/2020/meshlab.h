@@ -1,9 +1,10 @@
-// All of MeshLab's and VCG's headers that the plugins use, for MeshLab 2020.09. Nothing else includes one.
+// MeshLab's and VCG's headers for MeshLab 2020.09.
 #pragma once
 
 #include <common/interfaces.h>
 #include <common/ml_mesh_type.h>
 #include <common/ml_selection_buffers.h>
+#include <common/mlexception.h>
 #include <common/pluginmanager.h>
 #include <meshlab/glarea.h>
 #include <meshlab/ml_default_decorators.h>
