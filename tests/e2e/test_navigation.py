@@ -321,8 +321,8 @@ class Navigation(MeshLabTest):
                 wait-status complete
                 print-camera before
                 picture {self.result(f"{name}-before.png")}
-                pause 2
-                double-click 0.48 0.55
+                misdirect-double-click
+                double-click 0.45 0.55
                 wait-log Recentering on point
                 wait-status complete
                 print-camera centred

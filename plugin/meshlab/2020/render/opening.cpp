@@ -7,9 +7,11 @@
 #include "plugin/meshlab/2020/trackball_pose.h"
 #include "plugin/settings/settings.h"
 
-#include <QEvent>
+#include <QCoreApplication>
 #include <QFont>
 #include <QFontMetrics>
+#include <QMouseEvent>
+#include <QTimer>
 
 #include <cmath>
 #include <utility>
@@ -112,12 +114,30 @@ void Opening::expect(GLArea& area, int mesh_id, const Show& show)
     if (opening->known_.insert(mesh_id).second) opening->to_look_ = true;
 }
 
-Opening::Opening(GLArea* area) : QObject(area), area_(area) { area->installEventFilter(this); }
+Opening::Opening(GLArea* area) : QObject(area), area_(area)
+{
+    area->installEventFilter(this);
+    connect(area, SIGNAL(transmitPickedPos(QString, Point2m)), SLOT(place_sent(QString)));
+}
 
 bool Opening::eventFilter(QObject* receiver, QEvent* event)
 {
     if (receiver == area_ && event->type() == QEvent::Paint) before_paint();
+    if (receiver == area_ && event->type() == QEvent::MouseButtonDblClick)
+        double_click_ = static_cast<QMouseEvent*>(event)->pos();
     return QObject::eventFilter(receiver, event);
+}
+
+// MeshLab does not initialize GLArea::hasToGetPickCoords. Where it happens to be set, the first double click of a view
+// is sent to a parameter that nothing has asked for, and the view is not centred on the point.
+void Opening::place_sent(const QString& name)
+{
+    if (!name.isEmpty()) return;
+    QTimer::singleShot(0, this, [this] {
+        QMouseEvent again(QEvent::MouseButtonDblClick, double_click_, area_->mapToGlobal(double_click_), Qt::LeftButton,
+                          Qt::LeftButton, Qt::NoModifier);
+        QCoreApplication::sendEvent(area_, &again);
+    });
 }
 
 void Opening::before_paint()

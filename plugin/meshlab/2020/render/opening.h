@@ -1,9 +1,10 @@
 // What a view does when a tree is opened in it, before MeshLab paints it: it shows the tree instead of MeshLab's
-// points, and looks at it obliquely if nothing else is shown and the camera is where MeshLab has put it. Child of the
-// view.
+// points, and looks at it obliquely if nothing else is shown and the camera is where MeshLab has put it. It also gives
+// back the first double click, which MeshLab may lose. Child of the view.
 #pragma once
 
 #include <QObject>
+#include <QPoint>
 #include <QSize>
 
 #include <array>
@@ -30,6 +31,10 @@ public:
 protected:
     bool eventFilter(QObject* receiver, QEvent* event) override;
 
+private slots:
+    // MeshLab has sent the place of a double click to whatever asked for it by this name.
+    void place_sent(const QString& name);
+
 private:
     explicit Opening(GLArea* area);
     void before_paint();
@@ -44,6 +49,7 @@ private:
     std::optional<Track> looked_;  // until the camera is moved
     QSize looked_size_;
     bool own_background_ = false;
+    QPoint double_click_;  // the place of the last one
 };
 
 }  // namespace pcm::host
