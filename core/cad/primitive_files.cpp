@@ -188,6 +188,8 @@ void write_table(const std::filesystem::path& file, const DrawingList& list, Cad
     output.finish();
 }
 
+bool is_step(const std::string& extension) { return extension == ".step" || extension == ".stp"; }
+
 }  // namespace
 
 const char* name_of(CadUnit unit) { return unit_names[static_cast<std::size_t>(unit)]; }
@@ -205,8 +207,9 @@ void check_primitive_file(const std::filesystem::path& file, bool overwrite)
     const auto is_it = [&](const char* other) { return extension == other; };
     if (std::none_of(std::begin(cad_extensions), std::end(cad_extensions), is_it))
         throw Error(ErrorCode::invalid_argument, file, "the extension says no format of primitives",
-                    "use .dxf, .scr, .csv or .json");
+                    "use .dxf, .step, .scr, .csv or .json");
     if (extension == ".dxf") require_dxf(file);
+    if (is_step(extension)) require_step(file);
     check_output(file, overwrite);
 }
 
@@ -231,6 +234,8 @@ CadReport write_primitives(const std::filesystem::path& file, const std::vector<
     DrawingList list = drawing_list(primitives, extension != ".csv");
     if (extension == ".csv")
         write_table(file, list, options.unit);
+    else if (is_step(extension))
+        write_step(file, list, options);
     else if (extension == ".scr")
         write_script(file, list, options);
     else

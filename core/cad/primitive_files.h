@@ -32,6 +32,9 @@ struct CadReport {
 // - .dxf: a layer per primitive with its name, true colour and nearest indexed colour. Planes as closed polylines in
 //   space and 3DFACEs; the others as closed meshes of 3DFACEs with their axes, and with rims and lines on the surface
 //   as polylines in space, for programs that show no faces. Circles across z are circles.
+// - .step, .stp: AP214 with a solid per primitive, with its name and colour; planes as trimmed faces. The file has a
+// unit:
+//   metres where none is given, which a note says.
 // - .scr: a script for AutoCAD and what understands its commands, in the world's coordinates: true solids by CYLINDER,
 //   SPHERE, CONE, TORUS and, for a part of a torus, REVOLVE; planes as closed 3DPOLYs. One UNDO takes all of it back;
 //   no setting of the program is changed, and its object snaps are ignored.
@@ -43,12 +46,14 @@ struct CadReport {
 // left out of drawings and tables, and those without known bounds out of drawings; the notes report it. Throws
 // Error(invalid_argument) for an extension that is none of these, for a list in which nothing is to be written, numbers
 // that are not finite, and a chord that takes more than 1,000,000 faces; Error(exists); Error(unsupported) for DXF
-// where it was not built; what OutputFile throws.
+// and STEP where they were not built; what OutputFile throws.
 CadReport write_primitives(const std::filesystem::path& file, const std::vector<Primitive>& primitives,
                            const CadOptions& options = {});
+// Whether .step can be written, without loading what writes it: for what is only shown.
+bool writes_step();
 // Throws what write_primitives() would because of the file's name and of what is there: before long work, not after it.
 void check_primitive_file(const std::filesystem::path& file, bool overwrite);
-inline constexpr const char* cad_extensions[] = {".dxf", ".scr", ".csv", ".json"};
+inline constexpr const char* cad_extensions[] = {".dxf", ".step", ".stp", ".scr", ".csv", ".json"};
 
 // {"format": "pcm primitives", "version": 1, "primitives": [...]}, angles in radians. A primitive has "name", "kind"
 // and what its kind needs of "point", "axis" (any length but 0), "radius", "half_angle" and "tube_radius". All else may

@@ -1,16 +1,19 @@
 #include "pcm/place/departure.h"
 
+#include "pcm/fit/station_spread.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/even_noise.h"
 #include "pcm/place/tuning.h"
 #include "pcm/system/text.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <map>
 
 namespace pcm {
 namespace {
@@ -41,10 +44,14 @@ Vector monomials(const std::array<double, variables>& x)
 struct OnShape {
     std::vector<Vec3d> foot, normal;  // the foot about the first of the points
     std::vector<double> distance;
+    std::vector<std::size_t> station;  // from 0; empty: they are one
+    std::size_t stations = 0;
 };
 
-OnShape on_shape(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
+OnShape on_shape(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
+                 const ShiftedStations* stations)
 {
+    std::map<std::uint32_t, std::size_t> indices;
     OnShape on;
     for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most_points) {
         const double d = signed_distance(shape, points[i]);
@@ -53,7 +60,9 @@ OnShape on_shape(const Shape& shape, double threshold, const std::vector<Vec3d>&
         on.foot.push_back(points[i] - points.front() - d * normal);
         on.normal.push_back(normal);
         on.distance.push_back(d);
+        if (stations) on.station.push_back(indices.emplace(stations->numbers[i], indices.size()).first->second);
     }
+    on.stations = indices.size();
     return on;
 }
 
@@ -65,6 +74,112 @@ double agreement_of(const OnShape& on, const std::vector<double>& rest)
     ErrorAgreement alike(box.min, box.diagonal() / place_tuning().growth.agreement_cubes);
     for (std::size_t i = 0; i < rest.size(); ++i) alike.add(on.foot[i], rest[i]);
     return alike.factor();
+}
+
+// Least squares of the distances by a polynomial, and by shifts of the stations, which a prior keeps near their spread.
+class SmoothSurface {
+public:
+    SmoothSurface(const OnShape& on, const ShiftedStations* stations)
+        : on_(on), columns_(static_cast<Eigen::Index>(3 * on.stations))
+    {
+        if (stations) prior_ = std::pow(stations->noise / stations->spread, 2);
+        across_ = Eigen::MatrixXd::Zero(columns_, terms);
+        pulls_ = Eigen::VectorXd::Zero(columns_);
+        Eigen::MatrixXd normals = prior_ * Eigen::MatrixXd::Identity(columns_, columns_);
+        for (std::size_t i = 0; i < on.distance.size(); ++i) add(i, normals);
+        if (columns_ == 0) return;
+        shifts_.compute(normals);
+        a_.triangularView<Eigen::StrictlyUpper>() = a_.transpose();
+        a_ -= across_.transpose() * shifts_.solve(across_);
+        b_ -= across_.transpose() * shifts_.solve(pulls_);
+        squares_ -= pulls_.dot(shifts_.solve(pulls_));
+    }
+
+    Departure departure()
+    {
+        if (!(squares_ > 0)) return {};
+        const Eigen::SelfAdjointEigenSolver<Matrix> system(a_);
+        const std::size_t count = on_.distance.size();
+        double gain = 0, rank = 0;
+        for (Eigen::Index k = terms; k-- > 0;) {
+            const double value = system.eigenvalues()[k];
+            if (!(value > least_singular * least_singular * system.eigenvalues()[terms - 1])) break;
+            if (static_cast<std::size_t>(rank + 1) * least_per_term > count) break;
+            const double along = system.eigenvectors().col(k).dot(b_);
+            gain += along * along / value;
+            x_ += along / value * system.eigenvectors().col(k);
+            rank += 1;
+        }
+        const auto n = static_cast<double>(count), freedom = n - rank - static_cast<double>(columns_);
+        if (!(freedom > 0)) return {};
+        const double variance = std::max(squares_ - gain, 0.0) / freedom;
+        Departure result;
+        result.points = count;
+        result.share = std::max(0.0, 1 - variance / (squares_ / n));
+        result.size = std::sqrt(result.share * squares_ / n);
+        result.rest = std::sqrt(variance);
+        result.agreement = agreement_of(on_, rest());
+        result.is_chance = !is_more_noise(gain / rank, rank, variance, freedom);
+        return result;
+    }
+
+private:
+    void add(std::size_t i, Eigen::MatrixXd& normals)
+    {
+        const Vec3d& n = on_.normal[i];
+        rows_.push_back(monomials({n[0], n[1], n[2], on_.foot[i][0], on_.foot[i][1], on_.foot[i][2]}));
+        const Vector& row = rows_.back();
+        const double d = on_.distance[i];
+        a_.selfadjointView<Eigen::Lower>().rankUpdate(row);
+        b_ += d * row;
+        squares_ += d * d;
+        if (columns_ == 0) return;
+        const auto first = static_cast<Eigen::Index>(3 * on_.station[i]);
+        const Eigen::Vector3d normal(n[0], n[1], n[2]);
+        normals.block<3, 3>(first, first) += normal * normal.transpose();
+        across_.middleRows<3>(first) += normal * row.transpose();
+        pulls_.segment<3>(first) += d * normal;
+    }
+
+    // What polynomial and shifts leave.
+    std::vector<double> rest() const
+    {
+        const Eigen::VectorXd shifts = columns_ ? Eigen::VectorXd(shifts_.solve(pulls_ - across_ * x_)) : pulls_;
+        std::vector<double> rest;
+        for (std::size_t i = 0; i < rows_.size(); ++i) {
+            rest.push_back(on_.distance[i] - rows_[i].dot(x_));
+            for (std::size_t axis = 0; columns_ && axis < 3; ++axis)
+                rest.back() -= on_.normal[i][axis] * shifts[static_cast<Eigen::Index>(3 * on_.station[i] + axis)];
+        }
+        return rest;
+    }
+
+    const OnShape& on_;
+    const Eigen::Index columns_;  // of the shifts
+    double prior_ = 0;
+    Matrix a_ = Matrix::Zero();
+    Vector b_ = Vector::Zero(), x_ = Vector::Zero();
+    std::vector<Vector> rows_;
+    double squares_ = 0;
+    Eigen::MatrixXd across_;
+    Eigen::VectorXd pulls_;
+    Eigen::LDLT<Eigen::MatrixXd> shifts_;
+};
+
+Departure smooth_departure(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
+                           const ShiftedStations* stations)
+{
+    OnShape on = on_shape(shape, threshold, points, stations);
+    const std::size_t count = on.distance.size();
+    if (count < least_points) return {};
+    if (stations && (on.stations < 2 || on.stations > StationEvidence::most_stations)) return {};
+    Vec3d middle{};
+    for (const Vec3d& p : on.foot) middle = middle + (1 / static_cast<double>(count)) * p;
+    double size = 0;
+    for (const Vec3d& p : on.foot) size = std::max(size, length(p - middle));
+    if (!(size > 0)) return {};
+    for (Vec3d& p : on.foot) p = (1 / size) * (p - middle);
+    return SmoothSurface(on, stations).departure();
 }
 
 }  // namespace
@@ -84,50 +199,13 @@ std::string Departure::message(const std::string& shape) const
 
 Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
 {
-    const OnShape on = on_shape(shape, threshold, points);
-    const std::size_t count = on.distance.size();
-    if (count < least_points) return {};
-    Vec3d middle{};
-    for (const Vec3d& p : on.foot) middle = middle + (1 / static_cast<double>(count)) * p;
-    double size = 0;
-    for (const Vec3d& p : on.foot) size = std::max(size, length(p - middle));
-    if (!(size > 0)) return {};
-    Matrix a = Matrix::Zero();
-    Vector b = Vector::Zero(), x = Vector::Zero();
-    std::vector<Vector> rows;
-    double squares = 0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const Vec3d at = (1 / size) * (on.foot[i] - middle), &n = on.normal[i];
-        rows.push_back(monomials({n[0], n[1], n[2], at[0], at[1], at[2]}));
-        const Vector& row = rows.back();
-        a.selfadjointView<Eigen::Lower>().rankUpdate(row);
-        b += on.distance[i] * row;
-        squares += on.distance[i] * on.distance[i];
-    }
-    if (!(squares > 0)) return {};
-    const Eigen::SelfAdjointEigenSolver<Matrix> system(a);
-    double gain = 0, rank = 0;
-    for (Eigen::Index k = terms; k-- > 0;) {
-        const double value = system.eigenvalues()[k];
-        if (!(value > least_singular * least_singular * system.eigenvalues()[terms - 1])) break;
-        if (static_cast<std::size_t>(rank + 1) * least_per_term > count) break;
-        const double along = system.eigenvectors().col(k).dot(b);
-        gain += along * along / value;
-        x += along / value * system.eigenvectors().col(k);
-        rank += 1;
-    }
-    const auto n = static_cast<double>(count);
-    const double left = std::max(squares - gain, 0.0), variance = left / (n - rank);
-    Departure result;
-    result.points = count;
-    result.share = std::max(0.0, 1 - variance / (squares / n));
-    result.size = std::sqrt(result.share * squares / n);
-    result.rest = std::sqrt(variance);
-    std::vector<double> rest;
-    for (std::size_t i = 0; i < count; ++i) rest.push_back(on.distance[i] - rows[i].dot(x));
-    result.agreement = agreement_of(on, rest);
-    result.is_chance = !is_more_noise(gain / rank, rank, variance, n - rank);
-    return result;
+    return smooth_departure(shape, threshold, points, nullptr);
+}
+
+Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
+                       const ShiftedStations& stations)
+{
+    return smooth_departure(shape, threshold, points, &stations);
 }
 
 }  // namespace pcm

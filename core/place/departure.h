@@ -5,6 +5,7 @@
 #include "pcm/shapes/shape.h"
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -33,5 +34,18 @@ struct Departure {
 // than the threshold (above 0, source units) are ignored, of many some take part, and fewer than 60 say nothing. One
 // thread; milliseconds.
 Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points);
+
+// Stations of a scanner, each of which may be shifted as a whole.
+struct ShiftedStations {
+    std::vector<std::uint32_t> numbers;  // one per point
+    double spread = 0;                   // standard deviation of a shift along each axis, above 0, source units
+    double noise = 0;                    // standard deviation of the points, above 0, source units
+};
+
+// The same beyond what shifts of stations explain, by least squares of both together: a registration that leaves
+// stations apart makes a round pipe out of round, and an oval one is out of round for each of them. From two stations
+// to StationEvidence::most_stations; nothing of others.
+Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
+                       const ShiftedStations& stations);
 
 }  // namespace pcm

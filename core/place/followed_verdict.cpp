@@ -4,9 +4,9 @@
 #include "pcm/fit/shape_fit.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
-#include "pcm/place/departure.h"
 #include "pcm/place/point_stations.h"
 #include "pcm/place/progress_part.h"
+#include "pcm/place/station_departure.h"
 #include "pcm/place/station_survey.h"
 #include "pcm/place/surface_beyond.h"
 #include "pcm/place/tuning.h"
@@ -121,9 +121,9 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
               "almost as many points are beside the " + name +
                   " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
                   "where the noise is larger");
-    } else if (is_automatic && departure.is_smooth(known_noise()) &&
-               departure.size > place_tuning().departure.min_station_spreads * station_spread()) {
-        doubt(fit, FitIssue::uneven, departure.message(name));
+    } else if (is_automatic && !departure.is_chance) {
+        const Departure own = without_stations(departure, result);
+        if (own.is_smooth(known_noise())) doubt(fit, FitIssue::uneven, own.message(name));
     }
 }
 
@@ -158,19 +158,33 @@ double FollowedVerdict::known_noise() const
 }
 
 // Stations that the registration has left apart make a round pipe out of round by as much.
-double FollowedVerdict::station_spread() const
+const FollowedVerdict::Stations& FollowedVerdict::stations()
 {
+    if (stations_) return *stations_;
+    stations_ = {known_.registration, false};
     const PointStations stations(*cloud_.tree());
-    if (stations.source() == StationSource::none) return known_.registration;
+    if (stations.source() == StationSource::none) return *stations_;
     const StationSurvey survey = station_survey(*cloud_.tree(), stations, places_.front());
-    return survey.names_stations ? std::max(survey.evidence.spread().spread, known_.registration) : known_.registration;
+    if (survey.names_stations) stations_ = {std::max(survey.evidence.spread().spread, known_.registration), true};
+    return *stations_;
+}
+
+// What is left of it beyond shifts of stations; nothing where it is not known which points are a station's.
+Departure FollowedVerdict::without_stations(const Departure& departure, const FittedPrimitive& result)
+{
+    const double spread = stations().spread;
+    if (departure.is_smooth(known_noise()) && departure.size > place_tuning().departure.min_station_spreads * spread)
+        return departure;
+    if (!(spread > 0 && known_noise() > 0 && stations().are_named)) return {};
+    return departure_within_stations(result.points, result.primitive.fit, PointStations(*cloud_.tree()),
+                                     {spread, known_noise()}, options_.threads, part_of(progress_, 0.94, 0.94));
 }
 
 // Two stations apart leave a surface to both of its sides, by what other surfaces show of them and no more.
-bool FollowedVerdict::is_of_stations(double noise, const SurfaceEvidence& evidence) const
+bool FollowedVerdict::is_of_stations(double noise, const SurfaceEvidence& evidence)
 {
     if (!evidence.has_two_peaks()) return false;
-    const double spread = station_spread();
+    const double spread = stations().spread;
     return spread > 0 && noise <= place_tuning().following.max_station_noise * std::hypot(known_noise(), spread);
 }
 

@@ -2,6 +2,7 @@
 // noise that the points at the place have.
 #pragma once
 
+#include "pcm/place/departure.h"
 #include "pcm/place/fit_at.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/query/point_set.h"
@@ -47,6 +48,11 @@ public:
     bool cuts_noise() const { return cuts_noise_; }
 
 private:
+    struct Stations {
+        double spread = 0;       // along each axis, source units; 0: they are not apart, or nothing is known
+        bool are_named = false;  // whether points say from which one they are
+    };
+
     // `around` of coarse levels, up to beyond_thresholds from the shape; `fitted` at random of those that were fitted.
     void judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around, const std::vector<Vec3d>& fitted,
                      FittedPrimitive& result);
@@ -59,8 +65,9 @@ private:
     void find_other_kind(const ShapeFit& fit, const PointSet& around);
     double resolution() const;
     double known_noise() const;
-    double station_spread() const;
-    bool is_of_stations(double noise, const SurfaceEvidence& evidence) const;
+    const Stations& stations();
+    Departure without_stations(const Departure& departure, const FittedPrimitive& result);
+    bool is_of_stations(double noise, const SurfaceEvidence& evidence);
 
     const PointCloud& cloud_;
     const std::vector<Vec3d>& places_;
@@ -70,6 +77,7 @@ private:
     std::optional<ShapeFit> other_;
     std::string other_doubt_;
     bool cuts_noise_ = false;
+    std::optional<Stations> stations_;  // once they were looked for
 };
 
 }  // namespace pcm

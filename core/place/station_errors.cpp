@@ -5,16 +5,12 @@
 #include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/point_stations.h"
-#include "pcm/place/progress_part.h"
+#include "pcm/place/station_scan.h"
 #include "pcm/place/station_survey.h"
 #include "pcm/place/tuning.h"
-#include "pcm/select/point_scan.h"
-#include "pcm/tree/source_rounding.h"
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <mutex>
 #include <utility>
 
 namespace pcm {
@@ -55,57 +51,6 @@ void doubt_uncertain_size(ShapeFit& fit)
         "farther around it";
 }
 
-class StationScan {
-public:
-    StationScan(const PointSet& points, const PointStations& stations, const StationErrorOptions& options)
-        : points_(points), tree_(points.tree()), rounding_(tree_.info()), stations_(stations), options_(options)
-    {
-    }
-
-    // Calls see(part, place, station) for each point with a part of its node, which begins as a copy of `empty`, and
-    // adds the parts in the nodes' order.
-    template <class Part, class See>
-    Part sums(const Part& empty, const See& see)
-    {
-        std::map<NodeId, Part> parts;
-        std::mutex mutex;
-        ScanOptions scan;
-        scan.within = &points_;
-        scan.columns = stations_.columns();
-        scan.select.threads = options_.threads;
-        scan.select.progress = options_.progress;
-        scan.stage = "Comparing stations";
-        scan.begin = passes_++ / 3.0;
-        scan.end = passes_ / 3.0;
-        scan_points(tree_, {}, scan, [&](const ScannedPoints& found) {
-            Part part = empty;
-            for (const std::uint32_t i : found.indices)
-                see(part, rounding_(tree_.info().grid.to_source(found.part.chunk.positions->grid(i))),
-                    stations_.at(found.part.chunk, i));
-            const std::lock_guard lock(mutex);
-            parts.emplace(found.node, std::move(part));
-        });
-        Part all = empty;
-        for (const auto& [node, part] : parts) add(all, part);
-        return all;
-    }
-
-private:
-    static void add(Box3d& to, const Box3d& from) { to.extend(from); }
-    template <class Part>
-    static void add(Part& to, const Part& from)
-    {
-        to.add(from);
-    }
-
-    const PointSet& points_;
-    const Tree& tree_;
-    const SourceRounding rounding_;
-    const PointStations& stations_;
-    const StationErrorOptions& options_;
-    int passes_ = 0;
-};
-
 // What is left of the agreement of neighbours when the stations are put where they belong.
 double agreement_within(StationScan& scan, const StationSums& sums, double spread, double noise, const Box3d& box)
 {
@@ -136,7 +81,7 @@ void add_station_errors(const PointSet& points, const StationErrorOptions& optio
         add_in_quadrature(fit.errors, errors_of_unknown_stations(fit, options.registration));
         return doubt_uncertain_size(fit);
     }
-    StationScan scan(points, stations, options);
+    StationScan scan(points, stations, {options.threads, options.progress, 3});
     const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });
     const StationSums sums =
         scan.sums(StationSums(fit.shape, box.centre(), box.diagonal()),

@@ -17,6 +17,7 @@ namespace pcm {
 
 class CommandScript;
 class ShapeDrawing;
+class ShapeSolids;
 struct MeshOptions;
 struct OutlineArea;
 struct OutlineOptions;
@@ -113,6 +114,7 @@ struct ShapeTraits {
     std::string (&draw)(const Shape& shape, const ShapeBounds& bounds, const MeshOptions& options,
                         ShapeDrawing& drawing);
     void (&script)(const Shape& shape, const ShapeBounds& bounds, CommandScript& script);  // the solid, by commands
+    void (&solid)(const Shape& shape, const ShapeBounds& bounds, ShapeSolids& solids);     // the solid itself
 
     constexpr bool is_flat() const { return axis == ShapeAxis::normal; }
     constexpr bool has_axis() const { return axis != ShapeAxis::none; }

@@ -13,8 +13,10 @@ std::vector<std::filesystem::path> places(const std::string& name)
     std::vector<std::filesystem::path> all;
     Dl_info here{};
     if (dladdr(reinterpret_cast<const void*>(&places), &here) && here.dli_fname) {
+        std::filesystem::path code = here.dli_fname;
+        if (!code.has_parent_path()) code = "/proc/self/exe";  // a program that was started by its name alone
         std::error_code ignored;
-        const auto folder = std::filesystem::weakly_canonical(here.dli_fname, ignored).parent_path();
+        const auto folder = std::filesystem::weakly_canonical(code, ignored).parent_path();
         all = {folder / name, folder / PCM_LIBRARY_FROM_PROGRAM / name};
     }
     all.emplace_back(std::filesystem::path(PCM_LIBRARY_FOLDER) / name);

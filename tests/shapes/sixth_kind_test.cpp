@@ -4,6 +4,7 @@
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
 #include "pcm/shapes/shape_lines.h"
+#include "pcm/shapes/shape_solids.h"
 #include "tests/shapes/row_columns.h"
 
 #include <gtest/gtest.h>
@@ -29,6 +30,7 @@ void mesh(const Shape&, const ShapeBounds&, const MeshOptions&, const FaceVisito
 void mesh_lines(const Shape&, const ShapeBounds&, const MeshOptions&, ShapeLines&) {}
 std::string draw(const Shape&, const ShapeBounds&, const MeshOptions&, ShapeDrawing&) { return "it has none"; }
 void script(const Shape&, const ShapeBounds&, CommandScript& commands) { commands.line("_.BOX"); }
+void solid(const Shape& shape, const ShapeBounds&, ShapeSolids& solids) { solids.ball(shape.point, shape.second); }
 
 constexpr auto sixth = static_cast<ShapeKind>(5);
 constexpr ShapeTraits row{sixth,
@@ -53,13 +55,14 @@ constexpr ShapeTraits row{sixth,
                           mesh,
                           mesh_lines,
                           draw,
-                          script};
+                          script,
+                          solid};
 
-using Columns =
-    std::tuple<ShapeKind, const char*, const char*, const char*, std::size_t, PlaceWords, ShapeAxis, ShapeExtent,
-               ShapeSizes, decltype((fault)), decltype((distance)), decltype((normal)), decltype((bend)),
-               decltype((place)), decltype((in_box)), decltype((by_points)), decltype((extend)), decltype((area)),
-               decltype((lines)), decltype((mesh)), decltype((mesh_lines)), decltype((draw)), decltype((script))>;
+using Columns = std::tuple<ShapeKind, const char*, const char*, const char*, std::size_t, PlaceWords, ShapeAxis,
+                           ShapeExtent, ShapeSizes, decltype((fault)), decltype((distance)), decltype((normal)),
+                           decltype((bend)), decltype((place)), decltype((in_box)), decltype((by_points)),
+                           decltype((extend)), decltype((area)), decltype((lines)), decltype((mesh)),
+                           decltype((mesh_lines)), decltype((draw)), decltype((script)), decltype((solid))>;
 static_assert(rows::Table<ShapeTraits, Columns>::is_whole, "a column of the row is not in this list");
 static_assert(rows::Table<ShapeTraits, Columns>::optional == 0, "a row compiles without one of its columns");
 

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+#include <filesystem>
+#include <string>
+
 namespace pcm {
 namespace {
 
@@ -27,6 +31,15 @@ TEST(SharedModule, BesideTheProgramAndOfTheSameVersion)
     ASSERT_NE(module.functions, nullptr) << module.missing;
     EXPECT_EQ(module.missing, "");
     EXPECT_EQ(*static_cast<const std::uint32_t*>(module.functions), 7u);
+}
+
+// By its name alone, a program knows no folder of its own: this one, run again as a shell finds it.
+TEST(SharedModule, BesideAProgramThatIsFoundOnThePath)
+{
+    const std::filesystem::path here = std::filesystem::canonical("/proc/self/exe");
+    const std::string command = "cd / && PATH='" + here.parent_path().string() + "' exec " + here.filename().string() +
+                                " --gtest_filter=SharedModule.BesideTheProgramAndOfTheSameVersion > /dev/null";
+    EXPECT_EQ(std::system(command.c_str()), 0) << command;
 }
 
 TEST(SharedModule, AnotherVersionIsRefusedWithItsPath)

@@ -1,12 +1,14 @@
 #include "pcm/ops/shared/drawing_arguments.h"
 
 #include "pcm/cad/dxf_file.h"
+#include "pcm/cad/primitive_files.h"
 
 namespace pcm::ops {
 
 std::string drawing_formats()
 {
     return std::string(writes_dxf() ? ".dxf (a layer each, meshes and lines), " : "") +
+           (writes_step() ? ".step (solids with names and colours), " : "") +
            ".scr (a script for AutoCAD, with true solids), .csv (parameters and their uncertainties), .json (a list)";
 }
 

@@ -7,6 +7,7 @@
 #include "pcm/shapes/fitted_shape.h"
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
+#include "pcm/shapes/shape_solids.h"
 
 #include <cmath>
 
@@ -88,6 +89,13 @@ void script(const Shape& shape, const ShapeBounds& bounds, CommandScript& comman
     commands.line(CommandScript::decimal(bounds.to - bounds.from));
 }
 
+void solid(const Shape& shape, const ShapeBounds& bounds, ShapeSolids& solids)
+{
+    const double slope = std::tan(shape.second);
+    solids.frustum(shape.point + bounds.from * shape.axis, shape.axis, bounds.from * slope, bounds.to * slope,
+                   bounds.to - bounds.from);
+}
+
 }  // namespace
 
 constexpr ShapeTraits cone_shape{ShapeKind::cone,
@@ -112,6 +120,7 @@ constexpr ShapeTraits cone_shape{ShapeKind::cone,
                                  mesh,
                                  mesh_lines,
                                  draw_along_axis,
-                                 script};
+                                 script,
+                                 solid};
 
 }  // namespace pcm

@@ -7,6 +7,7 @@
 #include "pcm/shapes/fitted_shape.h"
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
+#include "pcm/shapes/shape_solids.h"
 
 namespace pcm {
 namespace {
@@ -59,6 +60,12 @@ void script(const Shape& shape, const ShapeBounds& bounds, CommandScript& comman
     commands.lines({CommandScript::decimal(shape.radius), CommandScript::decimal(bounds.to - bounds.from)});
 }
 
+void solid(const Shape& shape, const ShapeBounds& bounds, ShapeSolids& solids)
+{
+    solids.frustum(shape.point + bounds.from * shape.axis, shape.axis, shape.radius, shape.radius,
+                   bounds.to - bounds.from);
+}
+
 }  // namespace
 
 constexpr ShapeTraits cylinder_shape{ShapeKind::cylinder,
@@ -83,6 +90,7 @@ constexpr ShapeTraits cylinder_shape{ShapeKind::cylinder,
                                      mesh,
                                      mesh_lines,
                                      draw_along_axis,
-                                     script};
+                                     script,
+                                     solid};
 
 }  // namespace pcm

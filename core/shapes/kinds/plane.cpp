@@ -9,6 +9,7 @@
 #include "pcm/shapes/shape_drawing.h"
 #include "pcm/shapes/shape_lines.h"
 #include "pcm/shapes/shape_mesh.h"
+#include "pcm/shapes/shape_solids.h"
 
 #include <algorithm>
 
@@ -77,6 +78,11 @@ void script(const Shape&, const ShapeBounds& bounds, CommandScript& commands)
     commands.line("_C");
 }
 
+void solid(const Shape& shape, const ShapeBounds& bounds, ShapeSolids& solids)
+{
+    solids.face(shape.point, shape.axis, bounds.outline);
+}
+
 }  // namespace
 
 constexpr ShapeTraits plane_shape{ShapeKind::plane,
@@ -101,6 +107,7 @@ constexpr ShapeTraits plane_shape{ShapeKind::plane,
                                   no_mesh,
                                   no_mesh_lines,
                                   draw,
-                                  script};
+                                  script,
+                                  solid};
 
 }  // namespace pcm

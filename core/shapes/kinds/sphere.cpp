@@ -7,6 +7,7 @@
 #include "pcm/shapes/fitted_shape.h"
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
+#include "pcm/shapes/shape_solids.h"
 
 #include <cmath>
 
@@ -99,6 +100,8 @@ void script(const Shape& shape, const ShapeBounds&, CommandScript& commands)
     commands.line(CommandScript::decimal(shape.radius));
 }
 
+void solid(const Shape& shape, const ShapeBounds&, ShapeSolids& solids) { solids.ball(shape.point, shape.radius); }
+
 }  // namespace
 
 constexpr ShapeTraits sphere_shape{ShapeKind::sphere,
@@ -123,6 +126,7 @@ constexpr ShapeTraits sphere_shape{ShapeKind::sphere,
                                    mesh,
                                    mesh_lines,
                                    draw,
-                                   script};
+                                   script,
+                                   solid};
 
 }  // namespace pcm

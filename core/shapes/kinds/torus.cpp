@@ -7,6 +7,7 @@
 #include "pcm/shapes/fitted_shape.h"
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
+#include "pcm/shapes/shape_solids.h"
 
 #include <cmath>
 #include <utility>
@@ -116,6 +117,13 @@ std::string draw(const Shape& shape, const ShapeBounds& bounds, const MeshOption
     return {};
 }
 
+// The direction from the axis in which the arc begins.
+Vec3d arc_begin(const Shape& shape, const ShapeBounds& bounds)
+{
+    const Vec3d zero = normalised(bounds.zero - dot(bounds.zero, shape.axis) * shape.axis);
+    return std::cos(bounds.begin) * zero + std::sin(bounds.begin) * cross(shape.axis, zero);
+}
+
 void script(const Shape& shape, const ShapeBounds& bounds, CommandScript& commands)
 {
     const double arc = bounds.end - bounds.begin;
@@ -128,9 +136,7 @@ void script(const Shape& shape, const ShapeBounds& bounds, CommandScript& comman
         return;
     }
     // The tube's circle at the arc's beginning, revolved about the axis, which is y here.
-    const Vec3d zero = normalised(bounds.zero - dot(bounds.zero, shape.axis) * shape.axis);
-    const Vec3d begin = std::cos(bounds.begin) * zero + std::sin(bounds.begin) * cross(shape.axis, zero);
-    commands.coordinate_system(shape.point, begin, shape.axis);
+    commands.coordinate_system(shape.point, arc_begin(shape, bounds), shape.axis);
     commands.line("_.CIRCLE");
     commands.place({shape.radius, 0, 0});
     commands.line(CommandScript::decimal(shape.second));
@@ -138,6 +144,13 @@ void script(const Shape& shape, const ShapeBounds& bounds, CommandScript& comman
     commands.place({});
     commands.place({0, 1, 0});
     commands.line(CommandScript::decimal(arc * 180 / pi));
+}
+
+void solid(const Shape& shape, const ShapeBounds& bounds, ShapeSolids& solids)
+{
+    const double arc = std::min(bounds.end - bounds.begin, 2 * pi);
+    const Vec3d begin = bounds.zero == Vec3d{} ? AxisFrame(shape.axis).u : arc_begin(shape, bounds);
+    solids.ring(shape.point, shape.axis, begin, shape.radius, shape.second, bounds.zero == Vec3d{} ? 2 * pi : arc);
 }
 
 }  // namespace
@@ -164,6 +177,7 @@ constexpr ShapeTraits torus_shape{ShapeKind::torus,
                                   mesh,
                                   mesh_lines,
                                   draw,
-                                  script};
+                                  script,
+                                  solid};
 
 }  // namespace pcm

@@ -1,0 +1,23 @@
+// How points leave their shape together beyond what shifts of their stations explain.
+#pragma once
+
+#include "pcm/place/departure.h"
+#include "pcm/place/point_stations.h"
+#include "pcm/query/point_set.h"
+#include "pcm/shapes/fitted_shape.h"
+#include "pcm/system/progress.h"
+
+namespace pcm {
+
+// Standard deviations, above 0, source units.
+struct StationNoise {
+    double spread = 0;  // of a station's shift along each axis
+    double noise = 0;   // of a point's distance
+};
+
+// departure_of() with stations, of some of the points of the fit. Streams, once. Throws Error(cancelled), and what
+// reading throws.
+Departure departure_within_stations(const PointSet& points, const ShapeFit& fit, const PointStations& stations,
+                                    const StationNoise& errors, unsigned threads, const ProgressFunction& progress);
+
+}  // namespace pcm
