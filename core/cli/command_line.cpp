@@ -32,6 +32,8 @@ std::string type_of(const ops::Argument& argument)
     switch (argument.kind()) {
         case ops::ValueKind::bytes:
             return "SIZE";
+        case ops::ValueKind::step:
+            return "VALUES";
         case ops::ValueKind::whole:
         case ops::ValueKind::real:
         case ops::ValueKind::numbers: {
@@ -55,6 +57,7 @@ void expect_values(CLI::Option& option, const ops::Argument& argument)
     if ((kind == ops::ValueKind::words || kind == ops::ValueKind::texts || kind == ops::ValueKind::outputs) &&
         !argument.is_positional())
         option.allow_extra_args(false);
+    if (kind == ops::ValueKind::step) option.allow_extra_args(false)->trigger_on_parse();  // steps keep their order
     if (kind == ops::ValueKind::words || kind == ops::ValueKind::numbers) option.delimiter(',');
 }
 

@@ -17,9 +17,9 @@ void start_program_for_opengl(ops::Context& context, const std::vector<std::stri
 
 // Operations that are filters of MeshLab alone are not in the list.
 constexpr const char* names[] = {
-    "build",     "convert", "info",    "verify",  "append",  "compact",    "delete",    "repair",   "query", "pick",
-    "select",    "fit",     "set",     "radii",   "normals", "outliers",   "transform", "align",    "merge", "voxel",
-    "subsample", "detect",  "measure", "profile", "volume",  "primitives", "render",    "generate",
+    "build", "convert",   "run",    "info",    "verify",  "append",  "compact",    "delete",    "repair",   "query",
+    "pick",  "select",    "fit",    "set",     "radii",   "normals", "outliers",   "transform", "align",    "merge",
+    "voxel", "subsample", "detect", "measure", "profile", "volume",  "primitives", "render",    "generate",
 };
 
 }  // namespace

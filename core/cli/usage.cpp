@@ -1,6 +1,7 @@
 #include "pcm/cli/usage.h"
 
 #include "pcm/cli/common.h"
+#include "pcm/cli/completion.h"
 #include "pcm/ops/operation.h"
 
 #include <algorithm>
@@ -93,37 +94,6 @@ std::string manual_page_of_all(const std::vector<Command>& commands)
            exit_status;
 }
 
-// The options of a command, separated by blanks.
-std::string options_of(const Command& command)
-{
-    std::string options = "--help --json --quiet";
-    const auto operation = row_of(command).make();
-    for (const ops::Argument& argument : operation->arguments().list())
-        if (argument.is_in(ops::Face::command) && argument.is_shown() && !argument.is_positional())
-            options += " --" + argument.option_name();
-    return options;
-}
-
-std::string completion(const std::string& shell, const std::vector<Command>& commands)
-{
-    if (shell != "bash" && shell != "zsh") throw UsageError("there is no completion for '" + shell + "': bash or zsh");
-    std::string names, cases;
-    for (const Command& command : commands) {
-        names += command.name + " ";
-        cases += "        " + command.name + ") words='" + options_of(command) + "' ;;\n";
-    }
-    const std::string bash =
-        "# Completion of pcmlab, for bash: source it, or put it into bash-completion's folder.\n"
-        "_pcmlab() {\n    local word=${COMP_WORDS[COMP_CWORD]} words=''\n"
-        "    if [ \"$COMP_CWORD\" -eq 1 ]; then\n        COMPREPLY=($(compgen -W '" +
-        names + "help manual' -- \"$word\"))\n        return\n    fi\n    case ${COMP_WORDS[1]} in\n" + cases +
-        "        help) words='" + names +
-        "' ;;\n    esac\n    case $word in\n        -*) COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
-        "        *) [ \"${COMP_WORDS[1]}\" != help ] || COMPREPLY=($(compgen -W \"$words\" -- \"$word\")) ;;\n"
-        "    esac\n}\ncomplete -o default -F _pcmlab pcmlab\n";
-    return shell == "bash" ? bash : "#compdef pcmlab\nautoload -U +X bashcompinit && bashcompinit\n" + bash;
-}
-
 }  // namespace
 
 std::optional<std::string> usage_text(const std::vector<std::string>& words, const std::vector<Command>& commands)
@@ -132,7 +102,7 @@ std::optional<std::string> usage_text(const std::vector<std::string>& words, con
     const std::string third = words.size() > 2 ? words[2] : "";
     if (words[1] == "--man")
         return third.empty() ? manual_page_of_all(commands) : manual_page(command_of(third, commands));
-    if (words[1] == "--completion") return completion(third, commands);
+    if (words[1] == "--completion") return completion_for(third, commands);
     if (words[1] != "--json") return std::nullopt;
     if (!third.empty()) return text_of(ops::usage_of(row_of(command_of(third, commands))));
     Json all{{"version", ops::version()}, {"commands", Json::array()}};

@@ -37,6 +37,8 @@ ValueKind kind_of(const Variable& variable)
                     return ValueKind::words;
                 else if constexpr (std::is_same_v<V, std::vector<double>>)
                     return ValueKind::numbers;
+                else if constexpr (std::is_same_v<V, std::vector<Step>>)
+                    return ValueKind::step;
                 else if constexpr (std::is_floating_point_v<V>)
                     return ValueKind::real;
                 else
@@ -95,7 +97,7 @@ const char* name_of(ValueKind kind)
 {
     static constexpr const char* names[] = {"flag",        "whole", "real",    "bytes",  "text",   "choice",
                                             "words",       "texts", "numbers", "file",   "output", "outputs",
-                                            "output_tree", "tree",  "trees",   "inputs", "cloud"};
+                                            "output_tree", "tree",  "trees",   "inputs", "cloud",  "step"};
     return names[static_cast<std::size_t>(kind)];
 }
 
@@ -171,6 +173,7 @@ bool Argument::is_list() const
         case ValueKind::trees:
         case ValueKind::inputs:
         case ValueKind::cloud:
+        case ValueKind::step:
             return true;
         default:
             return false;
@@ -357,6 +360,8 @@ void Argument::write(const std::vector<std::string>& words)
                 else if constexpr (std::is_same_v<V, std::vector<double>>) {
                     v->clear();
                     for (const std::string& word : words) v->push_back(number_of(word) * scale_);
+                } else if constexpr (std::is_same_v<V, std::vector<Step>>) {
+                    for (const std::string& word : words) v->push_back({key_, word});
                 } else if constexpr (std::is_floating_point_v<V>)
                     *v = static_cast<V>(number_of(words[0]) * scale_);
                 else

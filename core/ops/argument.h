@@ -42,6 +42,7 @@ enum class ValueKind : std::uint8_t {
     trees,        // several of these
     inputs,       // files, folders of files, trees
     cloud,        // the same; in dialogs one tree, the current layer's where it is empty
+    step,  // values of another operation in one word, "16,3" (shared/step.h); any number, each after its own option
 };
 const char* name_of(ValueKind kind);  // "whole"
 
@@ -56,14 +57,20 @@ struct ChoiceVariable {
     std::function<void(std::size_t)> set;
 };
 
+// A step of a chain as it is given: the name of an operation, which is the argument's key, and its values.
+struct Step {
+    std::string operation, values;
+};
+
 // Where an operation is called, which decides the names of arguments in messages.
 enum class Face : std::uint8_t { command, dialog };
 
-// Where the value goes. Optional variables are empty where nothing is given.
+// Where the value goes. Optional variables are empty where nothing is given. Arguments may share a list of steps, which
+// has them in the order in which they are set.
 using Variable =
     std::variant<bool*, float*, double*, std::uint32_t*, std::uint64_t*, std::string*, std::vector<std::string>*,
                  std::vector<double>*, std::optional<double>*, std::optional<std::uint16_t>*,
-                 std::optional<std::uint32_t>*, std::optional<std::uint64_t>*, ChoiceVariable>;
+                 std::optional<std::uint32_t>*, std::optional<std::uint64_t>*, std::vector<Step>*, ChoiceVariable>;
 
 class Argument {
 public:
@@ -119,7 +126,7 @@ public:
     bool is_advanced() const { return advanced_; }
     bool is_in(Face face) const { return !only_ || *only_ == face; }
     bool is_optional() const;  // nothing may be given
-    bool is_list() const;      // words, texts, outputs, trees, inputs, cloud
+    bool is_list() const;      // words, texts, outputs, trees, inputs, cloud, step
     const AllowedNumbers& allowed() const { return allowed_; }
     const std::vector<Choice>& choices() const { return choices_; }
     std::size_t least_count() const { return least_count_; }

@@ -46,6 +46,10 @@ public:
             target_.describe(result, target.path().string());
         }
         describe(result, report, cloud);
+        if (!options_.count_only && !report.coverage_kept && context.keeps_levels)
+            result.notes.push_back(
+                "coarse levels have gaps where points were deleted; the operation compact closes them and frees the "
+                "space");
         return result;
     }
 
@@ -71,10 +75,6 @@ private:
                      grouped(report.outcome.points_out).c_str(), grouped(report.nodes_rewritten).c_str(),
                      bytes_text(report.bytes_written).c_str(), grouped(report.nodes_emptied).c_str(),
                      report.outcome.seconds);
-        if (!report.coverage_kept)
-            result.notes.push_back(
-                "coarse levels have gaps where points were deleted; the operation compact closes them and frees the "
-                "space");
     }
 
     TargetArguments target_;
@@ -102,7 +102,8 @@ Row delete_row()
              {"bytes_written", "count", "bytes", "size of what was rewritten"},
              {"tree_bounds", "object?", "source units", "min and max of the tree before; null: it had no points"},
              {"levels_as_even_as_before", "flag", "", "false: coarse levels have gaps"}},
-            make<Delete>};
+            make<Delete>,
+            {"where"}};
 }
 
 }  // namespace pcm::ops

@@ -115,7 +115,8 @@ Row normals_row()
         menu::points | menu::normals,
         "-normals.pct",
         attribute_keys(),
-        make<Normals>};
+        make<Normals>,
+        {"neighbours"}};
 }
 
 }  // namespace pcm::ops

@@ -64,6 +64,7 @@ Json usage_of(const Row& row, std::optional<Face> face)
     json["results"] = Json::array();
     for (const ResultKey& key : row.results)
         json["results"].push_back({{"key", key.key}, {"type", key.type}, {"unit", key.unit}, {"help", key.help}});
+    json["step"] = row.step;
     return json;
 }
 

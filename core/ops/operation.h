@@ -80,6 +80,7 @@ struct Context {
     std::function<Result(const GpuRadiiRequest&)> gpu_radii;  // empty: this face has no such device
     std::function<Result(const RenderRequest&)> render;       // draws pictures; empty: this face has no OpenGL
     Window window;
+    bool keeps_levels = true;  // false: no note about the levels of the result, which another step replaces
 
     // Throws what PointCloud::open() throws.
     std::shared_ptr<PointCloud> open(const std::string& tree) const;
@@ -130,6 +131,9 @@ struct Row {
     const char* ending;  // names proposed for results end so: "-clean.pct"; null: none is proposed
     std::vector<ResultKey> results;
     std::unique_ptr<Operation> (*make)();
+    // Arguments that a step of a chain (shared/step.h) gives without their names, in this order; empty: it is not a
+    // step.
+    std::vector<std::string> step{};
 };
 
 // In the order of the help.
@@ -141,7 +145,7 @@ Row render_row();
 
 // All that a row says, for programs: name, title, help, arguments (key, option, script, label, help, unit, type,
 // default, least, most, choices, required, advanced, positional, list, on: whether it is a flag that is on by default),
-// results. Made from a new operation, so defaults are the real ones. `face`: only the arguments that it shows.
+// results, step. Made from a new operation, so defaults are the real ones. `face`: only the arguments that it shows.
 Json usage_of(const Row& row, std::optional<Face> face = {});
 
 }  // namespace pcm::ops

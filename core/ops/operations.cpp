@@ -27,6 +27,7 @@ Row primitives_row();
 Row profile_row();
 Row query_row();
 Row repair_row();
+Row run_row();
 Row save_selected_row();
 Row select_row();
 Row set_row();
@@ -64,6 +65,7 @@ const std::vector<Row>& operations()
         merge_row(),
         voxel_row(),
         subsample_row(),
+        run_row(),
         detect_row(),
         measure_row(),
         profile_row(),

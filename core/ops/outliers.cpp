@@ -79,6 +79,9 @@ public:
         put_report(result, report);
         put_values(result, report);
         write_lines(result, report);
+        if (!report.coverage_kept && context.keeps_levels)
+            result.notes.push_back(
+                "coarse levels have gaps where points were removed; the operation compact closes them");
         return result;
     }
 
@@ -105,9 +108,6 @@ private:
                         " neighbours: " + (options_.method == OutlierMethod::robust ? "median " : "mean ") +
                         brief(report.centre) + ", deviation " + brief(report.deviation) + ", outliers above " +
                         brief(report.threshold) + " source units");
-        if (!report.coverage_kept)
-            result.notes.push_back(
-                "coarse levels have gaps where points were removed; the operation compact closes them");
     }
 
     TargetArguments target_;
@@ -137,7 +137,8 @@ Row outliers_row()
                           {"deviation", "number", "source units", "their deviation"},
                           {"threshold", "number", "source units", "mean distance above which a point is an outlier"},
                           {"levels_as_even_as_before", "flag", "", "false: coarse levels have gaps"}}),
-        make<Outliers>};
+        make<Outliers>,
+        {"neighbours", "factor"}};
 }
 
 }  // namespace pcm::ops

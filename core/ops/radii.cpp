@@ -76,7 +76,8 @@ Row radii_row()
         menu::points,
         "-radii.pct",
         keys(),
-        make<Radii>};
+        make<Radii>,
+        {"neighbours"}};
 }
 
 }  // namespace pcm::ops

@@ -265,7 +265,8 @@ Row set_row()
              {"chunks_written", "count", "", "chunks that were written"},
              {"attributes_added", "count", "", "new attributes"},
              {"cache", "object?", "", "--statistics: of the cache of chunks"}},
-            make<Set>};
+            make<Set>,
+            {"values"}};
 }
 
 }  // namespace pcm::ops

@@ -108,7 +108,8 @@ Row subsample_row()
              {"level", "count?", "", "level of detail that was taken; null: the result is exact"},
              {"spacing", "number?", "source units", "spacing of the points; null: a number of points was requested"},
              {"bytes", "count", "bytes", "size of the result"}},
-            make<Subsample>};
+            make<Subsample>,
+            {"spacing"}};
 }
 
 }  // namespace pcm::ops

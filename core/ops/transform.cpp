@@ -162,7 +162,8 @@ Row transform_row()
             "-moved.pct",
             {{"position_error", "number", "source units", "largest position error"},
              {"bytes", "count", "bytes", "size of the result"}},
-            make<Transform>};
+            make<Transform>,
+            {"translate"}};
 }
 
 }  // namespace pcm::ops

@@ -100,7 +100,8 @@ Row voxel_row()
         {{"voxel_size", "number", "source units", "edge of a voxel"},
          {"most_points_in_a_voxel", "count", "points", "points of the voxel with the most"},
          {"bytes", "count", "bytes", "size of the result"}},
-        make<Voxel>};
+        make<Voxel>,
+        {"size"}};
 }
 
 }  // namespace pcm::ops

@@ -15,7 +15,8 @@ namespace {
 // The values with a row for each point.
 py::array rows_of(const py::object& values, const Attribute& attribute, std::size_t points)
 {
-    py::tuple shape = attribute.components > 1 ? py::make_tuple(points, attribute.components) : py::make_tuple(points);
+    py::tuple shape = py::make_tuple(points);
+    if (attribute.components > 1) shape = py::make_tuple(points, attribute.components);
     const py::module_ numpy = py::module_::import("numpy");
     return numpy.attr("broadcast_to")(numpy.attr("asarray")(values), shape);
 }

@@ -11,13 +11,14 @@ import types
 TYPES = {"flag": "bool", "whole": "int", "real": "float", "bytes": "Union[int, str]", "text": "str", "choice": "str",
          "words": "Sequence[str]", "texts": "Sequence[str]", "numbers": "Sequence[float]", "file": "Path", "output": "Path",
          "outputs": "Sequence[Path]", "output_tree": "Path", "tree": "Path", "trees": "Sequence[Path]", "inputs": "Sequence[Path]",
-         "cloud": "Union[Path, Sequence[Path]]"}
+         "cloud": "Union[Path, Sequence[Path]]", "step": "Union[Step, Sequence[Step]]"}
 HEAD = '''"""Made of the table of operations; not to be edited."""
 
 import os
 from typing import Any, Callable, Optional, Sequence, Union
 
 Path = Union[str, "os.PathLike[str]"]
+Step = Union[float, str, tuple, dict[str, Any]]
 Progress = Union[None, bool, Callable[[float, str], Optional[bool]]]
 
 class Answer(dict[str, Any]):

@@ -7,17 +7,20 @@
 namespace pcm {
 namespace {
 
-// The folder of this code, the one where an install of it has its libraries, and where the system looks.
+// The folders of this code and of the program, those where an install of it has its libraries, and where the system
+// looks.
 std::vector<std::filesystem::path> places(const std::string& name)
 {
-    std::vector<std::filesystem::path> all;
+    std::vector<std::filesystem::path> all, codes;
     Dl_info here{};
-    if (dladdr(reinterpret_cast<const void*>(&places), &here) && here.dli_fname) {
-        std::filesystem::path code = here.dli_fname;
-        if (!code.has_parent_path()) code = "/proc/self/exe";  // a program that was started by its name alone
+    if (dladdr(reinterpret_cast<const void*>(&places), &here) && here.dli_fname) codes.emplace_back(here.dli_fname);
+    codes.emplace_back("/proc/self/exe");  // this code may be in a library of the program's, in another folder
+    for (const std::filesystem::path& code : codes) {
+        if (!code.has_parent_path()) continue;  // a program that was started by its name alone
         std::error_code ignored;
         const auto folder = std::filesystem::weakly_canonical(code, ignored).parent_path();
-        all = {folder / name, folder / PCM_LIBRARY_FROM_PROGRAM / name};
+        all.push_back(folder / name);
+        all.push_back(folder / PCM_LIBRARY_FROM_PROGRAM / name);
     }
     all.emplace_back(std::filesystem::path(PCM_LIBRARY_FOLDER) / name);
     all.emplace_back(name);

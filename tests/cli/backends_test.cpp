@@ -7,17 +7,26 @@ namespace {
 using namespace pcm::test;
 namespace fs = std::filesystem;
 
-using BackendsTest = CommandTest;
+class BackendsTest : public CommandTest {
+protected:
+    // The command in a folder with nothing next to it but its library: how it is called there.
+    std::string called_alone()
+    {
+        const fs::path folder = fs::path(pcm::paths::command).parent_path();
+        for (const char* const name : {"pcmlab", "libpcmlab.so"}) {
+            std::error_code other_disk;
+            fs::create_hard_link(folder / name, folder_ / name, other_disk);
+            if (other_disk) fs::copy_file(folder / name, folder_ / name);
+        }
+        return "LD_LIBRARY_PATH=" + path("") + " " + path("pcmlab");
+    }
+};
 
 TEST_F(BackendsTest, HelpShowsWhatIsInstalledBesideTheCommand)
 {
-    // Elsewhere nothing is next to it.
-    const fs::path alone = folder_ / "pcmlab";
-    std::error_code other_disk;
-    fs::create_hard_link(pcm::paths::command, alone, other_disk);
-    if (other_disk) fs::copy_file(pcm::paths::command, alone);
+    const std::string alone = called_alone();
     const auto help_of = [&](const std::string& command, const std::string& topic) {
-        FILE* pipe = popen(("'" + command + "' help " + topic).c_str(), "r");
+        FILE* pipe = popen((command + " help " + topic).c_str(), "r");
         std::string text;
         std::array<char, 4096> buffer;
         for (std::size_t n; (n = fread(buffer.data(), 1, buffer.size(), pipe)) > 0;) text.append(buffer.data(), n);
@@ -27,22 +36,19 @@ TEST_F(BackendsTest, HelpShowsWhatIsInstalledBesideTheCommand)
     const fs::path beside = fs::path(pcm::paths::command).parent_path();
     for (const auto& [module, topic, option] : {std::array<const char*, 3>{"libpcm_flann.so", "normals", "--flann"},
                                                 std::array<const char*, 3>{"libpcm_pcl.so", "fit", "--backend"}}) {
-        EXPECT_EQ(help_of(pcm::paths::command, topic).find(option) != std::string::npos, fs::exists(beside / module));
-        EXPECT_EQ(help_of(alone.string(), topic).find(option), std::string::npos) << topic;
+        EXPECT_EQ(help_of("'" + std::string(pcm::paths::command) + "'", topic).find(option) != std::string::npos,
+                  fs::exists(beside / module));
+        EXPECT_EQ(help_of(alone, topic).find(option), std::string::npos) << topic;
     }
 }
 
 TEST_F(BackendsTest, ABackendThatIsNotThereIsNamedWithWhatToInstall)
 {
-    const fs::path alone = folder_ / "pcmlab";
-    std::error_code other_disk;
-    fs::create_hard_link(pcm::paths::command, alone, other_disk);
-    if (other_disk) fs::copy_file(pcm::paths::command, alone);
     ASSERT_EQ(pcmlab("generate -n 3000 " + path("scene.las")).code, 0);
     ASSERT_EQ(pcmlab("build " + path("scene.las")).code, 0);
     const fs::path err = folder_ / "err.txt";
-    const int code = std::system(("'" + alone.string() + "' normals --flann " + path("scene.pct") + " -o " +
-                                  path("n.pct") + " >'" + err.string() + "' 2>&1")
+    const int code = std::system((called_alone() + " normals --flann " + path("scene.pct") + " -o " + path("n.pct") +
+                                  " >'" + err.string() + "' 2>&1")
                                      .c_str());
     EXPECT_NE(code, 0);
     std::ifstream file(err);

@@ -45,6 +45,7 @@ const std::vector<Call>& calls()
         {"merge", "$D/merged.pct $D/t.pct $D/moved.pct"},
         {"voxel", "$D/t.pct --size 0.5 -o $D/v.pct"},
         {"subsample", "$D/t.pct --points 500 -o $D/s.pct"},
+        {"run", "$D/t.pct --outliers 8 --normals 8 -o $D/chain.laz"},
         {"detect", "$D/t.pct --shape plane --out $D/found.json"},
         {"fit", "$D/t.pct --at $PLACE --shape plane --add $D/list.json --name p$D"},
         {"measure", "distance --points 0 0 0 1 1 1 --name m$D -o $D/measures.json"},

@@ -139,7 +139,35 @@ class Packages(unittest.TestCase):
         self.assertEqual(self.completed("pcmlab", "build", "--mem"), {"--memory"})
         self.assertEqual(self.completed("pcmlab", "help", "com"), {"compact"})
         self.assertEqual(self.completed("pcmlab", "build", "scan"), set())  # files, by bash itself
-        self.assertTrue((self.share / "zsh" / "site-functions" / "_pcmlab").read_text().startswith("#compdef pcmlab\n"))
+        self.assertEqual(self.completed("pcmlab", "outliers", "--method", ""), {"statistical", "robust", "radius"})
+
+    def completed_by_zsh(self, *words):
+        """What the script hands to zsh's own functions, of which there are stand-ins here, for the last word."""
+        stubs = """_describe() { [[ $1 != -o ]] || shift; print -rl -- "${(@P)2}" }
+compadd() { shift; print -rl -- "$@" }
+_files() { print files }
+words=("$@") CURRENT=$# PREFIX=${@[-1]}
+source $script"""
+        script = self.share / "zsh" / "site-functions" / "_pcmlab"
+        return run("env", f"script={script}", "zsh", "-f", "-c", stubs, "zsh", *words).splitlines()
+
+    @unittest.skipUnless(shutil.which("zsh"), "zsh is not here")
+    def test_zsh_completes_commands_and_options_and_says_what_they_are(self):
+        script = self.share / "zsh" / "site-functions" / "_pcmlab"
+        self.assertTrue(script.read_text().startswith("#compdef pcmlab\n"))
+        run("zsh", "-n", script)
+        named = {line.split(":")[0] for line in self.completed_by_zsh("pcmlab", "")}
+        self.assertEqual(named, {command["name"] for command in self.usage} | {"help", "manual"})
+        self.assertIn("build:Build a point cloud tree from files", self.completed_by_zsh("pcmlab", ""))
+        self.assertNotIn("manual:Open the manual", self.completed_by_zsh("pcmlab", "help", ""))
+        for command in self.usage:
+            options = [line.split(":")[0] for line in self.completed_by_zsh("pcmlab", command["name"], "--")]
+            shown = run(self.pcmlab, "help", command["name"])
+            self.assertGreater(len(options), 4, command["name"])
+            for option in options:
+                self.assertRegex(shown, re.escape(option) + r"[\s,]", command["name"])
+        self.assertEqual(self.completed_by_zsh("pcmlab", "outliers", "--method", ""), ["statistical", "robust", "radius"])
+        self.assertEqual(self.completed_by_zsh("pcmlab", "build", "scan"), ["files"])
 
     def test_desktop_files_are_valid(self):
         folder = ARGUMENTS.source / "packaging" / "desktop"

@@ -48,6 +48,8 @@ Calls calls(const std::string& tree, const std::string& folder)
         {"merge", {{"output", {folder + "/merged.pct"}}, {"trees", {tree, tree}}}},
         {"voxel", {{"input", {tree}}, {"size", {"1"}}, {"output", {folder + "/voxels.pct"}}}},
         {"subsample", {{"input", {file}}, {"points", {"1000"}}, {"output", {folder + "/thinned.pct"}}}},
+        {"run",
+         {{"input", {tree}}, {"delete", {"intensity>=1000"}}, {"normals", {"8"}}, {"output", {folder + "/chain.laz"}}}},
         {"generate", {{"output", {folder + "/scene.las"}}, {"points", {"2000"}}, {"truth", {"off"}}}},
         {"radii", {{"tree", {tree}}, {"output", {folder + "/radii.pct"}}}},
         {"normals", {{"tree", {tree}}, {"output", {folder + "/normals.pct"}}, {"radii", {"on"}}}},
@@ -135,7 +137,7 @@ TEST_F(Answers, OperationsThatWriteTreesReportProgressAndCanBeCancelled)
 {
     const Calls all = calls(tree_, folder_.path().string());
     for (const char* const name :
-         {"append", "compact", "delete", "transform", "merge", "voxel", "radii", "normals", "outliers"}) {
+         {"append", "compact", "delete", "transform", "merge", "voxel", "radii", "normals", "outliers", "run"}) {
         SCOPED_TRACE(name);
         int reports = 0;
         const auto cancel = [&](const pcm::ProgressUpdate&) { return ++reports < 1; };

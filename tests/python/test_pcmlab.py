@@ -351,6 +351,32 @@ class Operations(CloudTest):
             for result in row["results"]:
                 self.assertIn(result["key"], document, row["name"])
 
+    def test_a_chain_runs_in_the_order_of_its_arguments(self):
+        made = pcmlab.run(self.path("cloud.pct"), transform=(0, 0, 1), delete="classification=2,6", output=self.path("chain.pct"),
+                          set=["height=1", {"values": "height=2", "where": "classification=3"}])
+        self.assertEqual([step["operation"] for step in made["steps"]], ["transform", "delete", "set", "set"])
+        classes = self.attributes["classification"]
+        kept = (classes != 2) & (classes != 6)
+        found = pcmlab.open(self.path("chain.pct")).query()
+        self.assertEqual(made["points"], kept.sum())
+        self.assertEqual(sorted(found["id"]), sorted(numpy.flatnonzero(kept)))
+        numpy.testing.assert_allclose(found["xyz"][:, 2], self.xyz[found["id"], 2] + 1, atol=1e-9)
+        numpy.testing.assert_array_equal(found["height"], numpy.where(classes[found["id"]] == 3, 2, 1))
+        other = pcmlab.run(self.path("cloud.pct"), set="classification=2", delete="classification=2,6", output=self.path("none.pct"))
+        self.assertEqual(other["points"], 0)
+
+    def test_a_step_is_named_where_it_fails(self):
+        def run(**steps):
+            return pcmlab.run(self.path("cloud.pct"), output=self.path("o.pct"), **steps)
+
+        with self.assertRaisesRegex(pcmlab.ArgumentError, "step 2, outliers neighbours=0: neighbours"):
+            run(normals={"neighbours": 8, "confidence": False, "radii": True}, outliers={"neighbours": 0})
+        with self.assertRaisesRegex(pcmlab.ArgumentError, "outliers has no argument neighbors"):
+            run(outliers={"neighbors": 8})
+        with self.assertRaisesRegex(pcmlab.Error, "step 1, delete nothing=3: .*no attribute"):
+            run(delete="nothing=3")
+        self.assertFalse(os.path.exists(self.path("o.pct")))
+
     def test_wrong_arguments_are_named(self):
         with self.assertRaisesRegex(pcmlab.ArgumentError, "neighbours.*1 to 1024"):
             pcmlab.outliers(self.path("cloud.pct"), output=self.path("o.pct"), neighbours=0)

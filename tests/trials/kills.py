@@ -26,6 +26,7 @@ def operations(folder):
         "append": ("append", tree, more), "delete": ("delete", tree, *BOX), "set": ("set", tree, "classification=30", *BOX),
         "compact": ("compact", tree), "repair": ("repair", tree), "build": ("build", more, "-o", tree, "--overwrite"),
         "transform": ("transform", folder / "site.pct", tree, "--translate", "1", "2", "3", "--overwrite"),
+        "run": ("run", more, "--outliers", "8,3", "--transform", "0,0,1", "--normals", "8", "-o", tree, "--overwrite"),
         "convert": ("convert", more, folder / "out.laz", "--overwrite"),
     }
 

@@ -179,7 +179,7 @@ E57Description describe_e57(E57Pages& pages)
     return description;
 #else
     fail(pages, ErrorCode::unsupported, "this is an E57 file, which this build does not support",
-         "install Rust's cargo, at least 1.85 (Debian 12: package cargo-web), and build again");
+         "install Rust's cargo, at least 1.87 (Debian: package cargo-web), and build again");
 #endif
 }
 

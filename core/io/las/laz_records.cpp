@@ -29,7 +29,7 @@ std::unique_ptr<RecordSource> laz_records(const File& file, std::uint64_t, const
         ErrorCode::unsupported, file.path(),
         "this is LAZ (compressed LAS 1." + std::to_string(header.version_minor) + ", point format " +
             std::to_string(header.format) + "), which this build does not support",
-        "install Rust's cargo, at least 1.85 (Debian 12: package cargo-web), and build again; or convert the file to "
+        "install Rust's cargo, at least 1.87 (Debian: package cargo-web), and build again; or convert the file to "
         "LAS first, for example with laszip or PDAL");
 }
 

@@ -30,7 +30,7 @@ std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t, std::vector<s
 std::vector<std::byte> make_laszip_vlr(const std::filesystem::path& path, unsigned, std::size_t)
 {
     throw Error(ErrorCode::unsupported, path, "this build does not support LAZ",
-                "install Rust's cargo, at least 1.85 (Debian 12: package cargo-web), and build again; or write LAS");
+                "install Rust's cargo, at least 1.87 (Debian: package cargo-web), and build again; or write LAS");
 }
 
 #else

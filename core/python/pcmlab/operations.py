@@ -54,7 +54,33 @@ def _words(argument, value):
     return [_word(row) for row in rows]
 
 
+def _step_part(argument, value):
+    """One argument of a step: "factor=3", or the name that switches a flag on or off."""
+    if argument["type"] != "flag":
+        return argument["key"] + "=" + ",".join(_words(argument, value))
+    if bool(value) == argument["on"]:
+        return None
+    return argument["option"].split(",")[-1].lstrip("-") if argument["on"] else argument["key"]
+
+
+def _steps(argument, value):
+    """The steps of one operation, as on the command line: a number, text, a tuple of these, or a dict by name is one; a list has
+    several."""
+    if isinstance(value, list):
+        return [step for one in value for step in _steps(argument, one)]
+    if isinstance(value, dict):
+        known = {_name(a["key"]): a for row in rows if row["name"] == argument["key"] for a in row["arguments"]}
+        unknown = [name for name in value if name not in known]
+        if unknown:
+            raise _pcmlab.ArgumentError(f"{argument['key']} has no argument {unknown[0]}")
+        parts = [_step_part(known[name], one) for name, one in value.items()]
+        return [",".join(part for part in parts if part is not None)]
+    return [",".join(_words(argument, value))]
+
+
 def _value(argument, value):
+    if argument["type"] == "step":
+        return _steps(argument, value)
     if argument["type"] == "flag":
         if not isinstance(value, (bool, int)):
             raise _pcmlab.ArgumentError(f"{argument['key']} is True or False")
@@ -114,6 +140,9 @@ def _function(row):
     def run(*args, **kwargs):
         given = signature.bind(*args, **kwargs).arguments
         progress = given.pop("progress", None)
+        # In the order of the call, which is that of steps.
+        given = {**{name: value for name, value in given.items() if name not in kwargs},
+                 **{name: given[name] for name in kwargs if name in given}}
         values = [(arguments[name]["key"], _value(arguments[name], value)) for name, value in given.items() if value is not None]
         answer, lines, good = _pcmlab.run(row["name"], values, callback(progress))
         answer = Answer(json.loads(answer), "\n".join(lines), good)
