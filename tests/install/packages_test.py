@@ -164,7 +164,7 @@ source $script"""
             options = [line.split(":")[0] for line in self.completed_by_zsh("pcmlab", command["name"], "--")]
             shown = run(self.pcmlab, "help", command["name"])
             self.assertGreater(len(options), 4, command["name"])
-            for option in options:
+            for option in set(options) - {"--backend", "--flann"}:  # in the help where a backend is installed
                 self.assertRegex(shown, re.escape(option) + r"[\s,]", command["name"])
         self.assertEqual(self.completed_by_zsh("pcmlab", "outliers", "--method", ""), ["statistical", "robust", "radius"])
         self.assertEqual(self.completed_by_zsh("pcmlab", "build", "scan"), ["files"])
