@@ -239,6 +239,25 @@ TEST(RigidFit, UncertaintyIsThatOfRepeatedPicks)
     }
 }
 
+TEST(RigidFit, UncertaintyDoesNotDependOnWhichAxisIsWhich)
+{
+    const Truth t = truth(6, 20, {0, 0, 0}, {0.3, 0.5, 1}, 0.4, {4, 5, 6});
+    FitOptions options;
+    options.pick_error = 0.01;
+    const auto turned = [](const Vec3d& v, std::size_t by) {
+        return Vec3d{v[by % 3], v[(by + 1) % 3], v[(by + 2) % 3]};
+    };
+    for (const Vec3d far : {Vec3d{200, 0, 0}, Vec3d{0, 200, 0}, Vec3d{0, 0, 200}, Vec3d{90, -80, 150}}) {
+        const double expected = fit_motion(t.pairs, options).error_at(far);
+        EXPECT_GT(expected, 2 * options.pick_error);
+        for (const std::size_t by : {1u, 2u}) {
+            std::vector<PointPair> pairs;
+            for (const PointPair& pair : t.pairs) pairs.push_back({turned(pair.moving, by), turned(pair.fixed, by)});
+            EXPECT_NEAR(fit_motion(pairs, options).error_at(turned(far, by)), expected, 1e-9 * expected) << by;
+        }
+    }
+}
+
 TEST(RigidFit, ThePickErrorIsAFloorAndTheBoxesCornerTheWorst)
 {
     const Truth t = truth(4, 20, {0, 0, 0}, {0, 0, 1}, 0.2, {4, 5, 6});

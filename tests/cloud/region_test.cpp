@@ -366,6 +366,7 @@ TEST(Region, RefusesInvalidRegions)
         Region::oriented_box({0, 0, 0}, {axes[0], Vec3d{1, 1, 0}, axes[2]}, {1, 1, 1});
     });
     expect("not perpendicular", [&] { Region::oriented_box({0, 0, 0}, {axes[0], axes[0], axes[2]}, {1, 1, 1}); });
+    expect("centre", [&] { Region::oriented_box({0, 0, inf}, axes, {1, 1, 1}); });
     expect("half size", [&] { Region::oriented_box({0, 0, 0}, axes, {1, -1, 1}); });
     expect("0 planes", [] { Region::convex({0, 0, 0}, {}); });
     expect("normal has no length", [] { Region::convex({0, 0, 0}, {{{0, 0, 0}, 1}}); });
