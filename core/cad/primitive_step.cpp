@@ -199,7 +199,7 @@ void write_step(const std::filesystem::path& file, DrawingList& list, const CadO
     if (sink.failure) std::rethrow_exception(sink.failure);
     if (!written)
         throw Error(ErrorCode::invalid_argument, file,
-                    (shape < list.shown.size() ? "'" + list.shown[shape]->name + "' cannot be made a solid: "
+                    (shape < list.shown.size() ? "'" + list.shown[shape]->name + "' cannot be written: "
                                                : std::string("OpenCASCADE: ")) +
                         message,
                     "hide it, or write a .dxf");

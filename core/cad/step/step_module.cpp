@@ -104,7 +104,9 @@ Handle(TDocStd_Document) document_of(const StepShape* shapes, std::size_t count,
     for (made = 0; made < count; ++made) {
         const StepShape& shape = shapes[made];
         const TopoDS_Shape body = solid(shape);
-        if (body.IsNull() || !BRepCheck_Analyzer(body).IsValid()) throw Standard_Failure("its surface is not closed");
+        if (body.IsNull() || !BRepCheck_Analyzer(body).IsValid())
+            throw Standard_Failure(shape.form == StepShape::Form::face ? "its outline crosses itself or has no area"
+                                                                       : "its surface is not closed");
         const TDF_Label label = tree->AddShape(body, false);
         TDataStd_Name::Set(label, TCollection_ExtendedString(shape.name, true));
         const Quantity_Color colour(shape.colour[0], shape.colour[1], shape.colour[2], Quantity_TOC_sRGB);
@@ -143,7 +145,7 @@ bool write(const StepShape* shapes, std::size_t count, const char* title, const 
         XCAFDoc_DocumentTool::SetLengthUnit(document, unit->millimetres, UnitsMethods_LengthUnit_Millimeter);
         writer.SetColorMode(true);
         writer.SetNameMode(true);
-        if (!writer.Transfer(document, STEPControl_AsIs)) return fail("the shapes cannot be written", message);
+        if (!writer.Transfer(document, STEPControl_AsIs)) throw Standard_Failure("the shapes are not taken");
         const Handle(StepData_StepModel) model = writer.ChangeWriter().Model();
         set_header(model, title);
         StepData_StepWriter text(model);
