@@ -87,6 +87,26 @@ TEST(FirstView, ADepthImageIsSeenAsItsCameraSawIt)
     }
 }
 
+// About an axis like no other, by the formula of turning with a quaternion's vector.
+TEST(FirstView, AnyTurnOfADepthCameraIsUnderstood)
+{
+    const double w = 0.7, size = std::sqrt(0.49 + 0.09 + 0.16 + 0.26);
+    const Vec3d u = (1 / size) * Vec3d{0.3, -0.4, std::sqrt(0.26)}, eye{100, 200, 50};
+    const auto turned = [&](const Vec3d& v) {
+        const Vec3d across = cross(u, v);
+        return v + 2 * (w / size * across + cross(u, across));
+    };
+    std::vector<Vec3d> placed;
+    for (const Vec3d& p : depth_image(2)) placed.push_back(eye + turned(p));
+    const auto pose =
+        view(placed, {block("e57.scan/1/pose", "100 200 50 0.7 0.3 -0.4 " + std::to_string(std::sqrt(0.26)))});
+    ASSERT_TRUE(pose);
+    EXPECT_LT(away(pose->eye, eye), 1e-9);
+    EXPECT_LT(away(pose->back, turned({0, 0, -1})), 1e-5);
+    EXPECT_LT(away(pose->up, turned({0, -1, 0})), 1e-5);
+    EXPECT_LT(away(pose->right, turned({1, 0, 0})), 1e-5);
+}
+
 // A scanner in a room looks level, into the direction of most points.
 TEST(FirstView, AScanIsSeenFromItsScanner)
 {
