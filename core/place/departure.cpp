@@ -155,7 +155,7 @@ private:
     }
 
     const OnShape& on_;
-    const Eigen::Index columns_;  // of the shifts
+    const Eigen::Index columns_;  // number of unknowns of the shifts
     double prior_ = 0;
     Matrix a_ = Matrix::Zero();
     Vector b_ = Vector::Zero(), x_ = Vector::Zero();

@@ -11,8 +11,8 @@ namespace pcm {
 
 // Standard deviations, above 0, source units.
 struct StationNoise {
-    double spread = 0;  // of a station's shift along each axis
-    double noise = 0;   // of a point's distance
+    double spread = 0;  // a station's shift along each axis
+    double noise = 0;   // a point's distance
 };
 
 // departure_of() with stations, of some of the points of the fit. Streams, once. Throws Error(cancelled), and what

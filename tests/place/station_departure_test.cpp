@@ -53,7 +53,7 @@ protected:
         return PointCloud::open(folder_ / "pipe.pct");
     }
 
-    // Of the pipe's points, relative to the best round one.
+    // The pipe's points, relative to the best round one.
     Departure departure(double oval, double spread)
     {
         const auto found = cloud(oval, spread, 3);

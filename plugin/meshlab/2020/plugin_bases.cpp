@@ -11,6 +11,20 @@ void add_all(RichParameterList& list, const RichParameterList& more)
     for (const RichParameter& parameter : more) list.addParam(parameter);
 }
 
+// Newer ones take the exception; this one a text and false.
+template <class Work>
+bool is_done(QString& error, const Work& work)
+{
+    error.clear();
+    try {
+        work();
+        return true;
+    } catch (const Failure& failure) {
+        error = failure.text;
+        return false;
+    }
+}
+
 }  // namespace
 
 void IoBase::initGlobalParameterSet(QAction*, RichParameterList& parameters) { add_global_parameters(parameters); }
@@ -33,27 +47,13 @@ void IoBase::GetExportMaskCapability(QString& format, int& capability, int& defa
 bool IoBase::open(const QString& format, const QString& file_name, MeshModel& layer, int& mask,
                   const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget*)
 {
-    errorMessage.clear();
-    try {
-        open_layer(format, file_name, layer, mask, parameters, callback);
-        return true;
-    } catch (const Failure& failure) {
-        errorMessage = failure.text;
-        return false;
-    }
+    return is_done(errorMessage, [&] { open_layer(format, file_name, layer, mask, parameters, callback); });
 }
 
 bool IoBase::save(const QString& format, const QString& file_name, MeshModel& layer, const int mask,
                   const RichParameterList& parameters, vcg::CallBackPos* callback, QWidget*)
 {
-    errorMessage.clear();
-    try {
-        save_layer(format, file_name, layer, mask, parameters, callback);
-        return true;
-    } catch (const Failure& failure) {
-        errorMessage = failure.text;
-        return false;
-    }
+    return is_done(errorMessage, [&] { save_layer(format, file_name, layer, mask, parameters, callback); });
 }
 
 void IoBase::say(GLLogStream::Levels level, const std::string& line, bool has_window)
@@ -72,14 +72,7 @@ void FilterBase::initParameterSet(QAction* action, MeshDocument& document, RichP
 bool FilterBase::applyFilter(QAction* action, MeshDocument& document, const RichParameterList& parameters,
                              vcg::CallBackPos* callback)
 {
-    errorMessage.clear();
-    try {
-        run(action, document, parameters, callback);
-        return true;
-    } catch (const Failure& failure) {
-        errorMessage = failure.text;
-        return false;
-    }
+    return is_done(errorMessage, [&] { run(action, document, parameters, callback); });
 }
 
 }  // namespace pcm::host
