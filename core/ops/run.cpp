@@ -35,9 +35,7 @@ struct Link {
 // The text of an error without its path and its hint, which stand around it.
 std::string text_alone(const Error& error)
 {
-    std::string text = error.what();
-    if (const std::string path = error.path().string() + ": "; text.compare(0, path.size(), path) == 0)
-        text.erase(0, path.size());
+    std::string text = without_path(error);
     if (const std::string hint = " (" + error.hint() + ")"; !error.hint().empty() && text.size() > hint.size())
         text.erase(text.size() - hint.size());
     return text;

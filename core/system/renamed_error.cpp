@@ -19,4 +19,12 @@ Error renamed(const Error& error, const std::filesystem::path& from, const std::
     return Error(error.code(), renamed(error.path().string(), from, to), renamed(what, from, to));
 }
 
+std::string without_path(const Error& error)
+{
+    std::string what = error.what();
+    const std::string path = error.path().string() + ": ";
+    if (!error.path().empty() && what.compare(0, path.size(), path) == 0) what.erase(0, path.size());
+    return what;
+}
+
 }  // namespace pcm

@@ -12,5 +12,7 @@ namespace pcm {
 std::string renamed(std::string text, const std::filesystem::path& from, const std::filesystem::path& to);
 // The same for an error's text and path. The result is not is_done() even if the error was.
 Error renamed(const Error& error, const std::filesystem::path& from, const std::filesystem::path& to);
+// The error's text without its path at the beginning: a new Error puts one in front again. Any thread.
+std::string without_path(const Error& error);
 
 }  // namespace pcm

@@ -1,19 +1,12 @@
 #include "pcm/tree/damage.h"
 
+#include "pcm/system/renamed_error.h"
+
 #include <algorithm>
 #include <cstring>
 
 namespace pcm {
 namespace {
-
-// The text without the error's path at its beginning, since Error puts the path in front again.
-std::string without_path(const Error& error)
-{
-    std::string what = error.what();
-    const std::string path = error.path().string() + ": ";
-    if (!error.path().empty() && what.compare(0, path.size(), path) == 0) what.erase(0, path.size());
-    return what;
-}
 
 // As a shell takes it for one word: quoted unless all of its characters stand for themselves.
 std::string shell_word(const std::string& text)
