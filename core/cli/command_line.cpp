@@ -116,7 +116,7 @@ std::string wrong_number_of_values(const CLI::App& command, const std::vector<st
     const auto fault_of = [](const CLI::Option& option) -> std::string {
         const auto given = static_cast<int>(option.results().size());
         const int least = option.get_items_expected_min(), most = option.get_items_expected_max();
-        if (given >= least && given <= most) return "";
+        if (most == 0 || (given >= least && given <= most)) return "";  // a flag takes none
         if (most == 1) return option.get_name() + (given == 0 ? " needs a value" : " takes one value");
         if (least == 1 && given == 0) return option.get_name() + " needs a value";
         std::string takes = std::to_string(least);

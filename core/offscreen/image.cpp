@@ -10,6 +10,7 @@
 #include <cstring>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pcm {
@@ -29,6 +30,21 @@ struct Png {
     Png& operator=(const Png&) = delete;
 };
 
+// The bytes that a file has: of each pixel four, or three without alpha.
+std::vector<std::uint8_t> pixels_of(const std::filesystem::path& file, const Image& image, bool alpha)
+{
+    const auto pixels = static_cast<std::size_t>(image.width > 0 ? image.width : 0) *
+                        static_cast<std::size_t>(image.height > 0 ? image.height : 0);
+    if (pixels == 0 || image.rgba.size() != 4 * pixels)
+        throw Error(ErrorCode::invalid_argument, file,
+                    "a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
+                        " pixels with " + std::to_string(image.rgba.size()) + " bytes cannot be written");
+    if (alpha) return image.rgba;
+    std::vector<std::uint8_t> opaque(3 * pixels);
+    for (std::size_t i = 0; i < pixels; ++i) std::memcpy(&opaque[3 * i], &image.rgba[4 * i], 3);
+    return opaque;
+}
+
 }  // namespace
 
 void unpremultiply(Image& image)
@@ -45,28 +61,34 @@ void unpremultiply(Image& image)
 
 void write_png(const std::filesystem::path& file, const Image& image, bool alpha)
 {
-    const auto pixels = static_cast<std::size_t>(image.width > 0 ? image.width : 0) *
-                        static_cast<std::size_t>(image.height > 0 ? image.height : 0);
-    if (pixels == 0 || image.rgba.size() != 4 * pixels)
-        throw Error(ErrorCode::invalid_argument, file,
-                    "a picture of " + std::to_string(image.width) + " x " + std::to_string(image.height) +
-                        " pixels with " + std::to_string(image.rgba.size()) + " bytes cannot be written");
-    std::vector<std::uint8_t> opaque;
-    if (!alpha) {
-        opaque.resize(3 * pixels);
-        for (std::size_t i = 0; i < pixels; ++i) std::memcpy(&opaque[3 * i], &image.rgba[4 * i], 3);
-    }
+    const std::vector<std::uint8_t> pixels = pixels_of(file, image, alpha);
     Png png;
     png.image.width = static_cast<png_uint_32>(image.width);
     png.image.height = static_cast<png_uint_32>(image.height);
     png.image.format = alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
     png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(png.image);
     std::vector<std::byte> encoded(size);
-    if (!png_image_write_to_memory(&png.image, encoded.data(), &size, 0, alpha ? image.rgba.data() : opaque.data(), 0,
-                                   nullptr))
+    if (!png_image_write_to_memory(&png.image, encoded.data(), &size, 0, pixels.data(), 0, nullptr))
         throw Error(ErrorCode::io, file, std::string("encoding the picture failed: ") + png.image.message);
     OutputFile out(file);
     out.append(encoded.data(), size);
+    out.finish();
+}
+
+void write_npy(const std::filesystem::path& file, const Image& image, bool alpha)
+{
+    const std::vector<std::uint8_t> pixels = pixels_of(file, image, alpha);
+    std::string header = "{'descr': '|u1', 'fortran_order': False, 'shape': (" + std::to_string(image.height) + ", " +
+                         std::to_string(image.width) + ", " + (alpha ? "4" : "3") + "), }";
+    constexpr std::size_t before = 10, step = 64;  // bytes of magic, version and length; the data begin at a multiple
+    header.append(step - 1 - (before + header.size()) % step, ' ');
+    header += '\n';
+    const char length[2] = {static_cast<char>(header.size() & 0xff), static_cast<char>(header.size() >> 8)};
+    OutputFile out(file);
+    out.append(std::string_view("\x93NUMPY\x01\x00", 8));
+    out.append(length, sizeof length);
+    out.append(header);
+    out.append(pixels.data(), pixels.size());
     out.finish();
 }
 

@@ -1,4 +1,4 @@
-// A picture in memory, and as a PNG file.
+// A picture in memory, and as a file.
 #pragma once
 
 #include <cstddef>
@@ -29,6 +29,10 @@ void unpremultiply(Image& image);
 // quarter of the bytes before compression. Throws Error(invalid_argument) for an image whose bytes do not match its
 // size, Error(not_found | permission | no_space | io).
 void write_png(const std::filesystem::path& file, const Image& image, bool alpha = true);
+
+// The same as an array of bytes, height x width x 4 (without `alpha` x 3), in NumPy's format NPY 1.0
+// (https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html). Throws as write_png().
+void write_npy(const std::filesystem::path& file, const Image& image, bool alpha = true);
 
 // Any PNG, converted to four bytes per pixel. Throws Error(not_found | permission | bad_format), and Error(unsupported)
 // for more than 2^28 pixels.

@@ -26,9 +26,15 @@ public:
             .required()
             .label("Inputs and output")
             .help(
-                "Files, folders with their sub-folders, or trees, merged into one cloud; then the output, whose "
-                "extension sets the format: " +
-                std::string(tree_extension) + ", " + writable_text());
+                "Files, folders with their sub-folders, or trees, merged into one cloud; without --output the last "
+                "one is the output");
+        arguments_.add("output", output_)
+            .as(ValueKind::output)
+            .letter('o')
+            .label("Output")
+            .help("What is written; its extension sets the format: " + std::string(tree_extension) + ", " +
+                  writable_text())
+            .without("the last path");
         declare_choice();
         declare_grid();
         declare_output();
@@ -41,8 +47,12 @@ public:
 
     Result run(const Context& context) override
     {
-        if (paths_.size() < 2) throw ArgumentError("paths: an input and an output are needed");
-        const std::vector<std::filesystem::path> inputs(paths_.begin(), paths_.end() - 1);
+        Result result;
+        result.input = paths_;
+        result.output = output_.empty() ? paths_.back() : output_;
+        result.makes = Makes::file;
+        if (output_.empty()) result.input.pop_back();
+        if (result.input.empty()) throw ArgumentError("paths: an input and an output are needed");
         options_.cloud.read = reading_.get(work_.threads);
         options_.write.threads = options_.threads = work_.threads;
         options_.memory_bytes = work_.memory;
@@ -55,12 +65,7 @@ public:
         if (!las_version_.empty()) options_.write.las_version = static_cast<unsigned>(las_version_.back() - '0');
         if (!colour_bits_.empty()) options_.write.colour_bits = colour_bits_ == "8" ? 8 : 16;
         options_.progress = context.progress;
-        const ConvertReport report = pcm::convert(inputs, paths_.back(), options_);
-        Result result;
-        result.input.assign(paths_.begin(), paths_.end() - 1);
-        result.output = paths_.back();
-        result.makes = Makes::file;
-        describe(result, report);
+        describe(result, pcm::convert({result.input.begin(), result.input.end()}, result.output, options_));
         return result;
     }
 
@@ -181,7 +186,8 @@ private:
                     bytes_text(peak_memory_bytes()));
     }
 
-    std::vector<std::string> paths_;  // inputs, then the output
+    std::vector<std::string> paths_;  // inputs; then the output, where `output_` is empty
+    std::string output_;
     RegionArguments region_;
     std::optional<double> step_;
     std::vector<double> scale_, offset_;

@@ -1,4 +1,4 @@
-// Trees drawn to PNG files. What draws them is Context::render: it needs OpenGL, which this library does not use.
+// Trees drawn to pictures. What draws them is Context::render: it needs OpenGL, which this library does not use.
 #include "pcm/gl/style/colour_modes.h"
 #include "pcm/gl/style/splat_modes.h"
 #include "pcm/ops/render_request.h"
@@ -40,7 +40,10 @@ public:
             .as(ValueKind::output)
             .letter('o')
             .required()
-            .help("PNG file; with --path, a folder or a name with a place for the number, such as tour%04d.png");
+            .help(
+                "Picture: .png, or .npy, which is an array for NumPy; with --path, a folder or a name with a place for "
+                "the "
+                "number, such as tour%04d.png");
         arguments_.add("overwrite", request_.overwrite).help("Replace existing pictures");
         declare_camera();
         declare_splats();
@@ -223,7 +226,7 @@ Row render_row()
 {
     return {"render",
             nullptr,
-            "Render trees to PNG, from a camera or along a camera path, without a window",
+            "Render trees to pictures, from a camera or along a camera path, without a window",
             "Draws trees together, as MeshLab's window shows a view that rests: every point in view, or as many as "
             "budgets allow. One picture from a camera, or one for each frame of a camera path. Takes OpenGL 3.3, in "
             "software too, and no display.",

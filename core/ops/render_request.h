@@ -22,7 +22,7 @@ inline RenderOptions smoothed()
 
 struct RenderRequest {
     std::vector<std::string> trees;  // drawn together
-    std::string output;              // a PNG file; of a path, a folder or a name with a place for the number
+    std::string output;              // a picture; of a path, a folder or a name with a place for the number
     bool overwrite = false;
     CameraArguments camera;
     std::string path;  // a file with a camera for each picture, instead of the camera; empty: none

@@ -17,6 +17,8 @@ HEAD = '''"""Made of the table of operations; not to be edited."""
 import os
 from typing import Any, Callable, Optional, Sequence, Union
 
+import numpy
+
 Path = Union[str, "os.PathLike[str]"]
 Step = Union[float, str, tuple, dict[str, Any]]
 Progress = Union[None, bool, Callable[[float, str], Optional[bool]]]
@@ -41,7 +43,9 @@ def stub(function, row, name_of):
         else:
             parts.append(f"{parameter.name}: {kind} = ...")
     document = textwrap.indent(inspect.getdoc(function), "    ")
-    return f'def {function.__name__}({", ".join(parts)}) -> Answer:\n    """{document.strip()}\n    """\n'
+    returns = inspect.signature(function).return_annotation
+    returns = returns if isinstance(returns, str) else returns.__name__
+    return f'def {function.__name__}({", ".join(parts)}) -> {returns}:\n    """{document.strip()}\n    """\n'
 
 
 def main():

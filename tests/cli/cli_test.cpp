@@ -214,6 +214,26 @@ TEST_F(CliTest, ConvertTakesAPartAndReportsIt)
     EXPECT_NE(text.out.find("largest position error 0"), std::string::npos) << text.out;
 }
 
+TEST_F(CliTest, TheOutputOfConvertIsTheLastPathOrAnOption)
+{
+    write_las(folder_ / "in.las", records(Shape::surface, 100, 1), {});
+    write_las(folder_ / "on.las", records(Shape::surface, 50, 2), {});
+    const std::string both = path("in.las") + " " + path("on.las");
+    for (const std::string& words : {both + " " + path("last.ply"), both + " -o " + path("option.ply"),
+                                     "--output " + path("first.ply") + " " + both}) {
+        const Result made = pcmlab("convert --json " + words);
+        ASSERT_EQ(made.code, 0) << made.err;
+        const Json json = Json::parse(made.out);
+        EXPECT_EQ(json["points"], 150);
+        EXPECT_EQ(json["input"], (Json{(folder_ / "in.las").string(), (folder_ / "on.las").string()}));
+        EXPECT_TRUE(fs::exists(json["output"].get<std::string>()));
+    }
+    EXPECT_TRUE(fs::exists(folder_ / "option.ply"));
+    const Result none = pcmlab("convert " + path("in.las"));
+    EXPECT_EQ(none.code, 2);
+    EXPECT_NE(none.err.find("an input and an output are needed"), std::string::npos) << none.err;
+}
+
 TEST_F(CliTest, ConvertRefusesWithTheReason)
 {
     write_las(folder_ / "in.las", records(Shape::surface, 100, 1), {});

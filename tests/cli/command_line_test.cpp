@@ -173,6 +173,7 @@ TEST(CommandLine, UsageErrorsAreExitCodeTwoAndNameTheOption)
         {{"w", "--nams", "x", "y"}, "many all: there is no option --nams; perhaps --names\n"},
         {{"w", "--over=3"}, "many all: there is no option --over; perhaps --overwrite\n"},
         {{"w", "--box", "1"}, "many all: --box takes 2 to 4 values, and got 1\n"},
+        {{"w", "--overwrite", "--box", "1"}, "many all: --box takes 2 to 4 values, and got 1\n"},
         {{"w", "--box"}, "many all: --box takes 2 to 4 values, and got 0\n"},
         {{"w", "--angle"}, "many all: --angle needs a value\n"},
         {{"w", "--angle", "3", "--names"}, "many all: --names needs a value\n"},

@@ -76,6 +76,28 @@ TEST(Png, SaysWhatCannotBeWritten)
     EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()), 1);  // the folder alone
 }
 
+// The bytes that numpy.save() writes, with as many blanks.
+TEST(Npy, HasTheHeaderOfNumPyAndThePixels)
+{
+    const test::TemporaryFolder folder;
+    const Image image{2, 1, {1, 2, 3, 4, 5, 6, 7, 8}};
+    write_npy(folder / "a.npy", image);
+    std::string header = "{'descr': '|u1', 'fortran_order': False, 'shape': (1, 2, 4), }";
+    header += std::string(117 - header.size(), ' ') + "\n";
+    const std::string before("\x93NUMPY\x01\x00\x76\x00", 10);
+    EXPECT_EQ(bytes_of(folder / "a.npy"), before + header + "\x01\x02\x03\x04\x05\x06\x07\x08");
+    write_npy(folder / "a.npy", image, false);
+    EXPECT_NE(bytes_of(folder / "a.npy").find("(1, 2, 3)"), std::string::npos);
+    EXPECT_EQ(bytes_of(folder / "a.npy").substr(128), "\x01\x02\x03\x05\x06\x07");
+    for (const int size :
+         {9, 10, 99, 100, 1000, 10000}) {  // as the number of digits grows the data stay where they are
+        write_npy(folder / "a.npy", noise(size, 1, 1));
+        EXPECT_EQ(bytes_of(folder / "a.npy").size(), 128 + 4 * static_cast<std::size_t>(size));
+    }
+    EXPECT_EQ(code_of([&] { write_npy(folder / "b.npy", Image{2, 2, {1, 2, 3}}); }), ErrorCode::invalid_argument);
+    EXPECT_FALSE(fs::exists(folder / "b.npy"));
+}
+
 // Every call that changes files fails once: opening, writing, syncing, renaming.
 TEST(Png, AFailedWriteLeavesTheOldPicture)
 {

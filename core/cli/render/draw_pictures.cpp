@@ -94,7 +94,7 @@ public:
             drawn.pixels += std::memcmp(&image.rgba[at], &empty_.rgba[at], 4) != 0;
         if (background_.transparent) unpremultiply(image);
         if (!legends.empty()) draw_legends(image, legends);
-        run_last_step(outcome, [&] { write_png(file, image, background_.transparent); });
+        run_last_step(outcome, [&] { write_picture(file, image, background_); });
     }
 
 private:

@@ -1,4 +1,4 @@
-// Draws trees to PNG files without a window.
+// Draws trees to pictures without a window.
 #pragma once
 
 #include "pcm/ops/render_request.h"

@@ -2,10 +2,10 @@
 
 #include "pcm/cloud/attribute_names.h"
 #include "pcm/system/error.h"
+#include "pcm/system/new_output.h"
 #include "pcm/system/output_path.h"
 
 #include <algorithm>
-#include <cctype>
 #include <cstdio>
 #include <limits>
 
@@ -77,17 +77,20 @@ std::string numbered(std::size_t number, int digits)
     return text;
 }
 
-void require_png(const fs::path& file)
+void require_picture(const fs::path& file)
 {
-    std::string extension = file.extension().string();
-    std::transform(extension.begin(), extension.end(), extension.begin(),
-                   [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-    if (extension != ".png")
-        throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG only",
-                    "end the output's name with .png");
+    const std::string extension = lower_extension(file);
+    if (extension != ".png" && extension != ".npy")
+        throw Error(ErrorCode::invalid_argument, file, "pictures are written as PNG, or as an array of NumPy",
+                    "end the output's name with .png or .npy");
 }
 
 }  // namespace
+
+void write_picture(const fs::path& file, const Image& image, const Background& background)
+{
+    (lower_extension(file) == ".npy" ? write_npy : write_png)(file, image, background.transparent);
+}
 
 Background background_of(const ops::RenderRequest& request)
 {
@@ -191,12 +194,12 @@ std::vector<fs::path> files_of(const ops::RenderRequest& request, std::size_t pi
     std::vector<fs::path> files;
     std::error_code ignored;
     if (const auto pattern = pattern_of(output)) {
-        require_png(as_path);
+        require_picture(as_path);
         for (std::size_t i = 1; i <= pictures; ++i)
             files.emplace_back(output.substr(0, pattern->begin) + numbered(i, pattern->digits) +
                                output.substr(pattern->end));
     } else if (request.path.empty()) {
-        require_png(as_path);
+        require_picture(as_path);
         files.push_back(as_path);
     } else if (as_path.has_extension() && !fs::is_directory(as_path, ignored)) {
         throw Error(ErrorCode::invalid_argument, as_path,

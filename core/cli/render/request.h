@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/gl/draw/renderer.h"
+#include "pcm/offscreen/image.h"
 #include "pcm/ops/render_request.h"
 #include "pcm/view/camera_path.h"
 
@@ -37,5 +38,8 @@ std::vector<CameraFrame> cameras_of(const ops::RenderRequest& request,
 // One file per picture: OUTPUT itself for a single one; NAME%04d.png with numbers from 1; FOLDER/0001.png, ... Throws
 // Error(invalid_argument), and Error(exists) for an existing file without --overwrite.
 std::vector<std::filesystem::path> files_of(const ops::RenderRequest& request, std::size_t pictures);
+
+// In the format of its ending; without an alpha channel where the background covers everything. Throws as write_png().
+void write_picture(const std::filesystem::path& file, const Image& image, const Background& background);
 
 }  // namespace pcm::cli

@@ -1,7 +1,11 @@
 """Trees: reading points, searching and changing them."""
 
+import base64
 import contextlib
+import html
+import io
 import os
+import tempfile
 import typing
 
 import numpy
@@ -171,6 +175,27 @@ class Cloud:
             most = numpy.iinfo(rgb.dtype).max if rgb.dtype.kind == "u" else 1
             made.colors = open3d.utility.Vector3dVector(rgb.astype(float) / most)
         return made
+
+    def picture(self, **options) -> numpy.ndarray:
+        """The cloud drawn from a camera, with the options of pcmlab.render(): an array of bytes, height x width x 4 (red, green,
+        blue, alpha), or x 3 where `background` is given a colour."""
+        from . import operations
+
+        return operations.render([self.folder], **options)
+
+    def _repr_html_(self):
+        """What a notebook shows: a picture, where one can be drawn, above the text."""
+        from . import operations
+
+        text = f"<pre>{html.escape(repr(self))}</pre>"
+        with tempfile.TemporaryDirectory(prefix="pcmlab-") as folder:
+            file = os.path.join(folder, "cloud.png")
+            try:
+                operations.render([self.folder], output=file, size="640x400", until="target", converge=4)
+                with io.open(file, "rb") as picture:
+                    return f'<img src="data:image/png;base64,{base64.b64encode(picture.read()).decode()}"/>{text}'
+            except _pcmlab.Error:  # no program that draws, or no OpenGL
+                return text
 
     def __len__(self):
         return self.points

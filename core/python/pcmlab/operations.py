@@ -7,7 +7,7 @@ import os
 import textwrap
 import warnings
 
-from . import _pcmlab
+from . import _pcmlab, drawing
 from .progress import callback
 
 __all__ = []
@@ -133,22 +133,32 @@ def _document(row):
     return "\n".join(lines) + "\n"
 
 
+def _answer(row, values, progress):
+    if row["name"] == "render":
+        answer, lines, good = drawing.run(row, values, progress)
+    else:
+        answer, lines, good = _pcmlab.run(row["name"], values, progress)
+        answer = json.loads(answer)
+    for warning in answer["warnings"]:
+        warnings.warn(warning, stacklevel=3)
+    return Answer(answer, "\n".join(lines), good)
+
+
 def _function(row):
     arguments = {_name(a["key"]): a for a in row["arguments"]}
-    signature = inspect.Signature(_parameters(row), return_annotation=Answer)
+    returns = "Union[Answer, numpy.ndarray]" if row["name"] == "render" else Answer
+    signature = inspect.Signature(_parameters(row), return_annotation=returns)
 
     def run(*args, **kwargs):
         given = signature.bind(*args, **kwargs).arguments
-        progress = given.pop("progress", None)
+        progress = callback(given.pop("progress", None))
         # In the order of the call, which is that of steps.
         given = {**{name: value for name, value in given.items() if name not in kwargs},
                  **{name: given[name] for name in kwargs if name in given}}
         values = [(arguments[name]["key"], _value(arguments[name], value)) for name, value in given.items() if value is not None]
-        answer, lines, good = _pcmlab.run(row["name"], values, callback(progress))
-        answer = Answer(json.loads(answer), "\n".join(lines), good)
-        for warning in answer["warnings"]:
-            warnings.warn(warning, stacklevel=2)
-        return answer
+        if row["name"] == "render" and "output" not in dict(values):
+            return drawing.array_of(lambda file: _answer(row, [*values, ("output", [file])], progress))
+        return _answer(row, values, progress)
 
     run.__name__ = run.__qualname__ = _name(row["name"])
     run.__module__ = __name__
@@ -159,7 +169,11 @@ def _function(row):
 
 rows = [row for row in json.loads(_pcmlab.usage()) if not row["name"].endswith("_selected")]
 for _row in rows:
+    if _row["name"] == "render":
+        _output = next(a for a in _row["arguments"] if a["key"] == "output")
+        _output.update(required=False, without="none, and the picture is returned: an array of bytes, height x width x 4, or x 3 "
+                                               "where the background is not transparent")
     _made = _function(_row)
     globals()[_made.__name__] = _made
     __all__.append(_made.__name__)
-del _row, _made
+del _row, _made, _output
