@@ -60,6 +60,13 @@ TEST(LayerNames, ThatAreTypedKeepWhatOtherScriptsSay)
 TEST(Colours, OfTheIndexAreTheirOwnNearest)
 {
     EXPECT_EQ(indexed_colour(1), (Rgb{255, 0, 0}));
+    EXPECT_EQ(indexed_colour(8), (Rgb{128, 128, 128}));
+    EXPECT_EQ(indexed_colour(9), (Rgb{192, 192, 192}));
+    const int greys[] = {51, 80, 105, 130, 190, 255};
+    for (int i = 0; i < 6; ++i) {
+        const auto grey = static_cast<std::uint8_t>(greys[i]);
+        EXPECT_EQ(indexed_colour(250 + i), (Rgb{grey, grey, grey}));
+    }
     EXPECT_EQ(indexed_colour(30), (Rgb{255, 127, 0}));
     EXPECT_EQ(indexed_colour(12), (Rgb{165, 0, 0}));
     EXPECT_EQ(indexed_colour(94), (Rgb{0, 127, 0}));

@@ -112,6 +112,15 @@ TEST(FirstPerson, HorizonIsLevelledWhenTheEyeMoves)
         EXPECT_NEAR(dot(level.right, level.up), 0, 1e-12);
         EXPECT_NEAR(dot(level.back, level.up), 0, 1e-12);
         EXPECT_NEAR(dot(level.right, level.right), 1, 1e-12);
+
+        for (const unsigned key : {walk_forward, walk_left, walk_up}) {  // one step starts it, too
+            FirstPerson walker(pose, UpAxis::z);
+            ASSERT_FALSE(walker.step(0.01, 0, 1));
+            ASSERT_TRUE(walker.step(0.01, key, 1));
+            ASSERT_NEAR(walker.roll(), roll * std::exp(-0.01 / 0.15), 1e-12);
+            for (int step = 0; walker.moves(0) && step < 500; ++step) walker.step(0.01, 0, 1);
+            EXPECT_EQ(walker.roll(), 0);
+        }
     }
 }
 
