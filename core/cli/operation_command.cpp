@@ -1,6 +1,7 @@
 #include "pcm/cli/operation_command.h"
 
 #include "pcm/cli/common.h"
+#include "pcm/ops/shared/chain.h"
 
 #include <cstdio>
 #include <memory>
@@ -20,7 +21,7 @@ int run(const ops::Row& row, Arguments& arguments, const OpenGLSetup& set_up_ope
     ops::Context context;
     context.progress = console_progress(arguments.common);
     set_up_opengl(context, words);
-    const ops::Result result = arguments.operation->run(context);
+    const ops::Result result = ops::run_on_files_too(row, *arguments.operation, context);
     end_progress(arguments.common);
     if (arguments.common.json) {
         print_json(ops::json_of(row.name, result));

@@ -298,6 +298,12 @@ std::string Argument::fault(std::string& word) const
     return choice_fault(word, names);
 }
 
+std::uint64_t Argument::whole() const
+{
+    const auto* const narrow = std::get_if<std::uint32_t*>(&variable_);
+    return narrow ? **narrow : *std::get<std::uint64_t*>(variable_);
+}
+
 void Argument::set(bool on)
 {
     given_ = on != default_on_;

@@ -147,6 +147,9 @@ public:
     // Why a word is not a value of this argument, or empty; a word may be rewritten ("1e3" as "1000").
     std::string fault(std::string& word) const;
     bool is_given() const { return given_; }
+    // What is given, else the default: of a text, and of a whole number. Throws std::bad_variant_access for others.
+    const std::string& text() const { return *std::get<std::string*>(variable_); }
+    std::uint64_t whole() const;
 
 private:
     std::string count_fault(std::size_t numbers) const;

@@ -15,7 +15,7 @@ class Delete : public Operation {
 public:
     Delete()
     {
-        target_.declare_tree(arguments_);
+        target_.declare_cloud(arguments_);
         region_.declare(arguments_, "Points to delete");
         arguments_.add("count", options_.count_only)
             .script("CountOnly")

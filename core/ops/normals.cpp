@@ -10,7 +10,7 @@ class Normals : public Operation {
 public:
     Normals()
     {
-        target_.declare_tree(arguments_);
+        target_.declare_cloud(arguments_);
         WantedValues& wanted = options_.wanted;
         wanted.normal = true;
         wanted.radius_neighbours = usual_radius_neighbours;

@@ -16,7 +16,7 @@ class Outliers : public Operation {
 public:
     Outliers()
     {
-        target_.declare_tree(arguments_);
+        target_.declare_cloud(arguments_);
         arguments_.choice("method", options_.method, methods)
             .label("Method")
             .help(

@@ -12,7 +12,7 @@ class Radii : public Operation {
 public:
     Radii()
     {
-        target_.declare_tree(arguments_);
+        target_.declare_cloud(arguments_);
         options_.wanted.radius = true;
         neighbours_.neighbours = usual_radius_neighbours;
         arguments_.add("mean_distance", options_.wanted.mean_distance)

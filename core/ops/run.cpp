@@ -1,45 +1,22 @@
 // A chain of operations: files, folders or trees go in, one tree or file comes out.
-#include "pcm/convert/open_cloud.h"
-#include "pcm/filter/result_tree.h"
-#include "pcm/io/pipe/require_points.h"
+#include "pcm/build/builder.h"
+#include "pcm/ops/shared/chain.h"
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/region_arguments.h"
 #include "pcm/ops/shared/step.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
-#include "pcm/system/error.h"
-#include "pcm/system/output_path.h"
 #include "pcm/system/peak_memory.h"
-#include "pcm/system/renamed_error.h"
-#include "pcm/system/scratch_folder.h"
 #include "pcm/system/text.h"
-#include "pcm/tree/tree.h"
 
 #include <algorithm>
-#include <chrono>
+#include <memory>
+#include <utility>
 
 namespace pcm::ops {
 namespace {
 
-namespace fs = std::filesystem;
-
 constexpr std::uint64_t chain_memory = std::uint64_t(1) << 30;
-
-// A step that is ready to run.
-struct Link {
-    const Row* row;
-    std::unique_ptr<Operation> operation;
-    std::string name;  // for people: "step 2, subsample 0.05"
-};
-
-// The text of an error without its path and its hint, which stand around it.
-std::string text_alone(const Error& error)
-{
-    std::string text = without_path(error);
-    if (const std::string hint = " (" + error.hint() + ")"; !error.hint().empty() && text.size() > hint.size())
-        text.erase(text.size() - hint.size());
-    return text;
-}
 
 class Run : public Operation {
 public:
@@ -67,30 +44,24 @@ public:
 
     Result run(const Context& context) override
     {
-        const auto start = std::chrono::steady_clock::now();
-        links_ = links();
-        CloudOptions reading;
-        reading.read = reading_.get(work_.threads);
-        reading.selection = region_.get();
-        CloudSources sources({inputs_.begin(), inputs_.end()}, reading);
-        place_ = result_place(output_, overwrite_);
-        if (sources.has(place_))
-            throw Error(ErrorCode::invalid_argument, output_, "the output is one of the inputs",
-                        "give the result another name");
-        scratch_ = std::make_unique<ScratchFolder>(place_);
-        Result result;
-        result.input = inputs_;
-        result.output = output_;
-        result.makes = is_file() ? Makes::file : Makes::cloud;
+        std::vector<Link> steps = links();
+        ChainOptions options;
+        options.inputs = inputs_;
+        options.output = output_;
+        options.overwrite = overwrite_;
+        options.reading.read = reading_.get(work_.threads);
+        options.reading.selection = region_.get();
+        options.memory_bytes = work_.memory;
+        options.threads = work_.threads;
+        Chain chain(std::move(options), steps);
+        const std::vector<Result> answers = chain.run(context);
+        Result result = chain.summary();
         result.values["steps"] = Json::array();
-        take_inputs(sources, reading.selection.chooses_points(), context, result);
-        for (std::size_t i = 0; i < links_.size(); ++i) run_link(i, context, result);
-        if (!written_) write_file(context, result);
-        scratch_.reset();
-        result.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        for (std::size_t i = 0; i < answers.size(); ++i)
+            add_answer(steps[i].row->name, answers[i], chain.path(), result);
         result.print("%s: %s points of %s in %s steps, %.1f s, peak memory %s", output_.c_str(),
                      grouped(result.outcome.points_out).c_str(), grouped(result.outcome.points_in).c_str(),
-                     grouped(links_.size()).c_str(), result.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
+                     grouped(steps.size()).c_str(), result.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
         return result;
     }
 
@@ -105,11 +76,8 @@ private:
         }
     }
 
-    bool is_file() const { return is_point_file_name(place_) && !fs::is_directory(place_); }
-    bool is_last(std::size_t i) const { return i + 1 == links_.size(); }
-
     // Everything that is wrong with the steps as they are written comes before any work.
-    std::vector<Link> links() const
+    std::vector<Link> links()
     {
         if (steps_.empty()) {
             std::string names;
@@ -120,7 +88,9 @@ private:
         std::vector<Link> links;
         for (std::size_t i = 0; i < steps_.size(); ++i) {
             const Row& row = *find_operation(steps_[i].operation);
-            Link link{&row, row.make(), "step " + std::to_string(i + 1) + ", " + row.name + " " + steps_[i].values};
+            operations_.push_back(row.make());
+            Link link{&row, operations_.back().get(),
+                      "step " + std::to_string(i + 1) + ", " + row.name + " " + steps_[i].values};
             try {
                 set_step(row, *link.operation, steps_[i].values);
                 limit(*link.operation);
@@ -141,135 +111,9 @@ private:
                 argument->set({std::to_string(value)}, key);
     }
 
-    // The part of the progress of one of all that is done: reading, the steps, writing.
-    ProgressFunction part(const Context& context, std::size_t i, const std::string& name) const
+    // Lines of a step begin with its name; notes and warnings, too.
+    static void add_answer(const std::string& name, const Result& answer, const std::string& output, Result& result)
     {
-        const double parts = static_cast<double>(links_.size() + 2);
-        return [&context, i, name, parts](const ProgressUpdate& update) {
-            if (!context.progress) return true;
-            const std::string stage = name + (name.empty() ? "" : ": ") + std::string(update.stage);
-            return context.progress({stage, (static_cast<double>(i) + update.fraction) / parts, -1});
-        };
-    }
-
-    // One tree is read where it is; anything else becomes a tree in the scratch folder.
-    void take_inputs(CloudSources& sources, bool selected, const Context& context, Result& result)
-    {
-        const bool is_tree_of_user =
-            inputs_.size() == 1 && (is_tree(inputs_[0]) || is_tree_folder(tree_folder_of(inputs_[0])));
-        result.values["points_skipped"] = 0;
-        put_skipped(result, {});
-        result.notes = sources.notes();
-        if (is_tree_of_user && !selected) {
-            tree_ = inputs_[0];
-            result.outcome.points_in = Tree::open(tree_)->info().points;
-            return;
-        }
-        auto cloud = sources.open();
-        if (selected) cloud = require_points(std::move(cloud), [&sources] { return sources.bounds(); });
-        BuildOptions build;
-        build.memory_bytes = work_.memory;
-        build.threads = work_.threads;
-        build.progress = part(context, 0, "");
-        const fs::path folder = next_folder();
-        try {
-            const BuildReport report = build_tree(*cloud, sources.names(), folder, build);
-            result.outcome = report.outcome;
-            result.values["points_skipped"] = report.points_skipped;
-            put_skipped(result, report.skipped);
-            result.notes.insert(result.notes.end(), report.notes.begin(), report.notes.end());
-        } catch (const Error& error) {
-            throw renamed(error, folder, place_);
-        }
-        result.outcome.points_in = result.outcome.points_out;
-        tree_ = folder;
-        is_scratch_ = true;
-    }
-
-    fs::path next_folder() { return scratch_->work() / (std::to_string(folders_++) + tree_extension); }
-
-    // Whether the levels of a step's tree are those of the output: no later step makes new ones.
-    bool keeps_levels(std::size_t i) const
-    {
-        return !is_file() && std::none_of(links_.begin() + static_cast<std::ptrdiff_t>(i) + 1, links_.end(),
-                                          [](const Link& link) { return writes_new_cloud(*link.operation); });
-    }
-
-    // Where a step reads and writes. The last one writes the output, if it can.
-    void connect(const Link& link, bool last)
-    {
-        Arguments& arguments = link.operation->arguments();
-        Argument* const output = output_of_step(*link.operation);
-        const bool anew = writes_new_cloud(*link.operation), to_place = last && output && (anew || !is_file());
-        if (!to_place && !anew && !is_scratch_) copy_tree();
-        input_of_step(*link.operation).set({tree_.string()}, "input");
-        if (to_place || anew) {
-            target_ = to_place ? place_ : next_folder();
-            output->set({target_.string()}, "output");
-            written_ = to_place;
-            if (Argument* const over = arguments.find("overwrite"); over && to_place) over->set(overwrite_);
-            return;
-        }
-        target_ = tree_;
-        if (Argument* const in_place = arguments.find("in_place"); in_place && in_place->is_in(Face::command))
-            in_place->set(true);
-    }
-
-    // A tree of the user's is not changed: a copy of it is, which shares its data where the file system allows.
-    void copy_tree()
-    {
-        struct Copied {
-            Outcome outcome;
-        };
-        const fs::path folder = next_folder();
-        UpdateTarget(tree_, {folder, false, false}).update([](const fs::path&) { return Copied(); });
-        tree_ = folder;
-        is_scratch_ = true;
-    }
-
-    void run_link(std::size_t i, const Context& context, Result& result)
-    {
-        const Link& link = links_[i];
-        Context own;
-        own.progress = part(context, i + 1, link.row->name);
-        own.keeps_levels = keeps_levels(i);
-        own.gpu_radii = [](const GpuRadiiRequest&) -> Result {
-            throw ArgumentError("device=gpu: a chain computes on the processor");
-        };
-        Result answer;
-        try {
-            connect(link, is_last(i));
-            answer = link.operation->run(own);
-        } catch (const Error& error) {
-            throw in_step(error, link);
-        } catch (const ArgumentError& error) {
-            throw ArgumentError(link.name + ": " + error.what());
-        }
-        if (answer.makes == Makes::nothing)
-            throw ArgumentError(link.name + ": this only counts, and a step of a chain writes something");
-        if (is_scratch_ && target_ != tree_) {
-            std::error_code ignored;
-            fs::remove_all(tree_, ignored);  // at the latest the scratch folder goes
-        }
-        add_answer(link, answer, result);
-        tree_ = target_;
-        is_scratch_ = true;
-    }
-
-    Error in_step(const Error& error, const Link& link) const
-    {
-        const std::string inputs = inputs_.size() == 1 ? inputs_[0] : "the inputs";
-        const auto shown = [&](std::string text) {
-            text = renamed(std::move(text), tree_, inputs);
-            return renamed(std::move(text), scratch_->work(), place_);
-        };
-        return Error(error.code(), shown(error.path().string()), link.name + ": " + shown(text_alone(error)),
-                     error.hint());
-    }
-
-    void add_answer(const Link& link, const Result& answer, Result& result) const
-    {
-        const std::string name = link.row->name;
         Json json{{"operation", name}};
         const Json answered = json_of(name, answer);
         for (const char* const key : {"points", "seconds", "warnings", "notes", "points_in"}) json[key] = answered[key];
@@ -282,29 +126,9 @@ private:
             result.outcome.warnings.push_back(name + ": " + warning);
         for (const std::string& line : answer.lines) {
             std::string text = line;
-            for (const std::string& start : {target_.string() + ": ", name + ": "})
+            for (const std::string& start : {output + ": ", name + ": "})
                 if (text.compare(0, start.size(), start) == 0) text.erase(0, start.size());
             result.line(name + ": " + text);
-        }
-        const bool is_tree = !written_ || !is_file();
-        result.outcome.points_out = is_tree ? Tree::open(target_)->info().points : answer.outcome.points_out;
-    }
-
-    // A tree whose last step wrote no file.
-    void write_file(const Context& context, Result& result)
-    {
-        ConvertOptions options;
-        options.memory_bytes = work_.memory;
-        options.threads = options.write.threads = work_.threads;
-        options.overwrite = overwrite_;
-        options.progress = part(context, links_.size() + 1, "");
-        try {
-            const ConvertReport report = pcm::convert({tree_}, place_, options);
-            result.outcome.points_out = report.outcome.points_out;
-            for (const std::string& warning : report.outcome.warnings) result.outcome.warnings.push_back(warning);
-            result.notes.insert(result.notes.end(), report.notes.begin(), report.notes.end());
-        } catch (const Error& error) {
-            throw renamed(error, tree_, place_);
         }
     }
 
@@ -315,14 +139,7 @@ private:
     RegionArguments region_;
     ReadingArguments reading_;
     WorkArguments work_;
-    // What is being done.
-    std::vector<Link> links_;
-    fs::path place_;                          // where the output goes
-    std::unique_ptr<ScratchFolder> scratch_;  // next to it
-    std::size_t folders_ = 0;                 // made in it
-    fs::path tree_, target_;                  // what the next step reads; what it writes
-    bool is_scratch_ = false;                 // the tree may be changed: it is not the user's
-    bool written_ = false;                    // the output is
+    std::vector<std::unique_ptr<Operation>> operations_;  // of the steps
 };
 
 }  // namespace

@@ -17,7 +17,7 @@ class Transform : public Operation {
 public:
     Transform()
     {
-        target_.declare_tree(arguments_);
+        target_.declare_cloud(arguments_);
         to_.declare_output(arguments_).positional().required();
         arguments_.add("layer_matrix", layer_matrix_)
             .only(Face::dialog)  // the command has no layers

@@ -1,6 +1,7 @@
 #include "pcm/python/operations.h"
 
 #include "pcm/ops/operation.h"
+#include "pcm/ops/shared/chain.h"
 #include "pcm/python/calls.h"
 
 #include <pybind11/stl.h>
@@ -67,7 +68,7 @@ py::tuple run(const std::string& name, const std::vector<std::pair<std::string, 
     ops::Context context;
     context.progress = call.progress();
     ops::Result result;
-    call.run([&] { result = operation->run(context); });
+    call.run([&] { result = ops::run_on_files_too(*row, *operation, context); });
     return py::make_tuple(ops::json_of(row->name, result).dump(-1, ' ', false, ops::Json::error_handler_t::replace),
                           result.lines, result.good);
 }

@@ -64,12 +64,85 @@ TEST_F(FileResult, PCM_NOT_UNDER_ADDRESS(IsWrittenInTheFormatOfItsName))
     EXPECT_EQ(entries, 2u) << "t.pct and v.pct";
 }
 
+// A file of what changes a tree, and from files: the same as the commands one by one, and nothing else is left.
+TEST_F(FileResult, OfOperationsThatChangeATree)
+{
+    const auto bytes_of = [&](const std::string& name) {
+        std::ifstream file(folder_ / name, std::ios::binary);
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    const auto names = [&] {
+        std::set<std::string> found;
+        for (const auto& entry : fs::directory_iterator(folder_.path())) found.insert(entry.path().filename());
+        return found;
+    };
+    const std::pair<std::string, std::string> commands[] = {{"outliers ", " -k 8 -a 2"},
+                                                            {"normals ", " -k 8"},
+                                                            {"radii ", " -k 8"},
+                                                            {"delete ", " --where 'z>1'"},
+                                                            {"transform --translate 1 2 3 ", ""}};
+    for (const auto& [before, options] : commands) {
+        SCOPED_TRACE(before);
+        const std::string after = options + (options.empty() ? " " : " -o ");  // transform has it by its place
+        ASSERT_EQ(pcmlab(before + path("t.pct") + after + path("by-hand.pct")).code, 0);
+        ASSERT_EQ(pcmlab("convert -q " + path("by-hand.pct") + " " + path("by-hand.las")).code, 0);
+        const std::set<std::string> present = names();
+        for (const std::string input : {"t.pct", "scene.las"}) {
+            const Result made = pcmlab(before + path(input) + after + path("out.las") + " --json");
+            ASSERT_EQ(made.code, 0) << made.err;
+            const Json json = Json::parse(made.out);
+            EXPECT_EQ(json["input"], Json{(folder_ / input).string()});
+            EXPECT_EQ(json["output"], (folder_ / "out.las").string());
+            EXPECT_EQ(json["points"], points_in("out.las"));
+            EXPECT_EQ(json["points_in"], points_in("scene.las"));
+            EXPECT_TRUE(bytes_of("out.las") == bytes_of("by-hand.las")) << input;
+            EXPECT_EQ(pcmlab(before + path(input) + after + path("out.las")).code, 1) << "it exists";
+            EXPECT_EQ(pcmlab(before + path(input) + after + path("out.las") + " --overwrite").code, 0);
+            fs::remove(folder_ / "out.las");
+            EXPECT_EQ(names(), present);
+        }
+        ASSERT_EQ(pcmlab(before + path("scene.las") + after + path("tree.pct")).code, 0);
+        EXPECT_EQ(points_in("tree.pct"), points_in("by-hand.pct"));
+        EXPECT_EQ(pcmlab("verify " + path("tree.pct")).code, 0);
+        fs::remove_all(folder_ / "tree.pct");
+        fs::remove_all(folder_ / "by-hand.pct");
+        fs::remove(folder_ / "by-hand.las");
+    }
+}
+
+TEST_F(FileResult, OfFilesIsRefusedWhereItCannotBe)
+{
+    const std::string file = path("scene.las"), to = " -o " + path("out.las");
+    const std::tuple<std::string, int, std::string> mistakes[] = {
+        {"outliers " + file, 2, "no output is given: " + (folder_ / "scene.las").string() + " is not a tree"},
+        {"outliers " + file + " --in-place", 2, "no output is given"},
+        {"outliers " + file + " --in-place" + to, 2, "give either --output or --in-place, not both"},
+        {"outliers " + path("t.pct") + " --in-place" + to, 2, "give either --output or --in-place, not both"},
+        {"outliers " + file + " --count" + to, 2, "this only counts"},
+        {"outliers " + file + " --method radius" + to, 2, "the method radius needs --radius"},
+        {"outliers " + path("none.las") + to, 1, "no such file or folder"},
+        {"outliers " + file + " -o " + file + " --overwrite", 1, "the output is one of the inputs"},
+        {"delete " + file + " --where 'z>1'", 2, "no output is given"},
+        {"delete " + file + " --where 'none>1'" + to, 1, "no attribute 'none'"},
+        {"set " + file + " classification=3", 1, "files are not changed"},
+        {"radii " + file + " --device gpu" + to, 2, "is computed on the processor"}};
+    for (const auto& [command, code, message] : mistakes) {
+        const Result result = pcmlab(command);
+        EXPECT_EQ(result.code, code) << command;
+        EXPECT_NE(result.err.find(message), std::string::npos) << command << "\n" << result.err;
+        EXPECT_EQ(result.err.find(".part"), std::string::npos) << result.err;
+        EXPECT_FALSE(fs::exists(folder_ / "out.las")) << command;
+    }
+    EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 3)
+        << "scene.las, t.pct and what is printed";
+}
+
 TEST_F(FileResult, IsRefusedWhereOnlyATreeIsMade)
 {
     const std::string tree = path("t.pct"), to = " -o " + path("clean.laz");
     for (const std::string& command :
-         {"build " + path("scene.las") + to, "outliers " + tree + to, "normals " + tree + to, "radii " + tree + to,
-          "select " + tree + " --where 'z>0' --classify 7" + to, "select " + tree + " --where 'z>0' --delete" + to,
+         {"build " + path("scene.las") + to, "select " + tree + " --where 'z>0' --classify 7" + to,
+          "select " + tree + " --where 'z>0' --delete" + to,
           "select " + tree + " --where 'z>0' --save-attribute mine" + to,
           "detect " + tree + " --shape plane --label shape" + to, "compact " + tree + to,
           "merge " + path("clean.laz") + " " + tree + " " + tree}) {

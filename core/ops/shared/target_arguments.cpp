@@ -12,6 +12,13 @@ void TargetArguments::declare_tree(Arguments& arguments)
         .help("Tree folder, or any file of it");
 }
 
+void TargetArguments::declare_cloud(Arguments& arguments)
+{
+    declare_tree(arguments);
+    arguments.find("tree")->help(
+        "Tree folder, or any file of it; on the command line also a file or a folder of files, with an output");
+}
+
 void TargetArguments::declare_target(Arguments& arguments, const std::string& lost)
 {
     arguments.add("output", output)
@@ -20,7 +27,7 @@ void TargetArguments::declare_target(Arguments& arguments, const std::string& lo
         .label("Output folder")
         .help(
             "Tree folder to write, by convention NAME.pct: a copy that shares unchanged data with the original where "
-            "the file system allows");
+            "the file system allows; on the command line of many operations also a file, NAME.laz or NAME.ply");
     arguments.add("in_place", in_place).label("In place").help("Change the tree itself, atomically");
     arguments.add("overwrite", overwrite)
         .label("Overwrite")

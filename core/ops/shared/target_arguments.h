@@ -14,6 +14,8 @@ struct TargetArguments {
     // `lost`: attributes of these names that the operation did not make are written with --overwrite alone; empty: it
     // writes none.
     void declare_tree(Arguments& arguments);
+    // The same for a step of a chain, which files are given to as well (shared/chain.h).
+    void declare_cloud(Arguments& arguments);
     void declare_target(Arguments& arguments, const std::string& lost);
     // The same for commands that change the tree itself where no output is named: in_place is for dialogs alone.
     void declare_copy(Arguments& arguments);
