@@ -60,11 +60,7 @@ void set_finish(const ShaderProgram& composite, const RenderTarget& from, const 
                 const Finish& finish)
 {
     if (!finish.needs_one_sample()) return;
-    // Scaled, so that near planes of 1e-30 do not underflow.
-    std::array<double, 4> k = distance_of_depth(projection);
-    double largest = 0;
-    for (const double v : k) largest = std::max(largest, std::abs(v));
-    for (double& v : k) v /= largest > 0 ? largest : 1;
+    const std::array<double, 4> k = distance_of_depth(projection);
     glUniform4f(composite.uniform("distance_of_depth"), static_cast<float>(k[0]), static_cast<float>(k[1]),
                 static_cast<float>(k[2]), static_cast<float>(k[3]));
     const bool orthographic = projection[3] == 0 && projection[7] == 0 && projection[11] == 0;
