@@ -16,7 +16,7 @@
 namespace pcm::test {
 
 struct Faulty {
-    bool killed = false;  // by the fault
+    bool killed = false;  // whether the fault killed it
     int code = -1;        // exit code otherwise
     std::string err;      // what it wrote to stderr
 };
@@ -71,7 +71,7 @@ inline long count_calls(const std::vector<std::string>& command, const std::file
     return calls;
 }
 
-// `most` numbers spread over 1..calls, first and last among them; all of them when there are not so many.
+// `most` numbers spread over 1..calls, first and last among them; all of them when there are fewer.
 inline std::vector<long> spread(long calls, long most)
 {
     std::vector<long> instants;

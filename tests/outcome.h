@@ -22,7 +22,7 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };
 
-// Of an operation that began after the stopwatch and has ended: it took some time, and no more than has passed.
+// Expects that an operation that began after the stopwatch took some time, and no more than has passed.
 inline void expect_time(double seconds, const Stopwatch& watch)
 {
     EXPECT_GT(seconds, 0);

@@ -1,5 +1,5 @@
-// A test that a sanitizer's build leaves out says so in its name, TEST_F(Suite, PCM_NOT_UNDER_THREAD(Name)), and why
-// above it. There it is counted as skipped; --gtest_also_run_disabled_tests runs it nevertheless.
+// A test that a sanitizer's build leaves out states that in its name, TEST_F(Suite, PCM_NOT_UNDER_THREAD(Name)), and
+// the reason above it. There it is counted as skipped; --gtest_also_run_disabled_tests runs it nevertheless.
 #pragma once
 
 #if defined(__SANITIZE_ADDRESS__)

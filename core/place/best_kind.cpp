@@ -58,24 +58,24 @@ double KindComparison::misfit(const Shape& shape) const
 double KindComparison::agreement(const Shape& shape) const
 {
     const double limit = fit_tuning().thresholds.inlier_noises * noise_;
-    ErrorAgreement alike(box_.min, box_.diagonal() / place_tuning().kinds.agreement_cubes);
+    ErrorAgreement errors(box_.min, box_.diagonal() / place_tuning().kinds.agreement_cubes);
     for (std::size_t i = 0; i < points_.size(); i += every_) {
         const double d = signed_distance(shape, points_.source(i));
-        if (std::fabs(d) <= limit) alike.add(points_.source(i), d);
+        if (std::fabs(d) <= limit) errors.add(points_.source(i), d);
     }
-    return alike.factor();
+    return errors.factor();
 }
 
 double KindComparison::evidence(const Shape& shape, const Shape& simpler) const
 {
     const KindTuning& tuned = place_tuning().kinds;
     const auto n = static_cast<double>(points_.size());
-    const double alike = agreement(shape), own = std::max(n / (alike * alike), 2.0);
+    const double shared = agreement(shape), independent = std::max(n / (shared * shared), 2.0);
     const double more = static_cast<double>(model_of(shape.kind).parameters()) -
                         static_cast<double>(model_of(simpler.kind).parameters());
     const double gain = std::log(rank_of(simpler.kind) == 0 ? tuned.gain_on_plane : tuned.gain_on_curved);
     const double won = misfit(simpler) - misfit(shape);
-    return std::min(won - gain * n, won / (alike * alike) - more / 2 * std::log(own) - tuned.min_evidence);
+    return std::min(won - gain * n, won / (shared * shared) - more / 2 * std::log(independent) - tuned.min_evidence);
 }
 
 KindComparison::KindComparison(const FitPoints& points, double noise)
@@ -88,19 +88,19 @@ KindChoice choose_kind(const std::vector<ShapeFit>& fits, const FitPoints& point
 {
     KindChoice choice;
     const bool any_good = std::any_of(fits.begin(), fits.end(), is_determined);
-    const auto takes_part = [&](const ShapeFit& fit) { return any_good ? is_determined(fit) : fit.has_shape(); };
+    const auto is_considered = [&](const ShapeFit& fit) { return any_good ? is_determined(fit) : fit.has_shape(); };
     double noise = infinity;
     std::uint64_t most = 0;
     for (const ShapeFit& fit : fits)
-        if (takes_part(fit)) most = std::max(most, fit.inliers);
+        if (is_considered(fit)) most = std::max(most, fit.inliers);
     for (const ShapeFit& fit : fits)
-        if (takes_part(fit) && 2 * fit.inliers >= most)
+        if (is_considered(fit) && 2 * fit.inliers >= most)
             noise = std::min(noise, fit.noise > 0 ? std::min(fit.noise, fit.threshold) : fit.threshold);
     if (!(noise > 0 && noise < infinity)) noise = 1e-9;
     const KindComparison compared(points, noise);
     std::vector<std::size_t> order;
     for (std::size_t k = 0; k < fits.size(); ++k)
-        if (takes_part(fits[k])) order.push_back(k);
+        if (is_considered(fits[k])) order.push_back(k);
     std::vector<double> misfit(fits.size(), infinity);
     for (const std::size_t k : order) misfit[k] = compared.misfit(fits[k].shape);
     std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -128,9 +128,9 @@ std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3
     for (const Vec3d& p : points)
         if (distance_to(fit.shape, p) <= fit.threshold) inliers.push_back(p);
     const std::size_t every = 1 + inliers.size() / enough;
-    std::vector<Vec3d> some;
-    for (std::size_t i = 0; i < inliers.size(); i += every) some.push_back(inliers[i]);
-    const FitPoints compared = FitPoints::of(some);
+    std::vector<Vec3d> sample;
+    for (std::size_t i = 0; i < inliers.size(); i += every) sample.push_back(inliers[i]);
+    const FitPoints compared = FitPoints::of(sample);
     ShapeFitOptions options;
     options.threshold = 2 * fit_tuning().thresholds.inlier_noises * noise;
     options.progress = progress;
@@ -143,10 +143,10 @@ std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3
         if (row.kind == fit.shape.kind || !(options.threshold > 0)) continue;
         const ShapeFit other = fit_shape(compared, options);
         if (!is_determined(other) ||
-            static_cast<double>(other.inliers) < tuned.min_share * static_cast<double>(some.size()) ||
+            static_cast<double>(other.inliers) < tuned.min_share * static_cast<double>(sample.size()) ||
             !(other.noise < least))
             continue;
-        const double radius = row.bend_radius(other.shape, some.front());
+        const double radius = row.bend_radius(other.shape, sample.front());
         if (traits_of(fit.shape.kind).is_flat() && !(radius < tuned.max_radius * fit.noise)) continue;
         best = row.kind;
         least = other.noise;

@@ -10,31 +10,32 @@
 
 namespace pcm {
 
-// The logarithm of how many shapes with so many inliers are to be expected among points spread evenly: of `points`, of
-// which `inliers` are within a distance that the share `part` of space is near to, when `sample` points make a shape
-// (Moisan, Stival 2004). The less, the less probable is the shape by chance.
+// Logarithm of the number of false alarms: the expected number of shapes with `inliers` inliers among `points` points
+// spread evenly, when `sample` points determine a shape and the share `part` of space is within the distance of an
+// inlier (Moisan, Stival 2004). The smaller it is, the less probable is the shape by chance.
 double log_false_alarms(std::size_t points, std::size_t inliers, std::size_t sample, double part);
 
-// That of a shape among points that fill a depth of `depth` (source units) on both sides of it: for the distance
-// min(threshold, 3 noise) of the fit, where that is known.
+// log_false_alarms() of a fitted shape among points that fill a depth of `depth` (source units) on both sides of it.
+// Inliers are within min(threshold, 3 noise) of the fit, or within its threshold where the noise is unknown.
 double chance_of(const ShapeFit& fit, const FitPoints& points, double depth);
 
 // Whether the points determine the shape: the fit is good, or doubtful because least squares did not settle.
 bool is_determined(const ShapeFit& fit);
 
-// Shapes are compared by the same points, with the same noise and up to the same distance, whatever thresholds they
-// were fitted with: the misfit of a shape is half the sum of min(d, 3 noise)^2 / noise^2, the logarithm of a likelihood
-// of Gaussian errors and even outliers without its constant. Of many points a part is used. Keeps references.
+// Compares shapes by the same points, with the same noise and up to the same distance, whatever thresholds they were
+// fitted with. The misfit of a shape is half the sum of min(d, 3 noise)^2 / noise^2: the negative logarithm of the
+// likelihood of Gaussian errors and even outliers, without its constant. From 3000 points on every second, third, ...
+// one is used. Keeps references.
 class KindComparison {
 public:
     // `noise`: one standard deviation, above 0, source units.
     KindComparison(const FitPoints& points, double noise);
     double misfit(const Shape& shape) const;
-    // How far the logarithm of the likelihood ratio of a shape to one with fewer parameters is above what is asked for:
-    // five standard deviations, and half the logarithm of the number of points for each parameter more (Schwarz 1978).
-    // The ratio grows with the number of points; where errors of neighbours are alike it is that of as many points as
-    // have errors of their own. And it must be more than a small gain per point, since surfaces of real things are
-    // never quite flat. Above 0: the shape is the better one.
+    // By how much the logarithm of the likelihood ratio of a shape to one with fewer parameters exceeds its required
+    // minimum: that of five standard deviations, plus half the logarithm of the number of points per additional
+    // parameter (Schwarz 1978). Where neighbours share errors, the number of points is that of independent points. The
+    // ratio must also exceed a small gain per point, since surfaces of real things are never quite flat. Above 0: the
+    // shape is the better one.
     double evidence(const Shape& shape, const Shape& simpler) const;
 
 private:
@@ -53,16 +54,17 @@ struct KindChoice {
 };
 
 // The fit that explains the points best, with the fewest parameters. Kinds have ranks: the plane; cylinder and sphere,
-// which may be planes of wide radius; cone and torus, which may be cylinders. One of a higher rank is taken where
-// KindComparison has evidence for it, of one rank the one of less misfit; the noise is the least one of the fits that
-// have half of the most inliers. Fits that are not determined are considered only where none is, and refused ones
-// never.
+// which may be planes of wide radius; cone and torus, which may be cylinders. A fit of higher rank is chosen where
+// KindComparison has evidence for it; within a rank, the fit of minimum misfit. The noise of the comparison is the
+// minimum over the fits that have half of the maximum number of inliers. Fits that are not determined are considered
+// only where no fit is; refused fits are not considered.
 KindChoice choose_kind(const std::vector<ShapeFit>& fits, const FitPoints& points);
 
-// A kind that explains the inliers of `fit` among `points` far better: most of them within six standard deviations of
-// `noise`, that of the points' surface, and with less than three tenths of the noise of `fit`, or less than half of
-// that and no more than 1.25 times `noise`. A plane is that for what bends by no more than scanners do: with a radius
-// of 200 times its noise. Nothing where there is none. Of many points some take part. Throws Error(cancelled).
+// A kind that explains the inliers of `fit` among `points` far better: it has half of them within six standard
+// deviations of `noise`, that of the points' surface, and less than three tenths of the noise of `fit`, or less than
+// 0.45 of that and less than 1.25 times `noise`. A plane is not replaced by a shape whose radius is 200 times the
+// plane's noise or more: a scanner's errors may bend it as much. Nothing where no kind does. From 3000 inliers on every
+// second, third, ... one is used. Throws Error(cancelled).
 std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3d>& points, double noise,
                                      const ProgressFunction& progress = {});
 

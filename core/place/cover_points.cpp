@@ -83,7 +83,7 @@ private:
     std::optional<double> share_;
 };
 
-// The chosen ones, and of each node those farthest from `middle` in the directions.
+// The chosen points, and the points of each node that are farthest from `middle` in each of the directions.
 std::vector<Vec3d> some_points(const PointSet& set, const Choice& choice, const std::vector<Vec3d>& directions,
                                const Vec3d& middle, unsigned threads, const ProgressFunction& progress)
 {

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t most_points = 2000, least_points = 60;
 constexpr int variables = 6, terms = 84;  // monomials of up to third degree in six variables: (6 + 3 over 3)
-constexpr double least_singular = 1e-3;   // relative to the largest one: monomials that are alike on the shape
+constexpr double least_singular = 1e-3;   // relative to the largest; below it, monomials are dependent on the shape
 constexpr std::size_t least_per_term = 10;
 
 using Vector = Eigen::Matrix<double, terms, 1>;
@@ -44,7 +44,7 @@ Vector monomials(const std::array<double, variables>& x)
 struct OnShape {
     std::vector<Vec3d> foot, normal;  // the foot about the first of the points
     std::vector<double> distance;
-    std::vector<std::size_t> station;  // from 0; empty: they are one
+    std::vector<std::size_t> station;  // index from 0; empty: one station
     std::size_t stations = 0;
 };
 
@@ -71,9 +71,9 @@ double agreement_of(const OnShape& on, const std::vector<double>& rest)
 {
     Box3d box;
     for (const Vec3d& p : on.foot) box.extend(p);
-    ErrorAgreement alike(box.min, box.diagonal() / place_tuning().growth.agreement_cubes);
-    for (std::size_t i = 0; i < rest.size(); ++i) alike.add(on.foot[i], rest[i]);
-    return alike.factor();
+    ErrorAgreement errors(box.min, box.diagonal() / place_tuning().growth.agreement_cubes);
+    for (std::size_t i = 0; i < rest.size(); ++i) errors.add(on.foot[i], rest[i]);
+    return errors.factor();
 }
 
 // Least squares of the distances by a polynomial, and by shifts of the stations, which a prior keeps near their spread.

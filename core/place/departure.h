@@ -17,8 +17,9 @@ struct Departure {
     double share = 0;
     double size = 0;  // rms distance of that surface from the shape, source units
     double rest = 0;  // one standard deviation of the points from that surface, source units
-    double agreement =
-        1;  // factor of neighbours in the rest (error_agreement.h): errors of a scanner, not a smooth surface
+    // ErrorAgreement::factor() of the rest: above 1 where neighbours share errors that no smooth surface explains, as
+    // those of scanners.
+    double agreement = 1;
     bool is_chance = true;  // whether noise alone explains the share (the F test of even_noise.h)
 
     // Whether that is out of round, bulged or dented, for points whose own noise is `noise`, one standard deviation,
@@ -29,10 +30,10 @@ struct Departure {
     std::string message(const std::string& shape) const;
 };
 
-// By least squares of the distances: a polynomial of third degree in the place along the shape and in its normal there,
-// which has ovals and bends of pipes, bulges of walls and spheres alike. `points`: source coordinates; those farther
-// than the threshold (above 0, source units) are ignored, of many some take part, and fewer than 60 say nothing. One
-// thread; milliseconds.
+// Fits the distances by least squares with a polynomial of third degree in the place along the shape and in its normal
+// there, which describes ovals and bends of pipes as well as bulges of walls and spheres. `points`: source coordinates;
+// those farther than the threshold (above 0, source units) are ignored. From 2000 points on every second, third, ...
+// one is used; fewer than 60 within the threshold give an empty Departure. One thread; milliseconds.
 Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points);
 
 // Stations of a scanner, each of which may be shifted as a whole.
@@ -44,7 +45,7 @@ struct ShiftedStations {
 
 // The same beyond what shifts of stations explain, by least squares of both together: a registration that leaves
 // stations apart makes a round pipe out of round, and an oval one is out of round for each of them. From two stations
-// to StationEvidence::most_stations; nothing of others.
+// to StationEvidence::most_stations; for other numbers of stations the Departure is empty.
 Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
                        const ShiftedStations& stations);
 

@@ -1,4 +1,4 @@
-// How alike the errors of neighbouring points are.
+// How far neighbouring points share their errors.
 #pragma once
 
 #include "pcm/cloud/vector.h"
@@ -21,7 +21,7 @@ public:
     ErrorAgreement(const Vec3d& corner, double edge) : corner_(corner), edge_(edge) {}
 
     void add(const Vec3d& p, double distance);
-    void add(const ErrorAgreement& other);  // of the same cubes; in a fixed order, for the same result
+    void add(const ErrorAgreement& other);  // `other` has the same cubes; a fixed order gives the same bits
     double factor() const;                  // at least 1
 
 private:

@@ -15,7 +15,7 @@ namespace {
 using Vector6 = Eigen::Matrix<double, surface_numbers, 1>;
 using Matrix6 = Eigen::Matrix<double, surface_numbers, surface_numbers>;
 
-// Of residuals from the surface of second degree through the first n points.
+// Sum of the squared residuals from the surface of second degree through the first n points.
 double squares_of(const std::vector<Vec3d>& points, std::size_t n)
 {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();

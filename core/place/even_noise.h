@@ -1,4 +1,4 @@
-// Up to which neighbourhood a surface's noise stays what it is at a place.
+// The largest neighbourhood of a place in which the surface's noise is that of the nearest points.
 #pragma once
 
 #include "pcm/cloud/vector.h"
@@ -9,7 +9,7 @@
 namespace pcm {
 
 struct EvenNoise {
-    std::size_t count = 0;  // of the nearest points; 0: there are too few
+    std::size_t count = 0;  // number of nearest points; 0: too few were given
     double noise = 0;       // standard deviation of these from a curved surface through them, source units
 };
 
@@ -18,7 +18,7 @@ struct EvenNoise {
 // surface by no more than chance allows, as its nearer ones do, is the answer. The test is Chow's (1960) of further
 // observations: (S2 - S1) / (n2 - n1) against S1 / (n1 - 6), S the sums of squared residuals and n the numbers of
 // points, has an F distribution where one surface with one noise has all points; a value that has a probability of less
-// than 0.001 there ends it. Where errors are alike at neighbours it ends early. One thread.
+// than 0.001 there ends the widening. Where neighbours share errors it ends early. One thread.
 EvenNoise even_noise(const std::vector<Vec3d>& nearest);
 
 // Whether a variance of `more` degrees of freedom is larger than one of `fewer` by more than chance allows (the F test,

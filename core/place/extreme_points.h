@@ -12,21 +12,21 @@
 
 namespace pcm {
 
-// bounds_of() the kept points is bounds_of() all points that were added, to a billionth of their extent: of a plane the
-// corners of the convex hull, of what has a length the ends and, for each 5 degrees about an axis, the first and the
-// last point. A concave outline is none of theirs. One object by one thread.
+// bounds_of() the kept points is bounds_of() all points that were added, to a billionth of their extent. Kept are, for
+// a plane, the corners of the convex hull; for other shapes, the two ends of the length and, for each 5 degrees about
+// the axis, the first and the last point. Not enough for a concave outline. One object by one thread.
 class ExtremePoints {
 public:
     // `shape` must not have an apex; `middle`: a place near the points, source coordinates.
     ExtremePoints(const Shape& shape, const Vec3d& middle);
 
     void add(const Vec3d& p);              // source coordinates
-    void add(const ExtremePoints& other);  // of the same shape and middle
+    void add(const ExtremePoints& other);  // `other` has the same shape and middle
     std::vector<Vec3d> points() const;     // source coordinates
 
 private:
     static constexpr std::size_t sectors = 72;
-    // The points of least and largest value.
+    // The points of minimum and maximum value.
     struct Ends {
         double least = infinity, largest = -infinity;
         Vec3d at_least{}, at_largest{};
@@ -38,9 +38,9 @@ private:
     Vec3d point_{}, middle_{};
     AxisFrame frame_;
     std::vector<Vec3d> hull_;  // and points since it was computed
-    std::size_t most_ = 128;   // of `hull_`, before it is computed again
+    std::size_t most_ = 128;   // size of `hull_` at which it is computed again
     Ends along_;
-    std::vector<Ends> around_;  // by sector
+    std::vector<Ends> around_;  // one per sector
 };
 
 }  // namespace pcm

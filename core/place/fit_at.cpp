@@ -26,7 +26,7 @@
 namespace pcm {
 namespace {
 
-const double even_spread = 1 / std::sqrt(3.0);  // of points anywhere within a threshold: rms distance, per threshold
+const double even_spread = 1 / std::sqrt(3.0);  // rms distance of points anywhere within a threshold, per threshold
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
 {
@@ -38,7 +38,7 @@ void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_pla
         for (const Vec3d& p : *list) require_place("the picked place", p);
     for (const Vec3d& p : not_places)
         if (std::find(places.begin(), places.end(), p) != places.end())
-            refuse("the place " + exact(p) + " was given as one of the surface and as one beside it");
+            refuse("the place " + exact(p) + " was given both as one on the surface and as one off it");
     if (!(options.fit.threshold >= 0) || !std::isfinite(options.fit.threshold))
         refuse("the threshold is " + exact(options.fit.threshold) + "; it is a positive number of source units");
     if (!(options.radius >= 0) || !std::isfinite(options.radius))
@@ -104,8 +104,9 @@ private:
                                    brief(result.agreement) + " times those of independent points");
     }
 
-    // The noise of a neighbourhood is that of its nearest points, or there is a narrower one of which it is: then that
-    // of a surface, if it is one, differs from place to place, and growth may raise the threshold.
+    // Whether the noise of a neighbourhood is that of its nearest points (even), it is the narrower neighbourhood for
+    // which that holds (narrow), or there is such a narrower one (uneven). Then the noise of the surface, if it is one,
+    // differs from place to place, and growth may raise the threshold.
     enum class Way { even, narrow, uneven };
 
     NearOptions near_options(std::size_t count) const
@@ -128,8 +129,8 @@ private:
 
     // The first threshold that holds all of the noise around the places may cut that of the rest of the surface:
     // ceilings that hang through, points that the scanner was farther from. Then the shape is followed once more, with
-    // the threshold of which it is least probable by chance; that several surfaces are within it shows in the noise of
-    // all points.
+    // the threshold at which it is least probable by chance. If that holds several surfaces, the noise of all points
+    // shows it.
     FittedPrimitive best_of_thresholds()
     {
         whole_progress_ = part_of(options_.progress, 0, 0.6);
@@ -141,11 +142,12 @@ private:
         return is_better ? wider : first;
     }
 
-    // What the noise of a wide neighbourhood is of may be other surfaces: roofs of a hundred points. So where it is
-    // larger than that of the nearest points, the shape of a narrow neighbourhood is followed, too, unless the wide
-    // one's is good and has the narrow one's points. The narrow one's is the answer where it is good and the other
-    // one's is not, or is elsewhere; where errors are alike at neighbours it is a piece that cannot be followed. Where
-    // neither can be, it is what is surely there.
+    // Other surfaces may cause the noise of a wide neighbourhood: next to roofs of a hundred points, for example. So
+    // where it is larger than the noise of the nearest points, the shape of a narrow neighbourhood is followed, too,
+    // unless the wide one's shape is good and holds the narrow one's points. The narrow one's shape is the answer,
+    // except where it is not good and the wide one's is: where neighbours share errors, it is only a part of the
+    // surface and cannot be followed. Where neither is good, the narrow one's shape has the points of one surface at
+    // least.
     FittedPrimitive best_of_neighbourhoods(bool first_threshold)
     {
         LocalFitOptions options = local_options();
@@ -194,7 +196,7 @@ private:
         if (fit.verdict == FitVerdict::good) doubt(fit, FitIssue::other_surface, why);
     }
 
-    // Of a fit's points, as near as noise that differs from place to place leaves them.
+    // Whether a shape holds a fit's inliers, within noise that differs from place to place.
     static bool has_points_of(const LocalFit& local, const Shape& shape)
     {
         double squares = 0;
@@ -284,7 +286,7 @@ private:
         if (raised.left_surface.empty()) result = std::move(raised);
     }
 
-    // Errors that are alike at neighbours turn a surface: then it may be turned farther.
+    // Errors that neighbours share turn a surface: where the noise is uneven, it may be turned farther.
     double angle_of(Way way) const
     {
         if (options_.turned_angle > 0) return options_.turned_angle;
@@ -391,7 +393,7 @@ private:
     const FitAtOptions& options_;
     const FollowingTuning& tuned_ = place_tuning().following;
     Selection limit_;
-    ProgressFunction whole_progress_, progress_;      // of one of the thresholds, and of following there
+    ProgressFunction whole_progress_, progress_;      // progress at one threshold; of following a shape there
     bool cuts_noise_ = false, is_cut_early_ = false;  // whether a threshold cut the noise of the points reached
     KnownErrors known_;
     std::optional<ShapeFit> other_kind_;  // FollowedVerdict::other_kind()

@@ -18,15 +18,15 @@ struct FitAtOptions {
     ShapeFitOptions fit;
     // Several kinds: each is fitted, and choose_kind() (best_kind.h) decides. Empty: fit.kind alone.
     std::vector<ShapeKind> kinds;
-    double radius = 0;      // of the neighbourhood of a place, source units
+    double radius = 0;      // neighbourhood of a place, source units
     std::size_t count = 0;  // or its number of points; both 0: chosen, as is the threshold (local_fit.h)
     bool grow = true;       // over the cloud; else only the neighbourhood's inliers belong to it
     // Growth does not pass where the surface of the points is turned from the shape by more than this, radians
     // (turned_surface.h); pi / 2 or more: surfaces are not compared. Computed from the points, whatever normals the
-    // cloud has; those are compared where fit.normal_angle asks for it. 0: pi / 6, where noise rises from the place on
-    // pi / 4, and where a threshold is given, by which someone says what lies on the surface, not compared.
+    // cloud has; those are compared where fit.normal_angle asks for it. 0: chosen, pi / 6, or pi / 4 where the noise
+    // rises from the place on; not compared where a threshold is given, which states what lies on the surface.
     double turned_angle = 0;
-    double step = 0;      // of growth, source units; 0: from the gaps between the inliers (automatic_step())
+    double step = 0;      // step of growth, source units; 0: from the gaps between the inliers (automatic_step())
     unsigned rounds = 8;  // GrowShapeOptions::most_rounds
     Selection limit;      // clip box, conditions: nothing else is looked at
     // Standard deviation of how far a station of the scanner is shifted along each axis: contained in the errors
@@ -40,12 +40,12 @@ struct FitAtOptions {
 
 struct FittedPrimitive {
     Primitive primitive;  // check primitive.fit.verdict first; without a name
-    PointSet points;      // that belong to it; empty when refused
+    PointSet points;      // points of the shape; empty when refused
     ReachedFrom reached;  // how they are reached again
-    NearPoints near;      // that were fitted; with several places `radius` is the largest
-    ShapeFit local;       // to them
-    double step = 0;      // of growth, source units; 0: none
-    unsigned rounds = 0;  // of growth
+    NearPoints near;      // points that were fitted; with several places `radius` is the largest
+    ShapeFit local;       // fit to `near`
+    double step = 0;      // step of growth, source units; 0: no growth
+    unsigned rounds = 0;  // rounds of growth
     bool converged = false;
     double agreement = 1;  // how many times as large errors are as those of independent points (refit.h)
     // Why the points are those around the places alone although the shape was to be followed: growth left the surface.
@@ -54,15 +54,16 @@ struct FittedPrimitive {
     std::vector<std::string> notes;  // "the neighbourhood was widened to 2000 points"
 };
 
-// `places`: where the shape was picked; its neighbourhoods together are fitted. `not_places`: where it does not
-// lie. No point takes part or is reached that lies in a ball about one of these, whose radius is that of its own
-// neighbourhood, and at most half the way to the nearest of `places`. Throws Error(invalid_argument) without places and
-// for options out of range, and what points_near(), fit_shape(), grow_shape() throw; a fit that fails is a verdict.
+// `places`: where the shape was picked; their neighbourhoods together are fitted. `not_places`: where it does not lie.
+// Points in a ball about one of these are neither fitted nor reached; the ball's radius is that of the place's own
+// neighbourhood, and at most half the distance to the nearest of `places`. Throws Error(invalid_argument) without
+// places and for options out of range, and what points_near(), fit_shape(), grow_shape() throw; a fit that fails is a
+// verdict.
 FittedPrimitive fit_at(const PointCloud& cloud, const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places,
                        const FitAtOptions& options);
 
-// How far steps must be to pass from inlier to inlier as scans leave gaps: four times the least distance by which nine
-// tenths of the points are connected. 0 for fewer than two places.
+// The step with which growth passes the gaps that scans leave between inliers: four times the minimum distance that
+// connects nine tenths of the points. 0 for fewer than two places.
 double automatic_step(const std::vector<Vec3d>& inliers);
 
 }  // namespace pcm

@@ -4,11 +4,11 @@
 #include "pcm/fit/shape_fit.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
+#include "pcm/place/cut_out_evidence.h"
 #include "pcm/place/point_stations.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/station_departure.h"
 #include "pcm/place/station_survey.h"
-#include "pcm/place/surface_beyond.h"
 #include "pcm/place/tuning.h"
 #include "pcm/system/text.h"
 
@@ -18,12 +18,12 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_judged = 20000;    // points, for whether they are a piece of another surface
-constexpr std::size_t most_compared = 1000;   // points, for another kind
-constexpr std::size_t most_departing = 4000;  // points, for whether they leave it together
+constexpr std::size_t most_judged = 20000;    // points that may be a cut-out of another surface
+constexpr std::size_t most_compared = 1000;   // points for which kinds are compared
+constexpr std::size_t most_departing = 4000;  // points that may leave the shape together
 
-// Not where neighbours would share errors about another kind, too, as about any smooth surface: as many points as there
-// are share them by as much more.
+// Whether neighbours might share fewer errors about a shape of another kind. Not where they share them about any smooth
+// surface, as the departure shows for a sample: the factor of `points` points is larger, as there are more of them.
 bool may_be_other_kind(const FollowedPoints& followed, const Departure& departure, std::uint64_t points)
 {
     const FollowingTuning& tuned = place_tuning().following;
@@ -100,7 +100,7 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
 {
     ShapeFit& fit = result.primitive.fit;
     const std::string name = traits_of(fit.shape.kind).name;
-    const SurfaceBeyond beyond = surface_beyond(fit.shape, fit.threshold, around);
+    const CutOutEvidence cut_out = cut_out_evidence(fit.shape, fit.threshold, around);
     const Departure departure = departure_of(fit.shape, fit.threshold, fitted);
     const bool is_automatic = options_.fit.threshold == 0;
     if (is_automatic && may_be_other_kind(followed, departure, result.points.size()))
@@ -108,17 +108,17 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
     if (other_)
         other_doubt_ = std::string("a ") + traits_of(other_->shape.kind).name + " of noise " + brief(other_->noise) +
                        " is more probable here than this " + name + " of noise " + brief(followed.noise) + ": fit that";
-    if (beyond.is_piece(known_.close_noise > 0 ? followed.noise / known_.close_noise : 0)) {
+    if (cut_out.is_cut_out(known_.close_noise > 0 ? followed.noise / known_.close_noise : 0)) {
         doubt(fit, FitIssue::other_surface,
-              "the surface continues smoothly beside these points, but off the " + name +
+              "the surface continues smoothly next to these points, but off the " + name +
                   ": they are a ring or strip where it touches a surface of another kind; fit that");
     } else if (const auto other = far_better_kind(result, followed.noise, around)) {
         doubt(
             fit, FitIssue::other_surface,
             std::string("a ") + traits_of(*other).name + " fits these points far better than a " + name + ": fit that");
-    } else if (beyond.is_by_chance()) {
+    } else if (cut_out.is_by_chance()) {
         doubt(fit, FitIssue::no_consensus,
-              "almost as many points are beside the " + name +
+              "almost as many points are next to the " + name +
                   " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
                   "where the noise is larger");
     } else if (is_automatic && !departure.is_chance) {
@@ -129,8 +129,8 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
     }
 }
 
-// Errors that neighbours share are no part of the noise of the points next to each other; they show there or in the
-// whole.
+// The noise of close points does not include errors that neighbours share. Such errors show as a bend, at the place or
+// in all points.
 bool FollowedVerdict::is_far_above_close_noise(const ShapeFit& fit, double noise, double bend,
                                                const NearPoints& near) const
 {
@@ -140,7 +140,7 @@ bool FollowedVerdict::is_far_above_close_noise(const ShapeFit& fit, double noise
     return std::max(bend, at_place.bend) < tuned.min_shared_bend;
 }
 
-// A place of another surface may be beside a fit that was narrowed or followed.
+// A fit that was narrowed or followed may leave the place, which is then one of another surface next to it.
 bool FollowedVerdict::passes_places(const ShapeFit& fit, const NearPoints& near) const
 {
     return std::all_of(places_.begin(), places_.end(), [&](const Vec3d& place) {
@@ -207,8 +207,8 @@ std::optional<ShapeKind> FollowedVerdict::far_better_kind(const FittedPrimitive&
     return other ? other : better_kind(fit, around, known_.close_noise, part_of(progress_, 0.97, 1));
 }
 
-// Among the points on the shape and around it, where a plane that touches a pipe is left by it. Of the next rank alone:
-// where a plane is a cone, a cylinder is more probable, too, and is judged in its turn.
+// Compares kinds by the points on the shape and around it: there a pipe leaves a plane that touches it. The rank is at
+// most the next one: where a plane is a cone in truth, a cylinder is more probable, too, and is judged in its turn.
 void FollowedVerdict::find_other_kind(const ShapeFit& fit, const PointSet& around)
 {
     const FitPoints compared =

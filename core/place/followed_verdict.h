@@ -18,7 +18,7 @@ void doubt(ShapeFit& fit, FitIssue issue, const std::string& message);
 
 // The points as growth left them.
 struct FollowedPoints {
-    const PointSet& around;  // connected, up to beyond_thresholds from the shape
+    const PointSet& around;  // connected, up to around_thresholds from the shape
     double noise = 0;        // GrownShape::noise and agreement
     double agreement = 1;
     const std::optional<SweptPart>& part;  // GrownShape::part
@@ -26,9 +26,9 @@ struct FollowedPoints {
 
 // Standard deviations, source units; 0: unknown.
 struct KnownErrors {
-    double close_noise = 0;   // of the points at the places from their own surface
-    double own_noise = 0;     // the least of it: clutter or the other face of a plate enlarge the first
-    double registration = 0;  // that was given, of a station of the scanner along each axis
+    double close_noise = 0;   // points at the places, from their own surface
+    double own_noise = 0;     // nearest points (EvenNoise): clutter or the other face of a plate enlarge close_noise
+    double registration = 0;  // given shift of a scanner's station along each axis
 };
 
 // Keeps references. One object by one thread.
@@ -40,8 +40,8 @@ public:
     // Doubts a good fit whose points may be a ring or strip of another surface, several surfaces within a wide
     // threshold, there by chance, out of round or bulged.
     void judge(const FollowedPoints& followed, FittedPrimitive& result);
-    // A shape of another kind that was asked for and for which these points are far more probable: it is to be
-    // followed in turn, and the fit doubtful for `other_doubt` if that cannot be. Nothing where there is none.
+    // A shape of another of the wanted kinds, if these points are far more probable for it. It is to be followed in
+    // turn, and if it cannot be, the fit is doubtful for the reason `other_doubt`.
     const std::optional<ShapeFit>& other_kind() const { return other_; }
     const std::string& other_doubt() const { return other_doubt_; }
     // Whether it was doubted because the threshold cuts the noise of its points.
@@ -50,11 +50,12 @@ public:
 private:
     struct Stations {
         double spread = 0;       // along each axis, source units; 0: they are not apart, or nothing is known
-        double most_spread = 0;  // as far as it is uncertain: what it was estimated from may be few differences
+        double most_spread = 0;  // upper limit of the spread, which few differences leave uncertain
         bool are_named = false;  // whether points say from which one they are
     };
 
-    // `around` of coarse levels, up to beyond_thresholds from the shape; `fitted` at random of those that were fitted.
+    // `around`: points of coarse levels, up to around_thresholds from the shape; `fitted`: random sample of those
+    // fitted.
     void judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around, const std::vector<Vec3d>& fitted,
                      FittedPrimitive& result);
     void judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around, const std::vector<Vec3d>& fitted,

@@ -20,7 +20,7 @@ namespace pcm {
 namespace {
 
 constexpr double rounds_end = 0.7;          // share of the progress
-constexpr std::size_t most_sliced = 20000;  // points, for the part of a sweep
+constexpr std::size_t most_sliced = 20000;  // points used to find a swept part
 
 class ShapeGrowth {
 public:
@@ -54,7 +54,7 @@ public:
                 if (!grown.converged) threshold_ = std::max(threshold_, raised);
             }
         }
-        // Errors that neighbours make large allow the last step to be long.
+        // Shared errors of neighbours enlarge the errors, so the last step may have been long.
         const bool is_settled = grown.converged && !(grown.agreement > 1);
         if (!is_settled && grown.fit.has_shape() && options_.most_rounds > 0) settle(grown);
         grown.noise = grown.fit.noise;
@@ -97,9 +97,9 @@ private:
     {
         options_.progress = part_of(whole_progress_, rounds_end, 1);
         const Shape before = grown.fit.shape;
-        const NearShape near(before, beyond_thresholds * threshold_, options_.normal_angle,
+        const NearShape near(before, around_thresholds * threshold_, options_.normal_angle,
                              seeds_.tree().info().schema);
-        const double way = std::max(options_.step, beyond_thresholds * threshold_);
+        const double way = std::max(options_.step, around_thresholds * threshold_);
         grown.around = points_next_to(grown.points, way, near, options_.limit, options_.threads,
                                       part_of(options_.progress, 0, 0.3));
         PointSet inner = inner_points(grown.points, grown.around, before, threshold_, options_.threads,

@@ -13,37 +13,37 @@
 namespace pcm {
 
 struct GrowShapeOptions {
-    double threshold = 0;  // largest distance of a point from the surface, source units; above 0
-    // Each round may raise it to 3.3 times the noise of the points reached, two and a half times what was given at
-    // most: noise differs along a surface.
+    double threshold = 0;  // maximum distance of a point from the surface, source units; above 0
+    // Each round may raise it to 3.3 times the noise of the points reached, and to two and a half times the given value
+    // at most: noise differs along a surface.
     bool raise_threshold = false;
-    double step = 0;           // longest way from point to point, source units; above 0
+    double step = 0;           // maximum distance from point to point, source units; above 0
     double normal_angle = 4;   // as in ShapeFitOptions; only where the cloud has normals
-    double turned_angle = 4;   // largest of TurnedSurface, radians; pi / 2 or more: surfaces are not compared
-    double turned_edge = 0;    // and the edge of its cubes, source units; above 0 where surfaces are compared
-    unsigned most_rounds = 8;  // of growing and fitting again to what was reached; 0: the shape stays
+    double turned_angle = 4;   // angle of TurnedSurface, radians; pi / 2 or more: surfaces are not compared
+    double turned_edge = 0;    // edge of its cubes, source units; above 0 where surfaces are compared
+    unsigned most_rounds = 8;  // rounds of growing and refitting to the points reached; 0: keeps the shape
     Selection limit;           // only points that it chooses are reached
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     unsigned threads = 0;  // 0: one per processor
     ProgressFunction progress;
 };
 
-// Points up to so many thresholds from a shape are looked at for what lies beside it.
-inline constexpr double beyond_thresholds = 4;
+// Distance from a shape, in thresholds, up to which points show what lies next to it.
+inline constexpr double around_thresholds = 4;
 
 struct GrownShape {
-    // To the points reached, but, where these are most of them, without those beside which the cloud leaves the shape
-    // (inner_points.h), and without straight pipes that an elbow leads into (swept_part.h): these are another
-    // surface's. Without is_inlier; errors as of refit.h, and the threshold of the last round.
+    // Fit to the points reached, without those that belong to another surface: those next to which the cloud leaves the
+    // shape (inner_points.h), unless they are more than half, and straight pipes that an elbow leads into
+    // (swept_part.h). Without is_inlier; errors as in refit.h; threshold of the last round.
     ShapeFit fit;
     double noise = 0;               // as fit.noise, of a fit to all points reached
     double agreement = 1;           // RefittedShape::agreement
     PointSet points;                // reached: near `fit.shape`, to a quarter of its errors
-    Shape followed;                 // the shape that they are near, of the last round of growth
-    double threshold = 0;           // and within which distance
-    std::optional<SweptPart> part;  // of a swept shape, where `fit` is to that part of the points alone
-    PointSet around;                // next to these, up to beyond_thresholds from `fit.shape`; empty without rounds
-    unsigned rounds = 0;            // done
+    Shape followed;                 // shape of the last round of growth, which `points` are near
+    double threshold = 0;           // maximum distance of `points` from `followed`
+    std::optional<SweptPart> part;  // part of a swept shape, if `fit` is to the points of that part alone
+    PointSet around;                // next to `points`, up to around_thresholds from `fit.shape`; empty without rounds
+    unsigned rounds = 0;            // number of rounds done
     bool converged = false;         // the last round changed the shape by less than a quarter of its errors
 };
 

@@ -52,7 +52,7 @@ EdgeCubes::Key EdgeCubes::key_of(const Vec3d& p) const
 void EdgeCubes::add(const Vec3d& p, bool on_shape)
 {
     Counts& counts = cubes_[key_of(p)];
-    ++(on_shape ? counts.on : counts.beside);
+    ++(on_shape ? counts.on : counts.off);
     ++points_;
     while (cubes_.size() > most_) coarsen();
 }
@@ -64,7 +64,7 @@ void EdgeCubes::coarsen()
     for (const auto& [key, counts] : cubes_) {
         Counts& sum = coarse[{key[0] / 2, key[1] / 2, key[2] / 2}];
         sum.on += counts.on;
-        sum.beside += counts.beside;
+        sum.off += counts.off;
     }
     cubes_ = std::move(coarse);
 }
@@ -83,11 +83,11 @@ bool EdgeCubes::is_edge(const Vec3d& p) const
         const auto found = cubes_.find({key[0] + n % 3 - 1, key[1] + n / 3 % 3 - 1, key[2] + n / 9 - 1});
         if (found == cubes_.end()) continue;
         sum.on += found->second.on;
-        sum.beside += found->second.beside;
+        sum.off += found->second.off;
     }
     const GrowthTuning& tuned = place_tuning().growth;
-    return sum.beside >= tuned.min_edge_points &&
-           static_cast<double>(sum.beside) > tuned.max_edge_share * static_cast<double>(sum.on);
+    return sum.off >= tuned.min_edge_points &&
+           static_cast<double>(sum.off) > tuned.max_edge_share * static_cast<double>(sum.on);
 }
 
 PointSet points_where(const PointSet& points, const std::function<bool(const Vec3d&)>& wanted, unsigned threads,

@@ -13,19 +13,19 @@
 
 namespace pcm {
 
-// Counts points on and beside a shape in cubes. Cubes are doubled where there would be too many. What it answers does
-// not depend on the order of the points. One object by one thread.
+// Counts points on a shape and off it in cubes. Cubes are doubled where there would be too many. Answers do not depend
+// on the order of the points. One object by one thread.
 class EdgeCubes {
 public:
-    // `corner` is below all points, `edge` > 0 of the first cubes, source units. Memory: some 60 bytes per cube.
+    // `corner`: below all points; `edge`: edge of the first cubes, > 0; source units. Memory: some 60 bytes per cube.
     EdgeCubes(const Vec3d& corner, double edge, std::size_t most = std::size_t(1) << 18);
 
     void add(const Vec3d& p, bool on_shape);
     double edge() const { return edge_; }
     // Doubles cubes until there are four points in each on average.
     void widen();
-    // Whether more than a tenth as many points are beside the shape as on it, and at least two, in the place's cube
-    // and those around it.
+    // Whether the place's cube and those around it have more than a tenth as many points off the shape as on it, and at
+    // least two off it.
     bool is_edge(const Vec3d& p) const;
 
 private:
@@ -34,7 +34,7 @@ private:
         std::size_t operator()(const Key& key) const;
     };
     struct Counts {
-        std::uint64_t on = 0, beside = 0;
+        std::uint64_t on = 0, off = 0;
     };
     Key key_of(const Vec3d& p) const;
     void coarsen();
@@ -51,8 +51,8 @@ private:
 PointSet points_where(const PointSet& points, const std::function<bool(const Vec3d&)>& wanted, unsigned threads = 0,
                       const ProgressFunction& progress = {});
 
-// The points of the set that are not beside points of `around` which are farther than the threshold from the shape
-// (EdgeCubes, two thresholds wide at first). Streams. Throws Error(cancelled), and what reading throws.
+// The points of the set that are not at an edge: not next to points of `around` that are farther than the threshold
+// from the shape (EdgeCubes, two thresholds wide at first). Streams. Throws Error(cancelled), and what reading throws.
 PointSet inner_points(const PointSet& points, const PointSet& around, const Shape& shape, double threshold,
                       unsigned threads = 0, const ProgressFunction& progress = {});
 

@@ -99,7 +99,7 @@ public:
     }
 
 private:
-    // Where several places were picked, that of the narrowest neighbourhood.
+    // EvenNoise of the place with the narrowest neighbourhood.
     EvenNoise even_noise_at_places() const
     {
         EvenNoise even;
@@ -147,7 +147,7 @@ private:
         return all;
     }
 
-    // One kind that the backend does not have is refused by it.
+    // A single kind that the backend does not have is kept: the backend refuses it.
     void choose_kinds(LocalFit& result)
     {
         for (const ShapeKind kind : options_.kinds)
@@ -189,7 +189,7 @@ private:
         return found.fit.has_shape() && passes(found.fit, found.near) && is_of_one_surface(found.fit, found.near);
     }
 
-    // A threshold that is given says what lies on the surface.
+    // A given threshold states what lies on the surface.
     bool is_of_one_surface(const ShapeFit& fit, const NearPoints& near) const
     {
         if (options_.fit.threshold > 0 || !fit.has_shape() || !(fit.threshold > 0)) return true;
@@ -236,7 +236,8 @@ private:
         return !is_determined(best.fit) || share_of(best.fit, best.near) > 1.0 / 3;
     }
 
-    // By each place, and as many of the points around it as elsewhere in the neighbourhood, or half as many.
+    // Whether the shape passes through each place, and holds of the points around it at least half the share that it
+    // holds of the neighbourhood.
     bool passes(const ShapeFit& fit, const NearPoints& near) const
     {
         for (std::size_t k = 0; k < places_.size(); ++k) {
@@ -257,7 +258,7 @@ private:
         if (!best.fit.has_shape() || !passes(best.fit, best.near)) return true;
         const bool is_one = is_of_one_surface(fit, near);
         if (is_one != is_of_one_surface(best.fit, best.near)) return is_one;
-        if (options_.fit.threshold == 0 && is_one && takes_in_beside(fit, near, best.fit)) return false;
+        if (options_.fit.threshold == 0 && is_one && takes_in_surroundings(fit, near, best.fit)) return false;
         if (!follows(fit, best) ||
             !(chance_of(fit, near.points, near.radius) < chance_of(best.fit, near.points, near.radius)))
             return false;
@@ -267,9 +268,9 @@ private:
         return now >= 1.5 * before;
     }
 
-    // Whether a wider neighbourhood holds a part of what lies beside the surface: of another kind with more noise, or
-    // within a threshold that cuts the noise, which was not so before, and neighbours do not share it.
-    bool takes_in_beside(const ShapeFit& fit, const NearPoints& near, const ShapeFit& before) const
+    // Whether the fit to a wider neighbourhood includes points next to the surface: it is of another kind with more
+    // noise, or its threshold now cuts the noise, which neighbours do not share.
+    bool takes_in_surroundings(const ShapeFit& fit, const NearPoints& near, const ShapeFit& before) const
     {
         if (!holds_noise(before)) return false;
         if (!holds_noise(fit) && !evidence_of(fit, near).has_shared_errors()) return true;
@@ -288,7 +289,8 @@ private:
         return 2 * near >= best.fit.inliers;
     }
 
-    // Of the best kind; kinds that hold several surfaces only where no kind holds one that passes through the places.
+    // The fit of the best kind. Kinds that hold several surfaces are used only where no kind holds one surface that
+    // passes through the places.
     ShapeFit fitted(const NearPoints& near, double begin, double end, std::string& next_kind) const
     {
         std::vector<ShapeFit> fits, of_one_surface;
@@ -329,8 +331,8 @@ private:
 
     bool holds_noise(const ShapeFit& fit) const { return fit.noise < tuned_.max_noise_share * fit.threshold; }
 
-    // A wider threshold adds nothing of the surface: all of its noise is within, and errors are not those of
-    // neighbours.
+    // Whether a wider threshold adds nothing of the surface: the threshold holds all of its noise, and neighbours do
+    // not share errors.
     bool is_sure(const ShapeFit& fit, const NearPoints& near) const
     {
         return is_sound(fit, near) && fit.noise < tuned_.max_sure_noise * fit.threshold &&
@@ -356,7 +358,7 @@ private:
         return fit.has_shape() && before.has_shape() && fit.noise > tuned_.max_noise_raised * before.noise;
     }
 
-    // With the threshold that is least probable by chance, of those that hold one surface where there are any.
+    // The fit whose threshold is least probable by chance, among the thresholds that hold one surface if there are any.
     ShapeFit fitted(const NearPoints& near, ShapeKind kind, double begin, double end) const
     {
         ShapeFitOptions options = options_.fit;
@@ -402,7 +404,7 @@ private:
         }
     }
 
-    // Beyond the noise there is nothing of the surface.
+    // Farther away than the noise there are no points of the surface.
     void narrow(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
     {
         const double enough = std::max(noise_, fit_tuning().thresholds.inlier_noises * 1.1 * best.noise);
@@ -418,9 +420,9 @@ private:
     const std::vector<Vec3d>& places_;
     const LocalFitOptions& options_;
     const NeighbourhoodTuning& tuned_ = place_tuning().neighbourhood;
-    std::vector<ShapeKind> kinds_;           // of which the best is kept
+    std::vector<ShapeKind> kinds_;           // candidates
     std::vector<std::vector<Vec3d>> cores_;  // the nearest points of each place
-    double noise_ = 0;                       // a threshold from it; 0: unknown
+    double noise_ = 0;                       // threshold that holds the noise; 0: unknown
     mutable bool stopped_early_ = false;     // LocalFit::is_first_threshold
 };
 

@@ -1,12 +1,12 @@
 // The shape at picked places: from which neighbourhood, and how near to the surface its points are.
 //
-// A neighbourhood of few points holds little but the shape, and says little of its size; the noise of neighbours says
-// little of how far scanned points leave a surface, since errors of scanners are alike at neighbours. So where it is
-// not given,
+// A neighbourhood of few points holds little but the shape, and hardly determines its size. The noise of neighbours is
+// less than the distances of scanned points from a surface, since neighbours share errors of scanners. So where they
+// are not given,
 // - the neighbourhood is widened fourfold, three times at most, as long as the shape of the wider one still passes
 //   through the places and most of the former points, holds half as many points again, and is less probable by chance
 //   among the points there than the former shape. Where the shape of the first one does not pass through the place, a
-//   quarter of its points is tried: a narrow face beside wider ones;
+//   quarter of its points is tried: a narrow face next to wider ones;
 // - the threshold is the noise's own (automatic_threshold()) or 2, 4, 8 or 16 times that: the one at which it is
 //   least probable that points spread evenly over the neighbourhood's depth lie so near a surface by chance (Moisan,
 //   Stival 2004: an a contrario RANSAC). The first one that holds a surface of the places with all of its noise ends
@@ -32,8 +32,8 @@ namespace pcm {
 
 struct LocalFitOptions {
     ShapeFitOptions fit;           // threshold 0: chosen
-    std::vector<ShapeKind> kinds;  // of which choose_kind() chooses; empty: fit.kind
-    double radius = 0;             // of a place's neighbourhood, source units
+    std::vector<ShapeKind> kinds;  // candidates of choose_kind(); empty: fit.kind
+    double radius = 0;             // neighbourhood of a place, source units
     std::size_t count = 0;         // or its number of points; both 0: chosen
     // Whether the first threshold that holds a surface of the places with all of its noise ends the search for one.
     bool first_threshold = true;
@@ -42,14 +42,14 @@ struct LocalFitOptions {
 };
 
 struct LocalFit {
-    NearPoints near;   // of all places, a point once; thinned where they are many
+    NearPoints near;   // points around all places, each point once; thinned where they are many
     NearPoints close;  // the nearest (at most 500) points of each place, at full density
     ShapeFit fit;      // to `near`
-    // Three standard deviations of the close points from their own surface, whatever its shape, source units; 0: they
-    // do not say.
+    // Three standard deviations of the close points from their own surface, whatever its shape, source units; 0:
+    // unknown.
     double noise = 0;
     bool is_first_threshold = false;  // whether wider ones were not tried (`first_threshold`)
-    EvenNoise even;                   // of the points around the places; nothing where a threshold is given
+    EvenNoise even;                   // points around the places; empty where a threshold is given
     std::string next_kind;            // the next best kind with its numbers, for people; empty: there is none
     std::vector<std::string> notes;
 };
@@ -57,10 +57,10 @@ struct LocalFit {
 // `places` are not empty, and finite. Throws what points_near() and fit_shape() throw.
 LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options);
 
-// The shape of the largest neighbourhood whose noise is still that of the smallest ones (even_noise.h): a roof of which
-// there are a hundred points. Nothing where a threshold or a neighbourhood is given, where that is no narrower than the
-// one of `wide`, which fit_locally() has found for the same, where the noise of `wide` is no more than that by the same
-// test, and where no shape of the points passes through the places.
+// The shape of the largest neighbourhood whose noise is still that of the smallest ones (even_noise.h): a roof with a
+// hundred points, for example. `wide`: what fit_locally() has found with the same arguments. Nothing where a threshold
+// or a neighbourhood is given, where that neighbourhood is no narrower than the one of `wide`, where by the same test
+// the noise of `wide` is no larger, and where no shape of the points passes through the places.
 std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,
                                      const LocalFitOptions& options, const LocalFit& wide);
 

@@ -57,7 +57,7 @@ struct NearPoint {
     double square;
     NodeId node;
     std::uint32_t number;
-    std::uint64_t rank;  // by it points are kept when there are too many: coarse levels first, then at random
+    std::uint64_t rank;  // random: order in which points of a level are kept when there are too many
     std::uint16_t level;
     Vec3d position, normal;
 };
@@ -176,13 +176,13 @@ private:
         const auto position = [&](std::size_t i) {
             return rounding_(tree_.info().grid.to_source(chunk.positions->grid(i)));
         };
-        std::vector<std::uint32_t> some;
+        std::vector<std::uint32_t> candidates;
         for (std::uint32_t i = begin; i < begin + part.count[k]; ++i)
-            if (squared_distance(position(i), place_) <= bound()) some.push_back(i);
+            if (squared_distance(position(i), place_) <= bound()) candidates.push_back(i);
         std::vector<const Column*> columns(chunk.attributes.size(), nullptr);
         for (const std::size_t a : selector_.tested()) columns[a] = chunk.attributes[a].get();
-        selector_.narrow(columns, position, some, relation);
-        for (const std::uint32_t i : some) {
+        selector_.narrow(columns, position, candidates, relation);
+        for (const std::uint32_t i : candidates) {
             NearPoint candidate;
             candidate.position = position(i);
             candidate.square = squared_distance(candidate.position, place_);

@@ -17,12 +17,12 @@ struct NearOptions {
     // One of both: all points within a radius (source units, inclusive), or the nearest `count`.
     double radius = 0;
     std::size_t count = 0;
-    // `count` is a number of places: of points at the same coordinates to the bit the first is given alone, so that a
-    // scan that is repeated twenty times is fitted as one. Up to 256 points a place are read.
+    // `count` is a number of places: several points with the same coordinates to the bit count as one, and only the
+    // first is given, so that a scan that is repeated twenty times is fitted as one. Up to 256 points a place are read.
     bool places = false;
     Selection limit;  // only points that it chooses: clip box, conditions
-    // When there are more, only so many are given: those of the coarsest levels, which are spread evenly, and of the
-    // level that does not fit a part at random, the same each time.
+    // Maximum number of points given. When there are more, these are all points of the coarsest levels, which are
+    // spread evenly, and a random part of the first level that does not fit, the same one in each call.
     std::size_t most = 1000000;
     ProgressFunction progress;
 };
@@ -33,9 +33,9 @@ struct NearPoints {
         std::uint32_t index = 0;  // in the node's chunk
     };
     FitPoints points;         // the nearest first; with the cloud's normals, where it has any
-    std::vector<Id> ids;      // of the same points
+    std::vector<Id> ids;      // one per point of `points`
     std::uint64_t found = 0;  // points there, before `most`
-    double radius = 0;        // of the sphere about the place that holds them
+    double radius = 0;        // radius of the sphere about the place that holds them
     // Median distance of the nearest (at most 256) points to the nearest of them at another place, source units; 0
     // where there are no two places.
     double spacing = 0;

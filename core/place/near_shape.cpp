@@ -11,7 +11,7 @@ namespace {
 
 constexpr int most_halvings = 7;
 
-// Half the way that the distance from the surface changes by in the box, at most.
+// Half of the maximum change of the distance from the surface within the box.
 double half_change(const Shape& shape, const Box3d& box)
 {
     if (!traits_of(shape.kind).is_flat()) return box.diagonal() / 2;
@@ -59,7 +59,7 @@ void NearShape::narrow(const Chunk& chunk, const std::vector<Vec3d>& positions, 
     some.resize(kept);
 }
 
-// Of what distances in the box, and of the box's own numbers.
+// Maximum rounding error of distances in the box, and of the box's own numbers.
 double NearShape::rounding_at(const Box3d& box) const
 {
     double sum = std::max(largest_magnitude(box.min), largest_magnitude(box.max)) + largest_magnitude(shape_.point);

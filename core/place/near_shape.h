@@ -20,7 +20,7 @@ public:
     NearShape(const Shape& shape, double threshold, double normal_angle, const Schema& schema);
 
     // A distance from a surface changes by no more than the way between two places, so that the distance of a box's
-    // centre says much; boxes for which it does not decide are halved a few times. Exact for planes.
+    // centre decides for most boxes; the others are halved a few times. Exact for planes.
     BoxRelation relation(const Box3d& box) const override;
     bool holds(const Vec3d& p) const override { return distance_to(shape_, p) <= threshold_; }
     ColumnSet columns() const override;

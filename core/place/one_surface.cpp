@@ -50,7 +50,7 @@ double two_peaks_of(const std::vector<double>& distances, double resolution)
     return fourth > 0 ? (third * third / second + second * second) / fourth : 0;
 }
 
-// Of the plane through distances over places along the shape: squared slope, and what noise makes of it on average.
+// Squared slope of the plane through distances over places along the shape, and its mean for noise alone.
 struct Tilt {
     double square = 0, of_noise = 0;
 };

@@ -12,11 +12,11 @@
 
 namespace pcm {
 
-// What says it, decided by the coarsest points of the tree, which are those of the whole cloud: the first of the
-// attributes `scan` (PTX, E57) and `point_source_id` (LAS) that has several values, each of many points, else gaps of
-// half a minute and more in `gps_time`, within which a scanner is carried to its next station or an aircraft turns to
-// its next strip. A cloud of one value or without gaps is of one station, or does not say: that cannot be
-// distinguished. Any number of threads.
+// The source of the stations is chosen by the coarsest points of the tree, which are spread over the whole cloud. It is
+// the first of the attributes `scan` (PTX, E57) and `point_source_id` (LAS) that has several values, each of many
+// points, else gaps of half a minute and more in `gps_time`, within which a scanner is carried to its next station or
+// an aircraft turns to its next strip. A cloud of one value or without gaps has one station or does not record them:
+// these cannot be distinguished. Any number of threads.
 class PointStations {
 public:
     explicit PointStations(const Tree& tree);  // reads a chunk of each part; throws what that throws

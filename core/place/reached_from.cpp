@@ -96,7 +96,7 @@ private:
 
     const std::vector<Vec3d>& places_;
     const double step_;
-    std::map<Cell, std::vector<std::size_t>> cells_;  // of places that no group has
+    std::map<Cell, std::vector<std::size_t>> cells_;  // places that are in no group yet
 };
 
 }  // namespace

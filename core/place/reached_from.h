@@ -14,19 +14,19 @@
 namespace pcm {
 
 struct ReachedFrom {
-    Shape shape;              // that the points are near
-    double threshold = 0;     // within which distance, source units
+    Shape shape;              // shape that the points are near
+    double threshold = 0;     // maximum distance from it, source units
     double normal_angle = 4;  // as in ShapeFitOptions
     double turned_angle = 4;  // as in GrowShapeOptions, as is the next one
     double turned_edge = 0;
-    double step = 0;           // of growth, source units; 0: the points at the seeds are all
+    double step = 0;           // step of growth, source units; 0: only the points at the seeds
     std::vector<Vec3d> seeds;  // places of points, source coordinates
     Selection limit;           // nothing else was looked at
 };
 
-// Those of the seeds (places of points) from which growth reaches the same points as from all of them: one of each
-// group that steps connect, near the shape. All of them where there was no growth, and where normals or surfaces are
-// compared, which may keep a seed out, unless all are known to be reached.
+// Keeps the seeds (places of points) from which growth reaches the same points as from all of them: one of each group
+// that steps connect, near the shape. Keeps all seeds where there was no growth, and where normals or surfaces are
+// compared, which may exclude a seed, unless all are known to be reached.
 void keep_few_seeds(ReachedFrom& from, bool are_reached = false);
 
 struct ReachOptions {

@@ -19,7 +19,7 @@
 namespace pcm {
 namespace {
 
-constexpr double small_change = 0.01;  // in errors: not worth another step
+constexpr double small_change = 0.01;  // in units of the errors: not worth another step
 
 class Refit {
 public:
@@ -70,7 +70,7 @@ private:
         scan.select.threads = options_.threads;
         scan.select.progress = options_.progress;
         scan.stage = "Fitting to all points";
-        // How many passes it takes is not known before.
+        // The number of passes is not known before.
         scan.begin = 1 - std::pow(0.7, passes_++);
         scan.end = 1 - std::pow(0.7, passes_);
         scan_points(tree_, {}, scan, take);

@@ -9,8 +9,8 @@
 namespace pcm {
 
 struct RefitOptions {
-    double threshold = 0;      // that chose the points, source units; for the result's verdict
-    unsigned most_steps = 10;  // 0: the shape stays, and gets its errors
+    double threshold = 0;      // maximum distance of the points, source units; for the result's verdict
+    unsigned most_steps = 10;  // 0: keeps the shape, and computes its errors
     unsigned threads = 0;      // 0: one per processor
     ProgressFunction progress;
 };
@@ -23,12 +23,11 @@ struct RefittedShape {
     //     (sum over cells of (sum of the distances in the cell)^2) / (sum of all squared distances)
     //
     // over cubes a sixteenth as wide as the box's diagonal, where that is above 1 by more than three of its own
-    // standard deviations. Errors of scanners are alike at neighbours, as are those of a shape that is not quite the
-    // true one.
+    // standard deviations. Neighbours share errors of scanners, and those of a shape that is not quite the true one.
     double agreement = 1;
 };
 
-// All points of the set take part. Streams from the tree on disk, once per step and once more; memory: a chunk per
+// Uses all points of the set. Streams from the tree on disk, once per step and once more; memory: a chunk per
 // thread and less than a kilobyte per node of the set. The sums of nodes are added in the nodes' order, so the result
 // depends neither on threads nor on memory. A set without points, or with too few, gives a refusal. Throws what check()
 // throws, Error(cancelled), and what reading throws.

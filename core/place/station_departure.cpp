@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::uint64_t most_points = 4000;
 
-// One in so many points of each node.
+// Every n-th point of each node.
 struct Sample {
     std::uint64_t seen = 0;
     std::vector<Vec3d> points;

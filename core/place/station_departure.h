@@ -15,7 +15,7 @@ struct StationNoise {
     double noise = 0;   // a point's distance
 };
 
-// departure_of() with stations, of some of the points of the fit. Streams, once. Throws Error(cancelled), and what
+// departure_of() with stations, for a sample of the fit's points. Streams, once. Throws Error(cancelled), and what
 // reading throws.
 Departure departure_within_stations(const PointSet& points, const ShapeFit& fit, const PointStations& stations,
                                     const StationNoise& errors, unsigned threads, const ProgressFunction& progress);

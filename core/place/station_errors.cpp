@@ -26,7 +26,7 @@ void add_in_quadrature(ShapeErrors& errors, const ShapeErrors& other)
     errors.second = together(errors.second, other.second);
 }
 
-// Where nothing says which points are shifted together.
+// Where it is unknown which points are shifted together.
 ShapeErrors errors_of_unknown_stations(const ShapeFit& fit, double spread)
 {
     const double per_length = fit.errors.position > 0 ? spread / fit.errors.position : 0;
@@ -51,7 +51,7 @@ void doubt_uncertain_size(ShapeFit& fit)
         "farther around it";
 }
 
-// What is left of the agreement of neighbours when the stations are put where they belong.
+// Agreement of neighbours that is left when the stations' shifts are removed.
 double agreement_within(StationScan& scan, const StationSums& sums, double spread, double noise, const Box3d& box)
 {
     const ShiftedFit shifted = sums.shifted(spread, noise);
@@ -95,17 +95,18 @@ void add_station_errors(const PointSet& points, const StationErrorOptions& optio
     }
     const double as_one = sums.noise_as_one(), within = sums.noise_within();
     StationEvidence evidence = std::move(survey.evidence);
-    double alike = agreement;
+    double new_agreement = agreement;
     if (facts.stations > 1) {
         const double spread = sums.evidence(within).spread().spread;
-        if (agreement > 1) alike = std::min(agreement, agreement_within(scan, sums, spread, within, box));
-        evidence.add(sums.evidence(within * alike));
+        if (agreement > 1) new_agreement = std::min(agreement, agreement_within(scan, sums, spread, within, box));
+        evidence.add(sums.evidence(within * new_agreement));
     }
     const StationSpread found = evidence.spread();
     facts.freedom = found.freedom;
     facts.spread = found.spread;
-    if (facts.stations > 1 && as_one > 0) enlarge(fit.errors, std::min(1.0, within / as_one) * alike / agreement);
-    agreement = alike;
+    if (facts.stations > 1 && as_one > 0)
+        enlarge(fit.errors, std::min(1.0, within / as_one) * new_agreement / agreement);
+    agreement = new_agreement;
     const double spread = std::max(found.spread * student_factor(found.freedom), options.registration);
     if (!(spread > 0)) return;
     add_in_quadrature(fit.errors, sums.errors_of_spread(spread));

@@ -23,24 +23,24 @@ namespace {
 using PatchMatrix = Eigen::MatrixXd;
 using PatchVector = Eigen::VectorXd;
 
-constexpr Eigen::Index surface_terms = 6;  // of a height of the second degree
+constexpr Eigen::Index surface_terms = 6;  // coefficients of a height of the second degree
 
 struct StationPoint {
     Vec3d place{};
     std::uint32_t station = 0;
 };
 
-// A piece of surface that several stations see.
+// A patch of surface that several stations see.
 struct Patch {
     std::vector<std::uint32_t> stations;
     Vec3d normal{};
-    PatchMatrix h;  // of heights: a number for each pair of stations
+    // Normal equations h * x = u of the stations' heights x, after the surface is eliminated.
+    PatchMatrix h;
     PatchVector u;
     double noise = 0;
     double mixed = 0, mixed_by_chance = 0;  // numbers of points whose nearest neighbour is of another station
 
-    // How far what the stations show is from what the shifts say, in units of its deviation by noise alone, and of the
-    // heights.
+    // Residual of the normal equations for the found shifts, relative to their weight.
     double deviation(const StationSpread& found) const
     {
         PatchVector shift(u.size());
@@ -68,7 +68,7 @@ struct Patch {
     }
 };
 
-// The frame of a patch: its middle, and its axes, the normal last; false where it is no surface.
+// The frame of a patch: its middle, and its axes, the normal last; false where the points do not lie along a surface.
 bool frame_of(const std::vector<StationPoint>& points, Vec3d& middle, std::array<Vec3d, 3>& axes, double& size)
 {
     middle = {};
@@ -112,8 +112,8 @@ void count_mixed(const std::vector<std::array<double, 2>>& places, const std::ve
         patch.mixed_by_chance += static_cast<double>(count) * (n - static_cast<double>(count)) / (n - 1);
 }
 
-// False where it is no smooth surface that several stations see all of; `mixed` is then set, too, where it is a
-// surface.
+// False unless the points are a smooth surface that several stations see all of. `mixed` is set where they lie along
+// any surface.
 bool patch_of(std::vector<StationPoint> points, Patch& patch)
 {
     const PatchTuning& tuned = place_tuning().patches;
@@ -164,7 +164,7 @@ bool patch_of(std::vector<StationPoint> points, Patch& patch)
     PatchMatrix joint(n, surface_terms + stations);
     joint << terms, of_station;
     PatchMatrix products = joint.transpose() * joint;
-    products.diagonal().array() += 1e-9 * static_cast<double>(n);  // one column says nothing new
+    products.diagonal().array() += 1e-9 * static_cast<double>(n);  // one column depends on the others
     const PatchVector left = heights - joint * products.ldlt().solve(joint.transpose() * heights);
     const auto freedom = static_cast<double>(n - surface_terms - stations + 1);
     if (!(freedom >= 8)) return false;
@@ -242,11 +242,11 @@ private:
                                1.0 / 64, 4.0);
         const std::vector<CubePoint> order = divided(inside, box.min, edge);
         for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-            std::vector<StationPoint> some;
+            std::vector<StationPoint> in_cube;
             for (end = begin; end < order.size() && order[end].first == order[begin].first; ++end)
-                some.push_back(inside[order[end].second]);
+                in_cube.push_back(inside[order[end].second]);
             Patch patch;
-            const bool shows = some.size() <= tuned.max_points && patch_of(some, patch);
+            const bool shows = in_cube.size() <= tuned.max_points && patch_of(in_cube, patch);
             mixed_ += patch.mixed;
             mixed_by_chance_ += patch.mixed_by_chance;
             if (shows) patches_.push_back(std::move(patch));

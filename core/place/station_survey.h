@@ -9,8 +9,8 @@ namespace pcm {
 
 struct StationSurvey {
     StationEvidence evidence;
-    // False where the points of different numbers do not mix on the surfaces, as those of stations do and those of
-    // tiles, objects or classes do not: the attribute names something else.
+    // False where points of different numbers do not mix on the surfaces: points of stations do, those of tiles,
+    // objects or classes do not, so the attribute names something else.
     bool names_stations = true;
 };
 

@@ -172,7 +172,7 @@ private:
         return {best, best + width};
     }
 
-    // Per degree of freedom: 1 where errors are independent.
+    // Gain per degree of freedom: 1 where errors are independent.
     double usual_gain(std::size_t first, std::size_t last) const
     {
         return gain(first, last) / static_cast<double>(3 * (last - first));
@@ -219,7 +219,7 @@ private:
         options.threshold = threshold_;
         const ShapeFit fit = refine_shape(FitPoints::of(own), part_.shape, options);
         if (!fit.has_shape() || fit.shape.kind != part_.shape.kind) return false;
-        const double side = dot(part_.shape.axis, fit.shape.axis) < 0 ? -1 : 1;  // of which angles are counted
+        const double side = dot(part_.shape.axis, fit.shape.axis) < 0 ? -1 : 1;  // keeps the direction of angles
         part_.shape = fit.shape;
         part_.shape.axis = side * fit.shape.axis;
         return true;

@@ -12,7 +12,7 @@
 
 namespace pcm {
 
-// By the angle about the axis, from `begin` on, radians.
+// A range of the angle about the axis, counted from `begin`, radians.
 struct SweptPart {
     Shape shape;       // the sweep, fitted to the part
     double begin = 0;  // the middle of the gap that the torus leaves
@@ -20,12 +20,12 @@ struct SweptPart {
     bool has(const Vec3d& p) const;
 };
 
-// The part of a torus whose cross sections have its centre and radius; nothing where all of the points are on it,
-// where less than half of them would be left, and for other kinds. Of slices around the axis each has an offset of its
-// centre and radius by least squares; from the half that fits the shape best the part grows as long as these offsets
-// are chance: chi-square of three degrees of freedom, in units of what it is in that half. Nothing where it is large
-// there, as where errors of neighbours are alike. `points`: on the shape, source coordinates, spread evenly; `noise`:
-// one standard deviation of these, above 0, and `threshold` as of RefineOptions, source units. One thread.
+// The part of a torus whose cross sections have its centre and radius; nothing where all of the points are on it, where
+// less than two fifths of them would be left, and for other kinds. Each slice around the axis gets an offset of its
+// centre and radius by least squares. From the half that fits the shape best, the part grows as long as these offsets
+// are chance: chi-square of three degrees of freedom, in units of its mean in that half. Nothing where that mean is
+// large, as where neighbours share errors. `points`: on the shape, source coordinates, spread evenly; `noise`: one
+// standard deviation of their distances, above 0; `threshold`: as in RefineOptions; both in source units. One thread.
 std::optional<SweptPart> swept_part(const Shape& shape, double noise, double threshold,
                                     const std::vector<Vec3d>& points);
 

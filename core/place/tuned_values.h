@@ -7,7 +7,7 @@
 
 namespace pcm {
 
-// In the order of tuning.h. To be set while nothing else works; what is set counts from the next fit at a place on.
+// In the order of tuning.h. Set them while nothing else works; the next fit at a place uses them.
 std::vector<TunedValue> place_tuned_values();
 
 }  // namespace pcm

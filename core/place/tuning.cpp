@@ -16,7 +16,7 @@ constexpr std::size_t values_of = (sizeof(Groups) + ...) / sizeof(double);
 
 // A value without a row does not compile.
 using ValuesAtPlace =
-    std::array<TunedValue, values_of<NeighbourhoodTuning, EvidenceTuning, BeyondTuning, KindTuning, DepartureTuning>>;
+    std::array<TunedValue, values_of<NeighbourhoodTuning, EvidenceTuning, CutOutTuning, KindTuning, DepartureTuning>>;
 ValuesAtPlace values_at_place(PlaceTuning& place)
 {
     return {{
@@ -42,11 +42,11 @@ ValuesAtPlace values_at_place(PlaceTuning& place)
         PCM_TUNED(place.evidence.shared_bend),
         PCM_TUNED(place.evidence.place_spreads),
         PCM_TUNED(place.evidence.place_share),
-        PCM_TUNED(place.beyond.min_slant),
-        PCM_TUNED(place.beyond.gap),
-        PCM_TUNED(place.beyond.max_continued),
-        PCM_TUNED(place.beyond.max_bend),
-        PCM_TUNED(place.beyond.max_noise),
+        PCM_TUNED(place.cut_outs.min_slant),
+        PCM_TUNED(place.cut_outs.gap),
+        PCM_TUNED(place.cut_outs.max_overshoot),
+        PCM_TUNED(place.cut_outs.max_bend),
+        PCM_TUNED(place.cut_outs.max_noise),
         PCM_TUNED(place.kinds.far_less_noise),
         PCM_TUNED(place.kinds.surface_noise),
         PCM_TUNED(place.kinds.half_noise),

@@ -56,7 +56,7 @@ struct NeighbourhoodTuning {
 
 // Whether points are those of one surface (one_surface.h).
 struct EvidenceTuning {
-    // Neighbours, the point itself among them, in whose means shared errors remain. Here and in BeyondTuning;
+    // Neighbours, the point itself among them, in whose means shared errors remain. Here and for CutOutTuning;
     // detection has means of a point and its 16 neighbours, which are as many.
     // Chosen: not swept.
     std::size_t neighbours = 17;  // points
@@ -96,18 +96,18 @@ struct EvidenceTuning {
     double place_share = 0.3;  // thresholds
 };
 
-// Whether points are a piece of another surface (surface_beyond.h).
-struct BeyondTuning {
-    // Where the way to the next point within the threshold is longer, the surface continues next to the points; where
-    // it is shorter, above them.
+// Whether points are a cut-out of another surface (cut_out_evidence.h).
+struct CutOutTuning {
+    // Minimum way from a point outside of the threshold to the next one within it, if the surface continues next to the
+    // points; with a shorter way it is above them.
     // Chosen: not swept.
-    double min_slant = 1.2;  // ways beyond the threshold
+    double min_slant = 1.2;  // distances from the threshold
     // Way to the next point that the spacing explains.
     // Chosen: not swept.
     double gap = 1.5;  // spacings
-    // Maximum share of points where the surface continues.
+    // Maximum overshoot of a shape's own points.
     // Chosen: not swept.
-    double max_continued = 0.12;  // points beyond the threshold per point within it
+    double max_overshoot = 0.12;  // points outside of the threshold per point within it
     // Maximum bend of a surface that continues. A share of squares: detect.pieces.min_bend is its root.
     // Chosen: not swept.
     double max_bend = 0.4;  // share of the squared distances
@@ -308,7 +308,7 @@ struct StationTuning {
     std::size_t min_points = 8;  // points
 };
 
-// Pieces of surface by which stations are compared (station_survey.h).
+// Patches of surface by which stations are compared (station_survey.h).
 struct PatchTuning {
     // With these no larger box around the place is looked at.
     // Chosen: not swept.
@@ -341,14 +341,14 @@ struct PatchTuning {
     // Maximum noise of a patch, relative to the quarter with the least noise.
     // Chosen: not swept.
     double max_noise = 2;  // noises of that quarter
-    // Maximum deviation of a patch from what all others say.
+    // Maximum deviation of a patch from the shifts that all patches give.
     // Chosen: not swept.
     double max_deviation = 4;  // medians of the deviations
     // Minimum number of nearest neighbours of another station, where stations see the same surfaces: tiles and objects
     // have fewer.
     // Chosen: not swept.
     double min_mixed = 0.6;  // shares of their number by chance
-    // With fewer by chance it is not said that stations do not mix.
+    // Below this number by chance, stations are taken to mix.
     // Chosen: with min_mixed; not swept.
     double enough_by_chance = 500;  // neighbours
 };
@@ -356,7 +356,7 @@ struct PatchTuning {
 struct PlaceTuning {
     NeighbourhoodTuning neighbourhood;
     EvidenceTuning evidence;
-    BeyondTuning beyond;
+    CutOutTuning cut_outs;
     KindTuning kinds;
     DepartureTuning departure;
     GrowthTuning growth;

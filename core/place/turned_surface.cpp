@@ -17,7 +17,7 @@ namespace pcm {
 namespace {
 
 using Key = std::array<std::int64_t, 3>;
-using Products = Eigen::Matrix<double, 4, 4>;  // of x, y, z and the distance from the shape
+using Products = Eigen::Matrix<double, 4, 4>;  // products of x, y, z and the distance from the shape
 using Sums4 = Eigen::Matrix<double, 4, 1>;
 
 struct Hash {

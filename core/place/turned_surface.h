@@ -10,11 +10,11 @@
 
 namespace pcm {
 
-// Passes for places in cubes whose points, with those of the cubes around them, lie along the shape. Of the points up
-// to half a block from the shape each block of 27 cubes has a plane by total least
-// squares, in two directions along the shape and the distance from it, so that it is level on a shape of any curvature.
-// It is turned where its angle to the shape is larger than `angle` by more than three standard deviations. Blocks of
-// few points or of points on one line pass. Does not depend on the order of points beyond rounding.
+// Passes for places in cubes whose points, with those of the cubes around them, lie along the shape. Each block of 27
+// cubes gets a plane by total least squares through its points up to half a block from the shape, in two directions
+// along the shape and the distance from it, so that it is level on a shape of any curvature. The plane is turned where
+// its angle to the shape is larger than `angle` by more than three standard deviations. Blocks of few points or of
+// points on one line pass. Does not depend on the order of points except for rounding.
 class TurnedSurface final : public SurroundingsTest {
 public:
     // threshold: of growth; edge: of a cube, above 0; source units. angle: radians, above 0. Throws

@@ -31,8 +31,8 @@ public:
     // Room for that many more rows, whose values the caller sets. Throws std::bad_alloc.
     std::byte* add(std::size_t rows);
     std::size_t row_bytes() const { return size_of(type_) * components_; }
-    // Of the shape (rows,) or, of several components or where `flat` is false, (rows, components). Takes the values
-    // away. Needs the interpreter's lock.
+    // An array of shape (rows,), or (rows, components) with several components or where `flat` is false. Takes the
+    // values away. Needs the interpreter's lock.
     pybind11::array take(bool flat = true);
 
 private:

@@ -195,7 +195,7 @@ TEST(RigidFit, ResidualsAreThoseOfTheMotion)
         EXPECT_NEAR(length(t.pairs[i].fixed - fit.motion(t.pairs[i].moving)), fit.residuals[i], 1e-8);
         EXPECT_EQ(length(fit.offsets[i]), fit.residuals[i]);
     }
-    EXPECT_GT(fit.residuals[4], 8.5);  // of weight 0: reported, and of no effect
+    EXPECT_GT(fit.residuals[4], 8.5);  // weight 0: reported, and of no effect
     EXPECT_LT(fit.rms, 0.5);
 }
 
@@ -325,7 +325,7 @@ TEST(RigidFit, RefusesPointsThatCoincideOrLieOnALine)
             thin[i] = {p, p, 1};
         }
         EXPECT_REFUSED(thin, "lie on one line");
-        // A centimetre beside the line is enough for exact points, and not for picks of 2 cm.
+        // A centimetre off the line is enough for exact points, and not for picks of 2 cm.
         pairs[4].moving = place + Vec3d{4, 8, 2.01};
         pairs[4].fixed = t.map(pairs[4].moving);
         EXPECT_EQ(refusal(pairs), "accepted");

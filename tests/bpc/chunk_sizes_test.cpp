@@ -122,7 +122,7 @@ TEST_F(ChunkSizes, ComeBack)
         EXPECT_EQ(std::memcmp(back.chunk.sizes->data(), chunk.sizes->data(), points), 0);
         EXPECT_TRUE(back.chunk.columns() == whole_);
         EXPECT_EQ(encoded(back.chunk, levels), bytes);
-        EXPECT_EQ(back.header.schema, schema_);  // they are no attribute
+        EXPECT_EQ(back.header.schema, schema_);  // sizes are not an attribute
 
         ColumnSet only;
         only.positions = false;
@@ -195,7 +195,7 @@ TEST_F(ChunkSizes, EqualOnesTakeNoPlace)
     const DecodedChunk back = read(bytes, whole_);
     EXPECT_EQ(back.header.sizes->constant, std::vector<std::uint64_t>{9});
     EXPECT_EQ(std::memcmp(back.chunk.sizes->data(), chunk.sizes->data(), 5000), 0);
-    // A word that is no byte.
+    // A word that does not fit into a byte.
     auto large = bytes;
     const std::size_t word = back.header.header_bytes - 16;
     ASSERT_EQ(large[word], std::byte(9));

@@ -90,7 +90,7 @@ TEST(CraftedHeader, VeryManyEqualValues)
     std::vector<std::byte> bytes = encode_chunk(equal_points(schema, 1), schema, Grid(), identity_of(1));
     for (const std::uint32_t points : {std::uint32_t(2), std::uint32_t(4096)}) {
         std::memcpy(bytes.data() + 28, &points, 4);
-        std::memcpy(bytes.data() + 164, &points, 4);  // of its only level
+        std::memcpy(bytes.data() + 164, &points, 4);  // points of its only level
         seal(bytes);
         if (points == 4096) {
             EXPECT_EQ(refusal(bytes), ErrorCode::corrupt);

@@ -78,11 +78,11 @@ TEST(DoubleCodes, AGridOfAPowerOfTwo)
             values.push_back(
                 std::ldexp(static_cast<double>(static_cast<std::int64_t>(random() % 200001) - 100000), exponent));
         for (double& v : values) v += 0.0;  // no -0
-        values.push_back(0);                // which is a multiple of any step
+        values.push_back(0);                // a multiple of any step
         pcm::DoubleCodes codes;
         EXPECT_EQ(coded(values, codes), 18);
         EXPECT_GT(codes.divisor[1], 0);
-        values.back() = -0.0;  // which no quotient gives back
+        values.back() = -0.0;  // no quotient gives it back
         coded(values, codes);
         EXPECT_EQ(codes.divisor[1], 0);
     }

@@ -317,8 +317,8 @@ TEST(Build, PCM_NOT_UNDER_THREAD(ADenseSpotThatTheSampleMissed))
     EXPECT_TRUE(verify_tree(folder / "out.pct").faults.empty());
 }
 
-// More points in one place than a bin holds: no cut of space divides them. All the same in every field, all different,
-// or two of three points the same; beside a few points elsewhere.
+// More points in one place than a bin holds: no cut of space divides them. All are equal in every field, all are
+// different, or two of three points are equal; a few points are elsewhere.
 TEST(Build, PCM_NOT_UNDER_SANITIZERS(PilesLargerThanABin))
 {
     const TemporaryFolder folder;

@@ -99,7 +99,7 @@ TYPED_TEST(Cuts, AreAtRoundNumbersNearTheMedian)
 {
     Cloud<TypeParam> cloud;
     for (TypeParam i = 0; i < 1000; ++i) cloud.push_back({static_cast<TypeParam>(i + 30), 0, 0});
-    EXPECT_EQ(cut_of(cloud)->value, 512u);  // of 480 .. 580, the most zeros at its end
+    EXPECT_EQ(cut_of(cloud)->value, 512u);  // the value in 480 .. 580 with the largest number of zeros at its end
     for (auto& p : cloud) p[0] += 65536 - 530;
     EXPECT_EQ(cut_of(cloud)->value, 65536u);
 }

@@ -20,7 +20,7 @@
 
 namespace {
 
-thread_local std::vector<std::string>* synced_paths = nullptr;  // of the files that this thread has synced, where set
+thread_local std::vector<std::string>* synced_paths = nullptr;  // files that this thread has synced, where set
 
 }  // namespace
 
@@ -57,7 +57,7 @@ protected:
     DataFiles files(std::uint32_t first) const { return DataFiles(folder_ / "tree", folder_ / "work", first); }
     std::filesystem::path path(std::uint32_t number) const { return folder_ / "tree" / data_file_name(number); }
 
-    // A chunk of so many equal bytes at a path of that depth, whose bits are `bits`.
+    // A chunk of `bytes` equal bytes at a path of that depth, whose bits are `bits`.
     Draft& add(DataFiles& files, std::uint16_t depth, std::uint64_t bits, std::size_t bytes, char value)
     {
         Draft& draft = drafts_.emplace_back();
@@ -142,7 +142,7 @@ TEST_F(DataFilesTest, TheTopIsInFrontParentsFirst)
         }
 }
 
-// Of a file that is nearly full: a chunk that fits to the byte is in it, the next one begins another.
+// A file that is nearly full takes a chunk that fits to the byte; the next chunk begins another file.
 TEST_F(DataFilesTest, NoChunkLiesAcrossTheLimitOfAFile)
 {
     const std::uint64_t room = 500;
@@ -187,7 +187,7 @@ TEST_F(DataFilesTest, WhatWasWrittenAfterACheckpointIsWrittenAgain)
     EXPECT_EQ(std::filesystem::file_size(path(1)), 50u);
     for (Draft& draft : drafts_) files.written(draft);
     Draft empty;
-    files.written(empty);  // of a node without points
+    files.written(empty);  // a node without points
     add(files, 1, 1, 30, 'c');
     add(files, 90, 2, 20, 'd');
     EXPECT_EQ(files.appended(), 50u) << "by this one";

@@ -226,7 +226,7 @@ TEST_F(Extents, DecimalsComeBackBitForBit)
     EXPECT_EQ(positions_by_tag(read()), positions_by_tag(cloud));
     EXPECT_TRUE(TreeReader(Tree::open(path_), std::nullopt, {}).info().metadata.empty());
 
-    // Numbers that are no decimals are rounded, and it is said by how much.
+    // Numbers that are not decimals are rounded, and the outcome has the error.
     cloud.points.xyz[2][1] = -0.007000000000000117;
     const double error = make(cloud).outcome.error;
     EXPECT_GT(error, 0);

@@ -75,7 +75,7 @@ protected:
             }
         FAIL() << "no build was killed when its points were in bins";
     }
-    // Builds again; whether it said that it resumes, and its notes.
+    // Builds again; returns whether its progress named a resumed stage, and its notes.
     std::pair<bool, std::string> build_again() const
     {
         bool resumes = false;

@@ -60,7 +60,7 @@ protected:
 
     test::TemporaryFolder folder_;
     std::vector<Bytes> payloads_;
-    std::vector<std::uintmax_t> ends_;  // of the file after each record
+    std::vector<std::uintmax_t> ends_;  // size of the file after each record
     std::string whole_;
 };
 

@@ -253,7 +253,7 @@ PCM_TYPED_TEST(Levels, PCM_NOT_UNDER_SANITIZERS(OfBinsThatAreAlmostASpacingApart
         }
 }
 
-// Of an interrupted build: of one point or of points at one place, which make one level, and of more.
+// Levels of an interrupted build: one level, of one point or of points at one place, and several.
 TYPED_TEST(Levels, AreLoadedAsTheyWereSaved)
 {
     const Lattice lattice(Grid{{0.001, 0.001, 0.001}, {0, 0, 0}});

@@ -275,7 +275,7 @@ TYPED_TEST(Nodes, HoldEveryRowOnceWithTheLevelsThatFit)
             }
 }
 
-// Among so many limits are those that levels reach exactly.
+// Among these limits are those that levels reach exactly.
 TYPED_TEST(Nodes, LevelsFillAChunkToThePoint)
 {
     const LeveledRows points = this->points("random", 400);

@@ -128,7 +128,7 @@ TEST_F(BuildOutput, LinksAmongTheRemainsOfABuildAreRemovedNotFollowed)
         EXPECT_EQ(Tree::open(folder_ / "tree.pct")->info().points, 300u);
         EXPECT_FALSE(fs::exists(folder_ / "tree.pct.part"));
     }
-    // A link is no tree that an interrupted build has put aside.
+    // A link is not a tree that an interrupted build has put aside.
     fs::create_directory(folder_ / "gone.pct.part");
     fs::create_directory_symlink("../mine", folder_ / "gone.pct.part/old");
     EXPECT_FALSE(was_being_replaced(folder_ / "gone.pct"));

@@ -252,7 +252,7 @@ TEST(Partition, TakesTheGridOfATree)
     }
 }
 
-// Of integers on a grid, of floats, of doubles with few decimals, and of doubles that were integers.
+// Sources of integers on a grid, of floats, of doubles with few decimals, and of doubles that were integers.
 TEST(Partition, KnowsTheTypeAndTheDecimalsOfTheSource)
 {
     const DecimalPlaces none{no_decimals, no_decimals, no_decimals};

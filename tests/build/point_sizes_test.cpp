@@ -107,7 +107,7 @@ void expect_large_enough(const Sized<Coord>& sized, const Grid& grid)
     const double least = least_point_size(grid);
     std::vector<long double> middles;
     for (std::size_t first = 0; first < sized.exact.size(); first += 32) {
-        // Of the last group, which may have fewer points, and those before it.
+        // The last group may have fewer points: then points before it count, too.
         const std::size_t last = std::min(first + 32, sized.exact.size()), count = std::min<std::size_t>(last, 32);
         const auto end = sized.exact.begin() + static_cast<std::ptrdiff_t>(last);
         middles.push_back(middle_of({end - static_cast<std::ptrdiff_t>(count), end}));

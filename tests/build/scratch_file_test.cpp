@@ -80,7 +80,7 @@ TEST(ScratchFile, GrowsAtItsEndAndCountsWhatIsOnDisk)
         std::string read(2 * page, '?');
         file.read_at(read.data(), read.size(), 2 * page);
         EXPECT_EQ(read, std::string(page, '\0') + data);
-        space.take(page);  // of another file
+        space.take(page);  // another file's
         EXPECT_EQ(space.peak(), 4 * page) << "two were given back";
         space.take(page + 1);
         EXPECT_EQ(space.peak(), 4 * page + 1);

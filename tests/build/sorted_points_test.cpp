@@ -115,7 +115,7 @@ TYPED_TEST(SortedPointsTest, ChangedBytesAreNoticed)
     for (std::size_t b = 0; b < this->bins_.size(); ++b) found.load(b, in);
     File file(this->path_, File::Mode::change);
     std::byte last{};
-    file.read_at(&last, 1, this->bytes_ - 1);  // of bin 0, which was put last
+    file.read_at(&last, 1, this->bytes_ - 1);  // a byte of bin 0, which was put last
     last ^= std::byte{1};
     file.write_at(&last, 1, this->bytes_ - 1);
     typename SortedPoints<TypeParam>::Reader reader(found, 0);

@@ -104,7 +104,7 @@ TEST(Spool, ReleasesBlocksAndItsFile)
         spool.read(0, rows);
         spool.read(2, rows);
         EXPECT_EQ(rows.size(), 2000 * layout.bytes);
-        // A hole is no block any more, nor are damaged bytes one.
+        // Neither a hole nor damaged bytes are read as a block.
         EXPECT_THROW(spool.read(1, rows), Error);
         std::fstream(folder / "spool", std::ios::in | std::ios::out | std::ios::binary).put('\x7f').put('\x01');
         EXPECT_THROW(spool.read(0, rows), Error);

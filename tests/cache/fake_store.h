@@ -79,7 +79,7 @@ public:
 
     std::atomic<bool> fail_reads{false}, fail_writes{false}, fail_commits{false};
     mutable std::atomic<std::uint64_t> reads{0}, writes{0};
-    mutable ColumnSet last_asked;  // of read(), by one thread at a time
+    mutable ColumnSet last_asked;  // columns of the last read(); one thread at a time
 
 private:
     const std::shared_ptr<const Tree> tree_;

@@ -297,7 +297,7 @@ TEST_F(L2CacheTest, ErrorsReachTheCaller)
     EXPECT_NE(cache.error_of(victim)->find("checksum"), std::string::npos);
     EXPECT_FALSE(cache.error_of(victim + 1));
     EXPECT_EQ(cache.statistics().failed_loads, 3u);
-    // Other columns of the same chunk are whole and still to be had.
+    // Other columns of the same chunk are whole and still available.
     EXPECT_EQ(cache
                   .get(victim,
                        [&] {

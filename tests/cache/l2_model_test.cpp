@@ -144,7 +144,7 @@ TEST_F(L2Changes, AMillionOperationsAgainstANaiveModel)
         return some;
     }();
     std::vector<std::pair<NodeId, L2Cache::Handle>> held;
-    std::vector<std::map<int, Value>> seen;  // by each of them
+    std::vector<std::map<int, Value>> seen;  // values that each handle had
     const auto check_values = [&](const Chunk& chunk, const std::map<int, Value>& values) {
         for (const auto& [c, value] : values) {
             if (c == 0) continue;

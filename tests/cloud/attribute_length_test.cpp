@@ -23,7 +23,7 @@ TEST(AttributeLength, IsWhatTheDescriptionStates)
         EXPECT_EQ(power("x", other), 0) << other;
 }
 
-// Of trees that have no descriptions.
+// Attributes of trees that have no descriptions.
 TEST(AttributeLength, IsKnownByNameWhereNothingIsStated)
 {
     EXPECT_EQ(power("radius", ""), 1);

@@ -55,7 +55,7 @@ TEST(Polygon, ContainsWhatTheEvenOddRuleGives)
     EXPECT_GT(inside, 100000u);
 }
 
-// Of the polygons of a tiling, each point is in one, on borders and corners too.
+// Each point is in one polygon of a tiling, on borders and corners too.
 TEST(Polygon, PolygonsWithACommonEdgeShareNoPointAndLoseNone)
 {
     std::mt19937_64 random(2);
@@ -294,7 +294,7 @@ TEST(RegionPolygon, ABoxAroundTheEyeIsNeverClassifiedFalsely)
     EXPECT_EQ(region.relation(box({-1, 10, -1}, {1, 20, 1})), BoxRelation::inside);
     EXPECT_EQ(region.relation(box({-1, 190, -1}, {1, 210, 1})), BoxRelation::crosses);  // the far plane
     EXPECT_EQ(region.relation(box({-1, 201, -1}, {1, 210, 1})), BoxRelation::outside);
-    EXPECT_EQ(region.relation(box({30, 10, -1}, {40, 20, 1})), BoxRelation::outside);  // beside
+    EXPECT_EQ(region.relation(box({30, 10, -1}, {40, 20, 1})), BoxRelation::outside);  // next to it
     EXPECT_TRUE(std::isfinite(region.bounds().max[0]) && std::isfinite(region.bounds().max[1]));
 }
 

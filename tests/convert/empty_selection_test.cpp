@@ -45,12 +45,12 @@ TEST(Convert, ASelectionWithoutPointsIsRefusedWithTheCloudsBox)
                 if (replaces) EXPECT_EQ(fs::file_size(folder / output), 8u);
                 fs::remove(folder / output);
             }
-    // Of several inputs: around all of them.
+    // The extent of several inputs is that around all of them.
     const std::string what = refusal(ErrorCode::invalid_argument, [&] {
         convert({folder / "in.las", folder / "in.pct"}, folder / "out.bpc", none);
     });
     EXPECT_NE(what.find(exact(cloud.min) + " to " + exact(cloud.max)), std::string::npos) << what;
-    // An input without points is no mistake of the selection.
+    // An input without points is not the selection's fault.
     write_las(folder / "empty.las", {}, grid);
     EXPECT_EQ(convert({folder / "empty.las"}, folder / "out.bpc", none).outcome.points_out, 0u);
 }

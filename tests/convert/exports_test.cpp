@@ -65,7 +65,7 @@ TEST(Exports, TheCloudIsReadTwiceOnlyWhereItsValuesDecide)
     using Counts = std::vector<std::size_t>;
     // The last colour could be one that 8 bits do not hold.
     EXPECT_EQ(passes(colours(257), folder / "a.ply"), (Counts{all, all}));
-    // The first ones are: the rest need not be read for that. (And map coordinates are no floats.)
+    // The first colours are such: the rest need not be read for that. (And floats do not hold map coordinates.)
     MemoryCloud full = colours(257);
     full.points.attributes[0].as<std::uint16_t>()[7] = 258;
     for (const char* output : {"b.ply", "b.pcd"}) {

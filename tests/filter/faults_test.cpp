@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 
 struct FaultCase {
     const char* name;
-    std::vector<std::string> words;  // of the command, without the tree
+    std::vector<std::string> words;  // arguments of the command, without the tree
     bool in_place;
     bool scratch = false;  // its scratch files fail, too
 };

@@ -74,7 +74,7 @@ protected:
             const double mean = n.count() ? sum / static_cast<double>(n.count()) : 0;
             ASSERT_NEAR(oracle.value(p, "mean_distance"), mean, tolerance * mean) << i;
             auto confidence = static_cast<NormalConfidence>(oracle.value(p, "normal_confidence"));
-            if (confidence == NormalConfidence::two_surfaces) {  // by chance: noise
+            if (confidence == NormalConfidence::two_surfaces) {  // noise, which may look so by chance
                 ++marked;
                 confidence = NormalConfidence::good;
             }
@@ -181,7 +181,7 @@ TEST_F(NeighbourAttributes, RadiiAreMeasuredAcrossKnownNormals)
 {
     MemoryCloud cloud = cloud_of(1200, 11, bumpy);
     Schema schema;
-    schema.add({"normal", ScalarType::i8, 3, 1.0 / 127, 0, ""});  // of some length, not computed here
+    schema.add({"normal", ScalarType::i8, 3, 1.0 / 127, 0, ""});  // length not 1: not computed here
     cloud.info.schema = schema;
     cloud.points.attributes.emplace_back(schema[0]);
     cloud.points.attributes[0].resize(1200);

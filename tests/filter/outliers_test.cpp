@@ -189,7 +189,7 @@ TEST_F(Outliers, OfCloudsWithoutAny)
     none("one point");
     build([](double, double, double) { return Vec3d{1, 2, 3}; }, 100);
     none("one place");
-    // Corners of a cube, seen alike: all mean distances are equal, and so is the threshold.
+    // Corners of a cube: all mean distances are equal, and so is the threshold.
     std::size_t corner = 0;
     build(
         [&](double, double, double) {

@@ -117,7 +117,7 @@ TEST_F(Precision, TextsOfOutcomes)
               "median error 0.034 degrees, p95 12 degrees [11 to 13] (1000 points checked)");
 }
 
-// Of numbers drawn evenly from 0..1 the interval holds 0.95 in about 95 of 100 draws, and in not many fewer.
+// For numbers drawn evenly from 0..1 the interval holds 0.95 in about 95 of 100 draws, and in not many fewer.
 TEST_F(Precision, TheIntervalOfThePercentileHoldsIt)
 {
     EXPECT_EQ(ranks_around_p95(1000), (std::pair<std::size_t, std::size_t>{935, 963}));
@@ -174,7 +174,7 @@ TEST_F(Precision, RandomPointsAreOfAllPointsAlike)
         ASSERT_LT(place.index, tree->node(place.node).points);
         ++counts[{place.node, place.index}];
     }
-    EXPECT_GT(counts.size(), 5990u);  // of 6000; 10 a point on average
+    EXPECT_GT(counts.size(), 5990u);  // 6000 points; 10 draws a point on average
     for (const auto& [place, count] : counts) EXPECT_LT(count, 40);
 }
 

@@ -90,7 +90,7 @@ protected:
         return words;
     }
 
-    // Of the points, of which attributes they have, and that nothing else is in the folder.
+    // Differs where the points differ, the number of their attributes, or the number of other files in the folder.
     static std::uint64_t state_of(const fs::path& tree)
     {
         const auto opened = Tree::open(tree);

@@ -61,7 +61,7 @@ TEST_F(ResultTree, ANewTreeLeavesTheOldOne)
     const VoxelGridReport report = voxel_grid(tree(), voxels_, to_);
     EXPECT_EQ(report.build.outcome.points_in, 30000u);
     EXPECT_EQ(report.build.outcome.points_out, expected());
-    EXPECT_LT(report.build.outcome.error, 1e-15);  // of coordinates near 0, beside millions
+    EXPECT_LT(report.build.outcome.error, 1e-15);  // coordinates near 0, among millions
     EXPECT_GT(report.most_in_one, 1u);
     const auto made = Tree::open(folder_ / "grid.pct");
     EXPECT_EQ(made->info().points, expected());

@@ -26,7 +26,7 @@ struct Neighbourhood {
         squared.push_back(dot(d, d));
     }
     OnePointsNeighbours view() const { return {x.data(), y.data(), z.data(), squared.data(), x.size()}; }
-    // Of the point and its neighbours, as the filter has it.
+    // The normal of the point and its neighbours, as the filter computes it.
     Vec3d normal() const
     {
         const double n = static_cast<double>(x.size() + 1);

@@ -220,7 +220,7 @@ TEST_F(VoxelGrid, ThreadsAndMemoryDoNotChangeTheResult)
     }
 }
 
-// More points in one voxel than memory holds, beside others: the voxel gets a unit of its own and is summed in passing.
+// One of several voxels has more points than memory holds: it gets a unit of its own and is summed in passing.
 TEST_F(VoxelGrid, PCM_NOT_UNDER_THREAD(AVoxelWithMorePointsThanMemoryHolds))
 {
     MemoryCloud cloud = random_cloud(all_types(), Grid{{0.0001, 0.0001, 0.0001}, {5e5, 4.8e6, 0}}, 30000, 6, 10);
@@ -435,7 +435,7 @@ TEST_F(VoxelGrid, MajorityAndMeanCanBeChosen)
     {
         VoxelGridReader reader(tree, options);
         const MemoryCloud found = read_all(reader);
-        EXPECT_EQ(found.points.attributes[0].value(0), 3);  // of two equally frequent ones the smaller
+        EXPECT_EQ(found.points.attributes[0].value(0), 3);  // the smaller of two equally frequent ones
         EXPECT_EQ(found.points.attributes[1].value(0), 1);  // 6 / 5
     }
     options.by_mean = {"classification"};

@@ -38,7 +38,7 @@ Positions points_in(std::array<unsigned, 3> bits, std::size_t count, std::uint64
 void expect_groups_of_a_map(const Positions& points)
 {
     const VoxelLattice lattice;
-    std::map<std::array<std::int64_t, 3>, std::vector<std::uint32_t>> voxels;  // by z, y, x
+    std::map<std::array<std::int64_t, 3>, std::vector<std::uint32_t>> voxels;  // key: z, y, x
     for (std::uint32_t i = 0; i < points.size(); ++i)
         voxels[{lattice.index(points[i][2], 2), lattice.index(points[i][1], 1), lattice.index(points[i][0], 0)}]
             .push_back(i);

@@ -32,8 +32,8 @@ double surface_error(const Scene& scene, const SceneOptions& options, const Shap
 }
 
 struct Counts {
-    unsigned right = 0, wrong = 0;  // of those that are called good
-    double widest = 0;              // threshold of these, in three deviations of the noise
+    unsigned right = 0, wrong = 0;  // number of fits called good
+    double widest = 0;              // maximum threshold of these, in three deviations of the noise
 };
 
 Counts counts_of(const Shape& shape, double outliers, std::size_t points, std::uint64_t seeds)
@@ -66,7 +66,7 @@ struct Cell {
     Shape shape;
     double outliers;
     std::size_t points;
-    unsigned least_right;  // of 20
+    unsigned least_right;  // minimum of 20 fits
     unsigned most_wrong = 1;
 };
 
@@ -194,7 +194,7 @@ TEST(ChanceTest, AlarmsCountWhatChanceLetsExpect)
     const WorkingPoints working = working_of(points);
     const ChanceTest test(working);
     const ShapeModel& model = model_of(ShapeKind::plane);
-    // 50 of 100 where 5 are expected, beside the three of a sample: 100 (0.5 ln 10 + 0.5 ln (0.5 / 0.95)), less
+    // 50 of 100 where 5 are expected, in addition to the three of a sample: 100 (0.5 ln 10 + 0.5 ln (0.5 / 0.95)), less
     // 0.8 * 3 ln 20.
     EXPECT_NEAR(test.log_alarms(model, 0.05, 53), -(115.129 - 32.093) + 7.190, 0.01);
     EXPECT_EQ(test.log_alarms(model, 0.05, 8), 0);  // as expected

@@ -41,7 +41,7 @@ Columns columns(std::uint64_t seed)
     return points;
 }
 
-// Some within the threshold, some at it, beside it and far beyond.
+// Distances within the threshold, equal to it, above it and far above it.
 PatchBlock block_of(std::size_t count, std::uint64_t seed)
 {
     std::mt19937_64 random(seed);
@@ -88,7 +88,7 @@ Weighed weighed(const BlockLoops& loops, std::size_t count, std::uint64_t seed)
     return ::testing::AssertionSuccess();
 }
 
-// Of all levels the same, and nothing behind the last one is written.
+// All levels write the same numbers, and nothing behind the last one.
 template <class Loop>
 void compare_columns(const Loop& loop)
 {

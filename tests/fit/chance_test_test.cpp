@@ -95,7 +95,7 @@ TEST(ChanceBounds, SharesAreThoseOfTheBox)
     for (const double threshold : {0.05, 0.1, 0.3, 0.7})
         EXPECT_NEAR(cube.share(model, flat, threshold), threshold, 0.004);
     EXPECT_EQ(cube.share(model, flat, 1.01), 1);
-    // Of thresholds that few places are within: in proportion.
+    // Thresholds that few places are within have shares in proportion.
     for (const double threshold : {1e-3, 1e-5, 1e-9})
         EXPECT_NEAR(cube.share(model, flat, threshold) / threshold, 1, 0.05) << threshold;
     // A flat box counts as a tenth as thick as it is wide.

@@ -57,7 +57,7 @@ FitPoints random_points(std::size_t count, const std::function<Vec3d(double, dou
 struct Case {
     const char* name;
     FitPoints points;
-    std::set<FitIssue> curved, plane;  // that are outcomes; none: good
+    std::set<FitIssue> curved, plane;  // possible outcomes; empty: good
 };
 
 std::vector<Case> cases()

@@ -1,5 +1,5 @@
-// Errors of fits beside those of least squares of the true points from the truth (the oracle), over seeds. Shares of
-// roots of mean squares and quantiles, never times.
+// Errors of fits relative to those of the oracle, over seeds: least squares of the true points that begin at the truth.
+// Ratios of roots of mean squares and of quantiles, never times.
 #include "tests/fit/fit_scenes.h"
 #include "tests/sanitizers.h"
 

@@ -30,9 +30,9 @@ struct SceneOptions {
     double outliers = 0.3;  // share of the points, uniform in the box of the shape, widened
     double noise = 0.005;   // along the normal
     std::uint64_t seed = 1;
-    double arc = 2 * pi;  // of a cylinder, sphere's patch or cone about the axis; of a torus' circle
-    double length = 1;    // of a cylinder along its axis; of a plane
-    Vec3d offset{};       // of everything
+    double arc = 2 * pi;  // angle of a cylinder, cone or sphere's patch about the axis; of a torus' circle; radians
+    double length = 1;    // length of a cylinder or cone along its axis; side of a plane
+    Vec3d offset{};       // shift of the whole scene
 };
 
 // A place on the shape: u, v uniform in [0, 1].

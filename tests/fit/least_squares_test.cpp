@@ -44,7 +44,7 @@ TEST(LeastSquares, EndsWhereStepsWouldChangeNothing)
                 band.share = share;
                 const SurfacePatch start = model.patch_at(from, {});
                 const PolishedPatch last = polish(model, start, points, band, 200, 1e-15);
-                // Of the error of each parameter: to first order a distance's is noise * sqrt(parameters / points).
+                // To first order, the error of a distance that the errors of all parameters make.
                 const double error = last.noise() * std::sqrt(static_cast<double>(model.parameters()) / last.sums.used);
                 for (const double enough : {1e-2, 1e-7}) {
                     const PolishedPatch found = polish(model, start, points, band, 50, enough);
@@ -56,7 +56,7 @@ TEST(LeastSquares, EndsWhereStepsWouldChangeNothing)
             }
 }
 
-// Where no point is there by chance, all count alike up to nine tenths of the threshold; else bins show the noise.
+// Without points by chance all weights are equal up to nine tenths of the threshold; else bins show the noise.
 TEST(LeastSquares, AMixtureLearnsWhereThereIsSomethingToLearn)
 {
     DistanceBins bins;

@@ -81,7 +81,7 @@ TEST(LocalSupport, IsWhereMorePointsAreThanChanceBrings)
         }
 }
 
-// Of two surfaces in one plane both are the plane's, however far apart.
+// Two surfaces in one plane both belong to the plane, however far apart.
 TEST(LocalSupport, FollowsEveryPartOfTheSurface)
 {
     Scene scene = square(2000, 6000, 0.5);
@@ -122,9 +122,9 @@ TEST(LocalSupport, IsFoundAgainOnlyForAShapeThatMoved)
     }
 }
 
-// Nothing can be said of fewer than 50 points, of a scene without others, nor where the threshold is wide beside the
-// scene; what was found before is forgotten then.
-TEST(LocalSupport, IsOfAllPointsWhereNothingCanBeSaid)
+// The support is undetermined for fewer than 50 points, for a scene without other points, and where the threshold is
+// wide relative to the scene; what was found before is forgotten then.
+TEST(LocalSupport, IsOfAllPointsWhereItIsUndetermined)
 {
     const auto is_of_all = [](const Scene& scene, double height, double within) {
         LocalSupport support = support_of(scene);

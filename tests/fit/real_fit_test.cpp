@@ -54,7 +54,7 @@ TEST(RealClouds, MugAndTable)
     const double height = 0.528787 / length(Vec3d{-0.0161854, 0.837724, 0.545855});
     const Vec3d mug{0.0452105, 0.0924601, 0.790215}, axis{0.20495, -0.721649, -0.661225};
     const Vec3d on_table = mug - (dot(table.axis, mug) - height) * table.axis;  // under the mug
-    const Vec3d side{0.051, 0.068, 0.758};                                      // of the mug, as the scanner sees it
+    const Vec3d side{0.051, 0.068, 0.758};                                      // side of the mug that the scanner sees
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
         const ShapeFit plane = fit(within(points, on_table, 0.3), ShapeKind::plane, 0.01, seed);
         ASSERT_TRUE(plane.has_shape()) << plane.message;

@@ -103,7 +103,7 @@ TEST(SampleScores, OfCountsAndSquaresAreTheSumsOverAllPoints)
         }
 }
 
-// Of 20,000 points the first 2048 decide where they fail by more than two roots of their number.
+// The first 2048 of 20,000 points decide where they fail by more than two roots of their number.
 TEST(SampleScores, AreGivenUpWhereTheFirstPointsFailByMoreThanChance)
 {
     const Scene scene(20000, 0.02, 0.3, false);
@@ -151,7 +151,7 @@ TEST(SampleScores, OfLikelihoodAreThoseOfTheMixture)
                 const SampleScore::Value value = score.of(scene.sphere, worst());
                 EXPECT_EQ(value.inliers, inliers);
                 EXPECT_NEAR(value.score, expected, 0.002 * double(count));
-                // A shape beside the points is less likely, and so is one of another size.
+                // A shape next to the points is less likely, and so is one of another size.
                 for (Shape other : {scene.sphere, scene.sphere}) {
                     other.point[0] += 0.02;
                     EXPECT_GT(score.of(other, worst()).score, value.score);

@@ -7,7 +7,7 @@
 namespace pcm {
 namespace {
 
-// Of the functions the types alone are looked at.
+// Only the types of the functions are looked at.
 struct Sixth {
     static bool like(const SurfaceBend&, Shape&);
     static Significance significance(const Shape&, const ShapeErrors&);

@@ -83,7 +83,7 @@ TEST(StationEvidence, WhereNoiseExplainsTheDifferencesThereIsNoSpread)
     const Diagonal noise{{100, 100, 100}, {5, -3, 8}};  // 0.05, -0.03 and 0.08 where 0.1 is a deviation
     const StationSpread none = noise.evidence().spread();
     EXPECT_EQ(none.spread, 0);
-    EXPECT_EQ(none.freedom, 3u) << "all that say so";
+    EXPECT_EQ(none.freedom, 3u) << "all three of them";
     for (const auto& [station, shift] : none.shifts) EXPECT_EQ(shift, (Vec3d{0, 0, 0})) << station;
     // All are 0.
     EXPECT_EQ((Diagonal{{4, 4, 4}, {0, 0, 0}}.evidence().spread().spread), 0);
@@ -147,7 +147,7 @@ TEST(StationEvidence, SurfacesAreAdded)
     const Diagonal a = some_differences(), b{{50, 3, 8, 7, 20, 60}, {1, 2, 3, -4, -5, 60}};
     StationEvidence together, first, second, none;
     a.add_to(together, 0.5);
-    b.add_to(together, 2, 1);  // of the stations 1 and 2
+    b.add_to(together, 2, 1);  // stations 1 and 2
     a.add_to(first, 0.5);
     b.add_to(second, 2, 1);
     a.add_to(none, 0);

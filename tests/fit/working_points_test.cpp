@@ -213,7 +213,7 @@ std::set<std::uint32_t> corners_of(const FlatPoints& flat)
     return corners;
 }
 
-// Of the rectangles along each edge.
+// The minimum area of the rectangles along each edge.
 double least_area(const std::vector<Vec2d>& hull)
 {
     double least = std::numeric_limits<double>::infinity();
@@ -231,7 +231,7 @@ double least_area(const std::vector<Vec2d>& hull)
     return least;
 }
 
-// Of that area, counter-clockwise, with all points in it.
+// A rectangle of that area, counter-clockwise, with all points in it.
 void expect_least_rectangle(const std::vector<Vec2d>& hull)
 {
     const std::vector<Vec2d> rectangle = least_rectangle(hull);

@@ -18,7 +18,7 @@ using namespace pcm::test;
 namespace {
 
 constexpr int size = 96;
-constexpr std::int32_t side = 10000;  // of the cube, grid steps of 1 mm
+constexpr std::int32_t side = 10000;  // side of the cube, grid steps of 1 mm
 
 Vec3d at(double x, double y, double z) { return map_offset + Vec3d{x, y, z}; }
 
@@ -187,7 +187,7 @@ TEST_P(ClipsIn, AreMovedWithoutUploadingAPointAgain)
     drawing.release();
 }
 
-// The budget goes to what is seen, and reports count no hidden points but those beside the border.
+// The budget goes to what is seen, and reports count no hidden points but those next to the border.
 TEST_P(ClipsIn, LeaveOutNodesThatTheyHide)
 {
     PCM_REQUIRE_GL(context, GetParam());

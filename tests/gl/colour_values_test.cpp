@@ -177,7 +177,7 @@ TEST(ColourValues, CloudsWithoutColoursShowTheirShape)
               "height | " + blank + ", the intensity shows no shape: height is shown");
     EXPECT_EQ(shown("constant", ColourMode::rgb, [](LasPoint& p, std::size_t) { p.intensity = 77; }),
               "height | " + blank + ", the intensity shows no shape: height is shown");
-    // Ground and buildings are classes; one of both beside points that nobody has classified is not enough.
+    // Ground and buildings are classes; one of both next to unclassified points is not enough.
     const auto classed = [&](std::uint8_t few) {
         return [smooth, few](LasPoint& p, std::size_t i) {
             smooth(p);

@@ -159,13 +159,12 @@ TEST(Compositor, SeveralSamplesSmoothEdges)
     }
 }
 
-// Dots with gaps between them are no surface: one that is beside a nearer one stays bright.
+// Dots with gaps between them are not a surface: one that is next to a nearer one stays bright.
 TEST(Compositor, EyeDomeLightingSparesPointsThatStandAlone)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;
-    // Pairs, 10 pixels from each other: of each pair one point is behind the other,
-    // and two pixels beside it.
+    // Pairs, 10 pixels from each other: one point of each pair is behind the other, and two pixels away from it.
     std::vector<LasPoint> points;
     for (std::int32_t i = 0; i < 9; ++i)
         for (std::int32_t j = 0; j < 9; ++j)
@@ -248,8 +247,8 @@ TEST(Compositor, EyeDomeLightingShowsSteps)
     EXPECT_GE(darkest, 0);
 }
 
-// A wall stays as it is, seen face-on or at a grazing angle, near or far, in either projection, moving or at rest: its
-// slope is no relief, and neither are the splats that it is drawn with.
+// A wall is not shaded, seen face-on or at a grazing angle, near or far, in either projection, moving or at rest: its
+// slope is not a relief, and neither are the splats that it is drawn with.
 // Not under the address sanitizer: much drawing in software.
 TEST(Compositor, PCM_NOT_UNDER_ADDRESS(EyeDomeLightingLeavesPlanesAsTheyAre))
 {
@@ -284,7 +283,7 @@ TEST(Compositor, PCM_NOT_UNDER_ADDRESS(EyeDomeLightingLeavesPlanesAsTheyAre))
             }
 }
 
-// A crown is no heap of balls with black rims, and yet what lies in front of something else stands out.
+// A crown is not drawn as a heap of balls with black rims, and yet what lies in front of something else stands out.
 TEST(Compositor, EyeDomeLightingHasNoRimsAroundSplats)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);

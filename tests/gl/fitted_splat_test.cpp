@@ -52,7 +52,7 @@ Axes axes_of(const Camera& view, const Eye& eye, PointShape shape, double r)
         axes.v = 0.25 * r * normalised(cross(parallel ? Vec3d{0, 0, -1} : eye.place, axes.u));
     }
     if (parallel) return axes;
-    // Of all places on its edge the farthest and the nearest along the view are no more than half the depth away.
+    // The farthest and the nearest place of its edge along the view are no more than half the depth away.
     const double angle = std::atan2(axes.v[2], axes.u[2]);
     const Vec3d steep = std::cos(angle) * axes.u + std::sin(angle) * axes.v;
     if (std::fabs(steep[2]) <= 0.5 * eye.depth) return axes;
@@ -248,7 +248,7 @@ TEST(FittedSplat, GrowsToFillGaps)
     EXPECT_NEAR(area(0), pi * 4.5, 5);
 }
 
-// Of equal splats in a plane that faces the view the one whose centre is nearest is seen.
+// Among equal splats in a plane that faces the view, the one whose centre is nearest is seen.
 TEST(FittedSplat, TheNearestCentreIsSeen)
 {
     PCM_REQUIRE_GL(context, Profile::core);
@@ -278,7 +278,7 @@ TEST(FittedSplat, TheNearestCentreIsSeen)
     EXPECT_GT(covered, 10000u);
 }
 
-// Radii whose lowest bits are no shape are not read as one.
+// Radii whose lowest bits do not hold a shape are not read as one.
 TEST(FittedSplat, WithoutShapesItIsAdaptive)
 {
     PCM_REQUIRE_GL(context, Profile::core);
@@ -287,8 +287,8 @@ TEST(FittedSplat, WithoutShapesItIsAdaptive)
     EXPECT_EQ(fitted(scene, view).colours == draw(scene, view, style_of(SplatMode::adaptive)).colours, true);
 }
 
-// Sparse ground and walls beside the eye, whose discs would reach behind it: none of them covers what is before it.
-TEST(FittedSplat, NothingBesideTheEyeHidesWhatIsBeforeIt)
+// Sparse ground and walls next to the eye, whose discs would reach behind it: none of them covers what is before it.
+TEST(FittedSplat, NothingNextToTheEyeHidesWhatIsBeforeIt)
 {
     PCM_REQUIRE_GL(context, Profile::core);
     const Camera view = perspective_view();

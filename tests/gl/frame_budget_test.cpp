@@ -60,7 +60,7 @@ TEST(FrameBudget, SettlesBelowTheAskedTimeOnFastAndSlowDevices)
     }
 }
 
-// Time that a frame needs beside its points is reserved.
+// Time that a frame needs in addition to its points is reserved.
 TEST(FrameBudget, LeavesRoomForTheRestOfTheFrame)
 {
     FrameBudget budget;
@@ -182,7 +182,7 @@ TEST(FrameBudget, TheMarginIsLearntWithinItsBounds)
     EXPECT_NEAR(margin(), 1.05, 1e-9);
 }
 
-// What belongs to the frame beside its drawing is part of what is compared.
+// The compared time includes all of the frame, not its drawing alone.
 TEST(FrameBudget, TheMarginIsOfTheWholeFrame)
 {
     FrameBudget budget;

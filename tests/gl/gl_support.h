@@ -106,7 +106,7 @@ std::vector<LasPoint> sheet(std::int32_t count, const Height& height)
 }
 
 inline Grid grid_at(const Vec3d& offset, double scale = 0.001) { return {{scale, scale, scale}, offset}; }
-Matrix overview(double extent);  // of the cube of this side at the local origin
+Matrix overview(double extent);  // view of the cube of this side at the local origin
 RenderOptions everything();
 
 std::size_t count_lit(const std::vector<Pixel>& pixels);

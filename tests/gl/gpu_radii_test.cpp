@@ -88,7 +88,7 @@ std::pair<double, double> exact_radius(const Points& points, std::size_t p, std:
     return {least, most};
 }
 
-// Of all points, or of so many.
+// Compares the radii of all points with exact ones, or those of `sample` points.
 void check(const Points& points, std::size_t k, std::size_t sample = 0)
 {
     std::mt19937_64 random(sample);

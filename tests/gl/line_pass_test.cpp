@@ -68,7 +68,7 @@ TEST_P(LinePassIn, IsWhereItBelongsAtMapCoordinatesAndBeforeATinyNearPlane)
     PCM_REQUIRE_GL(context, GetParam());
     const Framebuffer framebuffer(size, size);
     LinePass pass;
-    // The eye is 5 millimetres from a line that lies 1 mm beside its axis: 12.8 pixels.
+    // The eye is 5 millimetres from a line that lies 1 mm off its axis: 12.8 pixels.
     const Vec3d origin{500000.125, 5000000.25, 100.5};
     Camera camera = view_of(translation(0, 0, -0.005), perspective(pi / 2, 1, 1e-6, 1000), size, size, origin);
     pass.draw(camera, {line_of(origin + Vec3d{-1e-2, 1e-3, 0}, origin + Vec3d{1e-2, 1e-3, 0}, 2)}, {});

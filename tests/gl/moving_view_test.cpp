@@ -6,8 +6,8 @@
 using namespace pcm;
 using namespace pcm::test;
 
-// The least number of points in view is drawn, each of them counted once, and no chunk more than it takes.
-TEST(MovingView, HasTheLeastNumberOfPointsInViewHoweverSlowTheMachineIs)
+// The minimum number of points in view is drawn, each of them counted once, and no chunk more than needed.
+TEST(MovingView, HasTheMinimumNumberOfPointsInViewHoweverSlowTheMachineIs)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;

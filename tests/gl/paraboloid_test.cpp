@@ -68,7 +68,7 @@ TEST(Paraboloid, PCM_NOT_UNDER_ADDRESS(AgreesWithItsFormula))
     }
 }
 
-// Of equal splats in a plane that faces the view the one whose centre is nearest is seen: no square covers another.
+// Among equal splats in a plane that faces the view, the one whose centre is nearest is seen: no square covers another.
 TEST(Paraboloid, TheNearestCentreIsSeen)
 {
     PCM_REQUIRE_GL(context, Profile::core);

@@ -69,7 +69,7 @@ TEST(PointSizes, AreAtMostATwentiethOfTheCloud)
 TEST(PointSizes, WithoutThemTheSpacingBelowCounts)
 {
     const TemporaryFolder folder;
-    // A fine sheet, and a coarse one beside it.
+    // A fine sheet, and a coarse one next to it.
     auto points = sheet(200, [](std::int32_t) { return 0; });
     for (LasPoint p : sheet(40, [](std::int32_t) { return 0; })) {
         p.x = 8 * p.x + 30000;

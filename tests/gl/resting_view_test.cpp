@@ -32,7 +32,7 @@ std::vector<LasPoint> random_plane(std::size_t count)
     return points;
 }
 
-// Of the pixels whose rays meet the plane z = 0 more than five units inside of the square, the share that is empty.
+// The share of empty pixels among those whose rays meet the plane z = 0 more than five units inside of the square.
 double share_of_holes(const std::vector<Pixel>& pixels, const Camera& view, double tilt, double distance)
 {
     std::size_t holes = 0, inside = 0;
@@ -79,7 +79,7 @@ TEST(RestingView, AdaptiveSplatsBecomeTheSamePictureWhateverTheBudgets)
                 cloud->cache().clear();
             }
             FrameReport report;
-            std::vector<std::vector<Pixel>> claimed;  // pictures that were said to be the final one
+            std::vector<std::vector<Pixel>> claimed;  // pictures that were reported as final
             int frames = 0;
             for (; frames < 5000; ++frames) {
                 framebuffer.clear();

@@ -103,7 +103,7 @@ TEST_P(SelectedPointsIn, HaveAnotherColourAtTheirOldPlace)
     }
 }
 
-// Of the points with the least x in each chunk too, whose x is 0 there; and of all.
+// A selection of all points also shows the points whose x is 0 in their chunk: its minimum.
 TEST_P(SelectedPointsIn, AreAllOfThem)
 {
     PCM_REQUIRE_GL(context, GetParam());

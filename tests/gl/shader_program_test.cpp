@@ -14,7 +14,7 @@ using namespace pcm::test;
 
 namespace {
 
-// Of every splat mode; colourings, which do not interact with the rest, take turns.
+// Permutations of every splat mode; colourings, which do not interact with the rest, take turns.
 std::vector<SplatPermutation> permutations()
 {
     std::vector<SplatPermutation> list;

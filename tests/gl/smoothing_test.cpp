@@ -146,7 +146,7 @@ TEST(Smoothing, PCM_NOT_UNDER_ADDRESS(IsTheMeanOfPicturesAtTheOffsets))
             }
 }
 
-// Of views that do not converge, as tiles of a snapshot, as well; their depth, too, stays that of the picture.
+// Tiles of a snapshot, for example, do not converge. They are averaged, too, and keep the depth of the picture.
 TEST(Smoothing, ViewsThatDoNotConvergeHaveTheirMean)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
@@ -310,7 +310,7 @@ TEST(Smoothing, EndsWhenTheViewMoves)
         drawing.style = coloured(mode);
         RenderOptions options = smooth(8);
         draw_until_done(drawing, framebuffer, there, map_offset, smooth(1));
-        std::vector<Pixel> plain;  // of the first frame there
+        std::vector<Pixel> plain;  // first frame there
         for (int smoothed = 0; smoothed < 20; ++smoothed) {
             draw_until_done(drawing, framebuffer, view_of_cube(), map_offset, smooth(1));
             for (int i = 0; i < smoothed; ++i) {
@@ -406,8 +406,8 @@ TEST(Smoothing, TilesAreTheLargerPicture)
     }
 }
 
-// Near by, where the discs of a surface are wide, their colours pass into one another: red and blue points at random
-// are no mosaic of red and blue. What is not a disc in a surface keeps its borders, and so does a picture without a
+// Near by, where the discs of a surface are wide, their colours pass into one another: red and blue points at random do
+// not make a mosaic of red and blue. What is not a disc in a surface keeps its borders, and so does a picture without a
 // mean.
 TEST(Smoothing, WideDiscsPassIntoOneAnother)
 {

@@ -13,7 +13,7 @@ namespace {
 using namespace pcm;
 using namespace pcm::test;
 
-constexpr int left = 13, bottom = 7;  // of the viewport
+constexpr int left = 13, bottom = 7;  // corner of the viewport
 
 struct Window {
     double x, y, depth;  // pixels; the window's depth, not reversed
@@ -49,7 +49,7 @@ void for_views(int count, const Check& check)
     }
 }
 
-// A place in front of the eye, in or beside the picture, relative to the view's origin.
+// A place in front of the eye, in the picture or next to it, relative to the view's origin.
 Vec3d random_place(const SplatCamera& camera, std::mt19937_64& random)
 {
     std::uniform_real_distribution<double> unit(-1, 1);
@@ -147,7 +147,8 @@ TEST(SplatCameras, ScalesBoundEveryDirection)
     });
 }
 
-// Of a point in a box in front of the near plane: its square, and the box around a sphere of its radius.
+// Limits for the splat of any point in a box in front of the near plane: its square, and the box around a sphere of its
+// radius.
 TEST(SplatCameras, BoundTheLargestSplats)
 {
     int boxes = 0, tight = 0;

@@ -154,7 +154,7 @@ TEST_P(SplatDisc, PCM_NOT_UNDER_ADDRESS(GrazesDownToATenthOfADegree))
 TEST_P(SplatDisc, CrossingTheNearPlaneAndBehindTheEye)
 {
     PCM_REQUIRE_GL(context, Profile::core);
-    // The eye is among the discs: many are cut by the near plane, or have their centres behind the eye or beside the
+    // The eye is among the discs: many are cut by the near plane, or have their centres behind the eye or next to the
     // view.
     std::mt19937_64 random(4);
     std::uniform_real_distribution<double> even(-1, 1);
@@ -219,8 +219,8 @@ TEST_P(SplatDisc, AtMapCoordinates)
     discs.push_back({{5e6 + 2000, 4.8e6 + 2000, 500}, {0, 0, 1}, 0.01});
     const Grid grid = fine_grid(1e-4, {5e6, 4.8e6, 0});
     const SplatScene scene(grid, discs);
-    // The local origin beside the cloud; and at 0, as in a host that does not shift: then the modelview has the size of
-    // the coordinates.
+    // The local origin next to the cloud; and at 0, as in a host that does not shift: then the modelview has the size
+    // of the coordinates.
     const Vec3d origin{5e6 + 1000, 4.8e6 + 1000, 0};
     const Matrix shifted = translation(origin[0] - eye[0], origin[1] - eye[1], origin[2] - eye[2]);
     const Matrix far = perspective(1, aspect, 1e-3, 1e3);

@@ -61,7 +61,7 @@ TEST(SplatPass, MissingAttributesAreReplaced)
     }
     EXPECT_LE(different, 4u);  // at silhouettes
     EXPECT_GT(covered, 500u);
-    // The least size applies to such points too.
+    // The minimum size applies to such points too.
     ChunkLook look;
     look.least_radius = 0.25f;
     look.least_px = 100;

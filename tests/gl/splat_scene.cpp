@@ -228,9 +228,9 @@ Agreement compare(const SplatScene& scene, const Camera& view, bool reversed, bo
         double size = 0;  // eye units per source unit
         for (std::size_t r = 0; r < 3; ++r) size += view.modelview[r] * view.modelview[r];
         const double radius = disc.radius * std::sqrt(size);
-        // Of two at equal depth, either may win.
+        // Either of two discs at equal depth may win.
         if (seen != truth[i].disc && truth[i].runner_up - truth[i].depth > 2e-4 * radius) ++agreement.wrong_disc;
-        double ray = 1;  // of a depth of 1
+        double ray = 1;  // length of the ray per depth of 1
         if (view.projection[11] != 0) {
             const double x = (2 * (static_cast<double>(i % static_cast<std::size_t>(view.width)) + 0.5) / view.width -
                               1 + view.projection[8]) /

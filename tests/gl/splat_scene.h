@@ -19,7 +19,7 @@ public:
     ~DepthFramebuffer();
     void clear(bool reversed) const;
     std::vector<Pixel> colours() const;  // averaged over the samples
-    std::vector<float> depths() const;   // of one sample a pixel only
+    std::vector<float> depths() const;   // for a framebuffer of one sample a pixel only
 
 private:
     int width_, height_;
@@ -80,7 +80,7 @@ constexpr double aspect = double(width) / height;
 Camera perspective_view();
 Camera parallel_view();
 
-// Discs in front of an eye at the origin; the centres of some are beside the view.
+// Discs in front of an eye at the origin; the centres of some are next to the view.
 std::vector<Disc> field(std::size_t count, std::uint64_t seed, double wideness = 0.8, double size = 1);
 Grid fine_grid();
 
@@ -90,7 +90,7 @@ struct Agreement {
     std::size_t wrong_coverage = 0;
     std::size_t wrong_disc = 0;
     std::size_t not_numbers = 0;
-    double worst_depth = 0;  // of the hit, along its ray, in radii of the disc
+    double worst_depth = 0;  // maximum error of a hit along its ray, in radii of the disc
 };
 
 // Draws the scene in the perspective mode and compares each fragment with the oracle.

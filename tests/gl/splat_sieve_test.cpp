@@ -15,13 +15,13 @@ using namespace pcm::test;
 
 constexpr double largest_point = 60;
 constexpr int guard = 200;
-const Vec3d origin{100, -30, 8};  // of the views
+const Vec3d origin{100, -30, 8};  // origin of the views
 
 // Clusters of 128 points, and the radius of each point.
 struct SyntheticChunk {
     VertexEntry entry;
     Box3d box;                  // relative to the views' origin
-    std::vector<Vec3d> places;  // of the points, likewise
+    std::vector<Vec3d> places;  // positions of the points, likewise
     std::vector<float> radii;
 };
 

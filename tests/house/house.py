@@ -312,8 +312,8 @@ WORDS = {
 }
 
 
-# The second table: held over the folders that speak it already. A room that has been rewritten is added to PLAIN_FOLDERS.
-# Patterns for what people read: comments and texts in quotes in sources, all of a read-me file. Names in `backquotes` may stay.
+# The second table: patterns for what people read, which is comments and texts in quotes in sources, and all of a read-me file. Names
+# in `backquotes` may stay.
 PLAIN_WORDS = {
     r"^Of\b|[.;:] Of [a-z]": "the noun first: what it is, then of what",
     r"^(that|of|by|which|whose) .*(?<=\x00)$": "the noun first: // number of points, // keyed by name",
@@ -330,12 +330,6 @@ PLAIN_WORDS = {
     r"`: of [a-z]": "`name`: the noun of the quantity",
     r"\blets? expect\b": "explains, predicts",
 }
-PLAIN_FOLDERS = tuple(f"core/{room}/" for room in (
-    "align bpc build cache cad cli cloud convert decoders detect examples filter fit generate gl io knn lists measure offscreen ops pick "
-    "query select shapes system threads tree update view").split()) + (
-    "core/make_cloud", "core/point_cloud", "core/README.md", "core/ADDING.md", "bench/", "shaders/", "packaging/", "README.md") + tuple(
-    f"plugin/{folder}" for folder in ("filter/", "meshlab/", "overlay/", "panels/", "scene/", "settings/", "tools/", "README.md")) + (
-    "tests/cli/", "tests/detect/", "tests/ops/", "tests/plugin/", "tests/shapes/", "tests/e2e/")
 # Keys of answers, which scripts spell.
 SPELLED = {"core/ops/pick.cpp": "beside"}
 COMMENTED = (".h", ".cpp", ".vert", ".frag", ".comp")
@@ -356,12 +350,10 @@ def prose_of(name, line):
     return texts
 
 
-def check_plain_words(texts, folders=PLAIN_FOLDERS):
-    """`texts`: name -> text of a source or a read-me file; those outside of `folders` may speak as they do."""
+def check_plain_words(texts):
+    """`texts`: name -> text of a source or a read-me file."""
     complaints = []
     for name, text in texts.items():
-        if not name.startswith(folders):
-            continue
         for number, line in enumerate(text.splitlines(), 1):
             for prose in prose_of(name, line):
                 if name in SPELLED:

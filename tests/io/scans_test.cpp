@@ -127,7 +127,7 @@ TEST(Scans, ScansOfSeveralFilesAreNumberedThrough)
     std::string notes;
     for (const std::string& note : reader.info().notes) notes += note + "\n";
     EXPECT_NE(notes.find("'scan' is not in 1 of 4 files and zero there: d.xyz"), std::string::npos) << notes;
-    // A file alone stays as it is.
+    // A file alone gets no attribute `scan`.
     MergedReader alone({folder / "a.ptx"}, {});
     EXPECT_FALSE(alone.info().schema.find("scan"));
     EXPECT_EQ(scans_of(alone.info().metadata, alone.info().schema), 1u);

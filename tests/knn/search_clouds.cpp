@@ -87,7 +87,7 @@ Comparison compare(const UnitSearch& search, const SearchPositions& p, const Uni
         for (std::size_t i = 0; i < found.size; ++i) {
             std::string mistake;
             if (!expected[found.points[i]])
-                mistake = "point " + std::to_string(found.points[i]) + " is no query, or comes a second time";
+                mistake = "point " + std::to_string(found.points[i]) + " is not a query, or comes a second time";
             else if (found.points[i] % stride == 0)
                 mistake = mistake_of(p, options, found, i);
             expected[found.points[i]] = false;

@@ -119,7 +119,7 @@ TEST(CellField, GapsAreTheMeanOfTheCellsNextToThem)
                     continue;
                 }
                 const double around = mean_around(field, cell);
-                if (std::isnan(around)) {  // that of the cells around on coarser grids
+                if (std::isnan(around)) {  // filled by the cells around on coarser grids
                     EXPECT_GE(field.height[cell], middle) << cell;
                     EXPECT_LE(field.height[cell], middle + 1) << cell;
                     continue;

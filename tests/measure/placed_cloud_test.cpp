@@ -94,8 +94,8 @@ TEST_F(Placed, RegionsOfTheCloudLoseNothingByRounding)
     EXPECT_EQ(PlacedCloud(*cloud_, std::nullopt).most_stretch(), 1);
 }
 
-// Of a wide cloud about the origin and boxes about the origin: the room for rounding is that of the points'
-// coordinates, not only of the map's and the box's middle.
+// A wide cloud and boxes about the origin: the tolerance for rounding depends on the points' coordinates, not only on
+// the map and the middle of the box.
 TEST(PlacedWide, BoxesThroughFarPointsLoseNoneByRounding)
 {
     TemporaryFolder folder;

@@ -90,7 +90,7 @@ TEST(GapFilling, GapsOfAPlaneAreFilledWithThePlane)
         EXPECT_NEAR(filled.height[cell], plane(cell), 1e-6);
         EXPECT_EQ(filled.width[cell], std::isnan(height[cell]) ? 10u : 0u);
         EXPECT_FALSE(filled.outer[cell]);
-        EXPECT_LT(filled.sigma[cell], 1e-3);  // of a plane nothing is left to be wrong about
+        EXPECT_LT(filled.sigma[cell], 1e-3);  // a plane is interpolated exactly
     }
     EXPECT_TRUE(std::isnan(fill_gaps(std::vector<double>(4, nan), {1, 1, 1, 1}, 2).height[0]));
     EXPECT_FALSE(fill_gaps({1, 2, 3, 4}, {1, 1, 1, 1}, 2).filled);
@@ -184,7 +184,7 @@ TEST_F(Volumes, OfASlopeAgainstAHeightAndAgainstItself)
     const VolumeReport above = measure_volume(*cloud, options);
     expect_outcome(above.outcome, above.outcome.points_in, above.points[0] + above.points[1], watch);
     EXPECT_GE(above.outcome.points_in, above.outcome.points_out);
-    EXPECT_GT(above.outcome.points_out, 70000u);  // of 120,000 on 20 by 20, in 16 by 16
+    EXPECT_GT(above.outcome.points_out, 70000u);  // 120,000 points lie on 20 by 20; the area is 16 by 16
     EXPECT_EQ(above.outcome.error, above.values()[0].uncertainty);
     EXPECT_NEAR(above.area, 256, 1e-9);
     EXPECT_EQ(above.fill, 0);
@@ -291,7 +291,7 @@ TEST_F(Volumes, CellsWithoutPointsAreLeftOutOrInterpolated)
     EXPECT_TRUE(filled.notes().empty());
 }
 
-// Cells much narrower than the points are apart: what was 3.3 of 24 is about 24, and is said to be interpolated.
+// Cells much narrower than the points are apart: what was 3.3 of 24 is about 24, and is reported as interpolated.
 TEST_F(Volumes, OfCellsThatAreNarrowerThanTheSpacing)
 {
     const auto roof = [](double, double y) { return 4 - 0.3 * std::fabs(y - 10); };

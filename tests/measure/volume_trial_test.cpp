@@ -138,7 +138,7 @@ Shown shown(Random& random, const Height& height, const std::vector<Vec2d>& plac
             break;
         default:
             rank = [=](double x, double y) {
-                double above = 0;  // of a ray that rises with 0.4
+                double above = 0;  // height above a ray that rises with a slope of 0.4
                 for (double way = 0.1; way < size / 2; way *= 1.2)
                     above = std::max(
                         above, height(x + way * std::cos(turn), y + way * std::sin(turn)) - height(x, y) - 0.4 * way);

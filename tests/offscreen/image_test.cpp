@@ -53,7 +53,7 @@ TEST(Png, KeepsEveryBit)
         for (std::size_t i = 0; i < image.rgba.size(); ++i) EXPECT_EQ(opaque.rgba[i], i % 4 == 3 ? 255 : image.rgba[i]);
     }
     EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), fs::directory_iterator()),
-              1);  // nothing beside the file
+              1);  // nothing but the file
 }
 
 TEST(Png, TheUpperRowComesFirst)

@@ -90,7 +90,7 @@ TEST(Offscreen, ACoreProfileHasNoOldFunctions)
     EXPECT_TRUE(mask & GL_CONTEXT_CORE_PROFILE_BIT);
 }
 
-// Of two clouds, whose chunks are loaded as they are drawn.
+// A scene of two clouds, whose chunks are loaded as they are drawn.
 TEST(Offscreen, AScenesLoadedBytesAreThoseOfItsClouds)
 {
     REQUIRE_OFFSCREEN(screen, 64, 48);

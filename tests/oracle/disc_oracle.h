@@ -39,7 +39,7 @@ public:
 private:
     struct Ray {
         Vec3d origin, direction;  // relative to the view's origin; the direction is a depth of 1 long
-        double depth;             // of the origin
+        double depth;             // depth of the origin
     };
     Ray ray(double x, double y) const;
     // Depth along the ray; infinity for a miss.
@@ -48,7 +48,7 @@ private:
     Camera view_;
     bool orthographic_ = false;
     Vec3d eye_{};
-    Vec3d columns_[3];  // of the inverse modelview's 3x3
+    Vec3d columns_[3];  // columns of the inverse modelview's 3x3
     double near_ = 0, far_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What is said about a point against what the file has.
+// The description of a point against what the file has.
 #include "pcm/pick/describe_point.h"
 
 #include "pcm/build/builder.h"
@@ -129,7 +129,7 @@ TEST(DescribePoint, SaysStepsOfADecimalGridAsPeopleWriteThem)
         const auto q = static_cast<long>(8489352 + 3 * by_x[described.position[0]]);
         EXPECT_EQ(described.position_text[0], thousandths(100 * q));
         EXPECT_EQ(described.position_text[1], thousandths(10 * q + 1000000));
-        // A third is no decimal that people write: the fewest digits.
+        // The third coordinate is not on a decimal grid: it has the minimum number of digits that round-trip.
         EXPECT_EQ(std::strtod(described.position_text[2].c_str(), nullptr), described.position[2]);
     }
 }

@@ -20,7 +20,7 @@ namespace {
 using Long = long double;
 using Long3 = std::array<Long, 3>;
 
-// Of a place relative to the camera's origin.
+// Clip coordinates of a place relative to the camera's origin.
 std::array<Long, 4> clip_of(const Camera& camera, const Long3& local)
 {
     const auto apply = [](const Matrix4d& m, const std::array<Long, 4>& v) {

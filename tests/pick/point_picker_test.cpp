@@ -28,7 +28,7 @@ using namespace pcm::test;
 struct Record {
     NodeId node;
     std::uint32_t index;
-    double limit;  // of its radius
+    double limit;  // maximum radius
     Vec3d position;
     double size, fitted, classification;
 };
@@ -177,7 +177,7 @@ protected:
         return best;
     }
 
-    // Most of them aim at a point of the cloud, some beside it.
+    // Most rays aim at a point of the cloud, some next to it.
     PickRay random_ray(std::mt19937_64& random) const
     {
         std::uniform_real_distribution<double> unit(0, 1);

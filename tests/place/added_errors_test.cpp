@@ -211,8 +211,8 @@ TEST_F(AddedErrors, PointsThatDoNotDetermineTheShapeAddNothing)
     EXPECT_EQ(primitive.fit.verdict, FitVerdict::good);
 }
 
-// Errors of neighbours that are alike because their stations are shifted are independent within the stations; those of
-// a surface that is no ball are not.
+// Errors that neighbours share because their stations are shifted are independent within the stations; those that they
+// share because the surface is not a ball remain.
 TEST_F(AddedErrors, TheAgreementIsThatWithinStations)
 {
     const ShapeErrors before{1e-3, 2e-3, 3e-3, 0};
@@ -228,25 +228,25 @@ TEST_F(AddedErrors, TheAgreementIsThatWithinStations)
         const double within = sums.noise_within(), share = std::min(1.0, within / sums.noise_as_one());
         for (const double given : {1.0, 1.5, 40.0}) {
             Primitive primitive = fitted(ball_, before);
-            const double alike = add(seen, primitive, 0, given);
-            EXPECT_GE(alike, 1);
+            const double agreement = add(seen, primitive, 0, given);
+            EXPECT_GE(agreement, 1);
             if (given == 1.0)
-                EXPECT_EQ(alike, 1);
+                EXPECT_EQ(agreement, 1);
             else if (even)
-                EXPECT_LT(alike, 1.2);
+                EXPECT_LT(agreement, 1.2);
             else if (given == 1.5)
-                EXPECT_EQ(alike, 1.5) << "no more than before";
+                EXPECT_EQ(agreement, 1.5) << "no more than before";
             else
-                EXPECT_NEAR(alike, 10, 7);
+                EXPECT_NEAR(agreement, 10, 7);
             StationEvidence evidence = station_survey(*seen, PointStations(*seen), primitive.fit.shape.point).evidence;
-            evidence.add(sums.evidence(within * alike));
+            evidence.add(sums.evidence(within * agreement));
             const StationSpread spread = evidence.spread();
             EXPECT_NEAR(primitive.stations->spread, spread.spread, 1e-3 * spread.spread);
             EXPECT_EQ(primitive.stations->freedom, spread.freedom);
             const auto added = [&](double registration) {
                 return sums.errors_of_spread(std::max(spread.spread * student_factor(spread.freedom), registration));
             };
-            const double smaller = share * alike / given;
+            const double smaller = share * agreement / given;
             const ShapeErrors& after = primitive.fit.errors;
             EXPECT_NEAR(after.position, std::hypot(smaller * before.position, added(0).position),
                         1e-3 * after.position);

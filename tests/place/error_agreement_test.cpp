@@ -1,4 +1,4 @@
-// How alike errors of neighbours are, by the sums that the header states.
+// ErrorAgreement against the sums that its header states.
 #include "pcm/place/error_agreement.h"
 
 #include "tests/support.h"

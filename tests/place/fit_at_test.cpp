@@ -148,14 +148,14 @@ TEST_F(FitAt, PCM_NOT_UNDER_THREAD(PlacesThatAreNotPartOfItAreLeftOut))
     for (const PlacedPoint& p : all_points(part.points.tree()))
         if (part.points.contains(p.node, p.number)) inside += length(p.position - not_at) <= 0.3;
     EXPECT_EQ(inside, 0u);
-    // Beside the place it reaches half the way at most.
+    // Next to the place the ball reaches half the way at most.
     options.radius = 3;
-    const Vec3d beside = at + 0.2 * pipe.axis;
-    const FittedPrimitive near = fit({at}, options, {beside});
+    const Vec3d nearby = at + 0.2 * pipe.axis;
+    const FittedPrimitive near = fit({at}, options, {nearby});
     EXPECT_GT(near.points.size(), 5000u);
     double nearest = HUGE_VAL;
     for (std::size_t i = 0; i < near.near.ids.size(); ++i)
-        nearest = std::min(nearest, length(near.near.points.source(i) - beside));
+        nearest = std::min(nearest, length(near.near.points.source(i) - nearby));
     EXPECT_GT(nearest, 0.0999);
     EXPECT_LT(nearest, 0.15);
     EXPECT_THROW(fit({at}, options, {at}), Error);
@@ -194,9 +194,9 @@ TEST_F(FitAt, PCM_NOT_UNDER_THREAD(OnlyWhatTheLimitChoosesTakesPart))
     EXPECT_THROW(fit({pick(ShapeKind::cylinder)}, options), Error);
 }
 
-// In the air and far away the nearest points are taken, and the distance is said; a radius that holds none is refused.
-// Under no sanitizer: minutes there, of what other tests run too.
-TEST_F(FitAt, PCM_NOT_UNDER_SANITIZERS(PlacesBesideTheCloud))
+// In the air and far away the nearest points are taken, and a note has the distance; a radius without points is
+// refused. Under no sanitizer: minutes there, of what other tests run too.
+TEST_F(FitAt, PCM_NOT_UNDER_SANITIZERS(PlacesOffTheCloud))
 {
     const Shape ball = truth(ShapeKind::sphere);
     const Vec3d air = pick(ShapeKind::sphere) + 0.5 * normal_at(ball, pick(ShapeKind::sphere));
@@ -309,7 +309,7 @@ TEST(AutomaticStep, PassesTheGapsBetweenScanLines)
 }
 
 // Scans of real things, against what their owners or others published of them (GROUND_TRUTH.csv); nothing but a place
-// is given where nothing else is said.
+// is given unless stated otherwise.
 class FitScan : public testing::Test {
 protected:
     std::shared_ptr<PointCloud> open(const std::string& name)
@@ -386,7 +386,7 @@ TEST_F(FitScan, PCM_NOT_UNDER_THREAD(TangoScene))
         EXPECT_EQ(ball.verdict, FitVerdict::good);
         EXPECT_GT(ball.shape.radius, 0.0785);
         EXPECT_LT(ball.shape.radius, 0.085);
-        // Of centres the published one has radii from 80.5 to 83 mm: nearer is not known.
+        // The published centre has radii from 80.5 to 83 mm: it is not known more exactly.
         EXPECT_LT(length(ball.shape.point - Vec3d{0.100, -0.070, -0.968}), 0.0025);
     }
     const FittedPrimitive cone = fit(*cloud, ShapeKind::cone, line(name, 6637));

@@ -1,4 +1,4 @@
-// What is said of a fit that was followed through the cloud, by all the points that it got.
+// The verdict on a fit that was followed through the cloud, by all the points that it got.
 
 #include "pcm/place/followed_verdict.h"
 

@@ -144,7 +144,7 @@ TEST_F(GrowShapeTest, PCM_NOT_UNDER_THREAD(RaisesTheThresholdToTheNoise))
     EXPECT_LE(raised.fit.threshold, 2.5 * options_.threshold);
 }
 
-TEST_F(GrowShapeTest, SeedsBesideTheSurfaceReachNothing)
+TEST_F(GrowShapeTest, SeedsOffTheSurfaceReachNothing)
 {
     Shape far = pipe_;
     far.point = pipe_.point + Vec3d{0, 0, 2};
@@ -189,7 +189,7 @@ TEST_F(GrowShapeTest, CanBeCancelledAtAnyTime)
     }
 }
 
-// A wave on the surface is no noise: neighbours agree, and the errors are those of fewer points.
+// A wave on the surface is not noise: neighbours agree, and the errors are those of fewer points.
 TEST(Refit, ErrorsOfNeighboursThatAgreeAreLarger)
 {
     TemporaryFolder folder;

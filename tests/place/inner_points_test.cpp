@@ -1,4 +1,4 @@
-// Points at edges, where another surface meets the shape, take no part in growth's least squares.
+// Points at edges, where another surface meets the shape, are ignored in growth's least squares.
 
 #include "pcm/place/inner_points.h"
 
@@ -16,7 +16,7 @@ using namespace pcm::test;
 
 constexpr double sigma = 0.002;
 
-TEST(EdgeCubes, CountWhatIsBesideAPlace)
+TEST(EdgeCubes, CountWhatIsNextToAPlace)
 {
     EdgeCubes cubes({0, 0, 0}, 1);
     for (int i = 0; i < 19; ++i) cubes.add({5.5, 5.5, 5.5}, true);

@@ -56,7 +56,7 @@ protected:
     std::shared_ptr<PointCloud> cloud_;
 };
 
-// Floor, step and floor together are within 10 cm of a plane, of which nothing is to be said.
+// Floor, step and floor together are within 10 cm of a plane, which is not the answer.
 // Not under the thread sanitizer: its threads are those that other tests of the room watch.
 TEST_F(LocalFitTest, PCM_NOT_UNDER_THREAD(AWiderThresholdTakesInNoOtherSurface))
 {
@@ -112,7 +112,7 @@ TEST_F(LocalFitTest, PCM_NOT_UNDER_THREAD(AWiderNeighbourhoodFollowsTheFormerSur
 }
 
 // The nearest surface does not pass through a point above it.
-TEST_F(LocalFitTest, ASurfaceBesideThePlaceIsDoubtful)
+TEST_F(LocalFitTest, ASurfaceNextToThePlaceIsDoubtful)
 {
     add(20000, {-2, -2, 0}, {4, 0, 0}, {0, 4, 0});
     add_point({0, 0, 0.04});
@@ -176,7 +176,7 @@ TEST(FitAtGrown, PCM_NOT_UNDER_THREAD(NoiseFarAboveThatOfThePlaceIsDoubtful))
     EXPECT_EQ(piece.primitive.fit.issue, FitIssue::other_surface);
     options.fit.threshold = 0;
     options.count = 0;
-    // Of the right kind it is good.
+    // A fit of the right kind is good.
     options.fit.kind = ShapeKind::sphere;
     const FittedPrimitive right = fit_at(*cloud, {{0, 0, 30}}, {}, options);
     EXPECT_EQ(right.primitive.fit.verdict, FitVerdict::good);

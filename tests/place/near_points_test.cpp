@@ -103,7 +103,7 @@ TEST_F(NearPointsTest, PCM_NOT_UNDER_THREAD(AreThoseOfASearchThroughAll))
     EXPECT_EQ(largest_, points_.size());
 }
 
-// Of the points at one place the first in their order, however many are there.
+// Only the first of the points at one place counts, however many there are.
 TEST_F(NearPointsTest, PlacesAreCountedOnce)
 {
     for (const Shape shape : {Shape::duplicates, Shape::surface}) {
@@ -186,7 +186,7 @@ TEST_F(NearPointsTest, OfTooManyAnEvenPartIsGiven)
         EXPECT_EQ(part.found, all.found);
         EXPECT_EQ(part.spacing, all.spacing);
         ASSERT_EQ(part.points.size(), most);
-        // Of all points the farthest from the part: about the spacing of so many points on the surface.
+        // The maximum distance of a point from the part: about the spacing of `most` points on the surface.
         double widest = 0;
         for (std::size_t i = 0; i < all.points.size(); i += 7) {
             double least = HUGE_VAL;

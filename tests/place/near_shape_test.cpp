@@ -215,15 +215,15 @@ TEST(GrowNearShape, IsGrowthThroughThePointsNearTheSurface)
         EXPECT_TRUE(grow(seeds, step, options) == wanted);
     }
     // A seed that the test does not choose reaches nothing.
-    PointSet beside(tree);
+    PointSet off_shape(tree);
     for (const PlacedPoint& p : all_points(*tree))
         if (distance_to(pipe, p.position) > 0.2) {
-            beside.set(p.node, {p.number});
+            off_shape.set(p.node, {p.number});
             break;
         }
     GrowOptions options;
     options.test = &test;
-    EXPECT_TRUE(grow(beside, step, options).empty());
+    EXPECT_TRUE(grow(off_shape, step, options).empty());
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ TEST(SurfaceEvidenceOf, NoiseHasOnePeakAndNoSlope)
     EXPECT_LT(evidence.slope, 0.02);
     EXPECT_TRUE(evidence.is_one_surface());
     EXPECT_EQ(evidence.message(), "");
-    // Thick beside the spacing of points: neighbours are those along the shape.
+    // Thick relative to the spacing of points: neighbours are those along the shape.
     const auto thick = points_at(4000, [](double, double, Dice& dice) { return 0.05 * dice.normal(); });
     EXPECT_LT(surface_evidence(level(), 0.2, 0, thick).bend, 0.1);
     EXPECT_TRUE(surface_evidence(level(), 0.2, 0, thick).is_one_surface());

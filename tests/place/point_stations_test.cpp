@@ -25,7 +25,7 @@ struct Numbers {
 class PointStationsTest : public testing::Test {
 protected:
     using Make = std::function<Numbers(int i)>;
-    // The points i = 0 ... count - 1. `has`: of the letters s (scan), p (point_source_id), t (gps_time).
+    // The points i = 0 ... count - 1. `has`: letters s (scan), p (point_source_id), t (gps_time).
     std::shared_ptr<const Tree> tree(const std::string& has, int count, const Make& make, std::uint32_t chunk = 1000)
     {
         const auto wants = [&](char letter) { return has.find(letter) != std::string::npos; };

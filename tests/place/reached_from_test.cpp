@@ -78,7 +78,7 @@ TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(ByGrowth))
 
 TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(NearTheShapeThatGrowthFollowed))
 {
-    // Many points are at the threshold: the shape fitted last, a little beside, has others.
+    // Many points are at the threshold: the shape fitted last is slightly displaced, and has others.
     FitAtOptions options = cylinder();
     for (const double threshold : {0.002, 0.003, 0.004}) {
         options.fit.threshold = threshold;
@@ -98,7 +98,7 @@ TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(OfTheNeighbourhoodAlone))
     EXPECT_EQ(found.reached.seeds.size(), found.points.size());
 }
 
-TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(InsideOfTheLimitAndBesideWhatWasTakenAway))
+TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(InsideOfTheLimitAndNextToWhatWasTakenAway))
 {
     FitAtOptions options = cylinder();
     options.fit.threshold = 0.01;
@@ -107,11 +107,11 @@ TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(InsideOfTheLimitAndBesideWhatWasTakenA
     const FittedPrimitive clipped = fit(options);
     expect_again(clipped);
     EXPECT_LT(clipped.points.size(), all);
-    const FittedPrimitive beside = fit(cylinder(), {place_ + Vec3d{place_[0] > map[0] + 2 ? -1.5 : 1.5, 0, 0}});
-    expect_again(beside);
-    ReachedFrom without = beside.reached;
+    const FittedPrimitive next_to = fit(cylinder(), {place_ + Vec3d{place_[0] > map[0] + 2 ? -1.5 : 1.5, 0, 0}});
+    expect_again(next_to);
+    ReachedFrom without = next_to.reached;
     without.limit = {};
-    EXPECT_GT(reach_again(cloud_->tree(), without).size(), beside.points.size()) << "the place that was taken away";
+    EXPECT_GT(reach_again(cloud_->tree(), without).size(), next_to.points.size()) << "the place that was taken away";
 }
 
 TEST_F(ReachedAgain, PCM_NOT_UNDER_THREAD(AfterRoundsThatRaiseTheThreshold))
@@ -139,7 +139,7 @@ TEST(FewSeeds, OneOfEachGroupNearTheShape)
     from.shape = parse_shape("plane 0 0 0 0 0 1");
     from.threshold = 0.1;
     from.step = 1;
-    // A chain with steps of 1, one farther off, one beside the surface.
+    // A chain with steps of 1, one seed farther away, one off the surface.
     from.seeds = {{3, 0, 0}, {0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {-5, 0, 0}, {1.5, 0, 0.2}, {4.25, 0, 0}};
     ReachedFrom few = from;
     keep_few_seeds(few);

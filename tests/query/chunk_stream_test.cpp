@@ -50,7 +50,7 @@ public:
         }
         changed_.notify_all();
     }
-    // Waits until so many reads have begun; false when they have not after ten seconds.
+    // Waits until `reads` reads have begun; false when they have not after ten seconds.
     bool wait_for_begun(std::size_t reads) const
     {
         std::unique_lock lock(mutex_);

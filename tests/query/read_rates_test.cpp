@@ -48,13 +48,13 @@ TEST(ReadRates, WaitsAreThoseThatParallelReadsLeave)
     ReadRates rates;
     for (int i = 0; i < 50; ++i) rates.add_read(1000 + 100 * std::uint64_t(i), 0.001 + 1e-6 * (1000 + 100 * i));
     const double work = *rates.seconds(1, 9000);
-    rates.add_wait(0, 5);  // of no reads
+    rates.add_wait(0, 5);  // a wait without reads
     EXPECT_EQ(*rates.seconds(1, 9000), work);
     for (int i = 0; i < 10; ++i) rates.add_wait(1, 0.25);
     EXPECT_NEAR(*rates.seconds(1, 9000), work / 4, 1e-9);
     for (int i = 0; i < 200; ++i) rates.add_wait(1, 3);  // it waited for others too
     EXPECT_NEAR(*rates.seconds(1, 9000), work, 1e-6 * work);
-    // Of earlier ones nine tenths count.
+    // Earlier reads and waits count nine tenths.
     ReadRates two;
     two.add_read(1000, 1);
     two.add_wait(1, 1);

@@ -97,7 +97,7 @@ TEST(Flood, PointsJustFartherApartThanAStepAreNotReached)
     EXPECT_FALSE(flood.reached(1));
 }
 
-// Far apart beside the distance: cells would be too many.
+// Points far apart relative to the distance: cells would be too many.
 TEST(Flood, TinyStepsInAWideBox)
 {
     std::vector<Vec3d> points;
@@ -267,7 +267,7 @@ TEST_F(Grow, UnitsAreAsSmallAsTheMemoryAsks)
         EXPECT_EQ(grow(seeds, 1e9, options).size(), 60000u);
         return counted.judges.load();
     };
-    EXPECT_EQ(judges(70000, 1), 2u);  // of the seed, and of the one unit
+    EXPECT_EQ(judges(70000, 1), 2u);  // one for the seed, one for the only unit
     EXPECT_GE(judges(20000, 1), 4u);
     EXPECT_GE(judges(70000, 5), 6u);
     EXPECT_LE(judges(70000, 2), 6u);

@@ -65,7 +65,7 @@ protected:
 TEST_F(OutputPath, OrdinaryNamesAreTaken)
 {
     for (const fs::path& path : {folder_ / "new.las", folder_ / "file", folder_ / "plain/new",
-                                 folder_ / "no/such/place", tree_ / "../beside.las", fs::path("bare")})
+                                 folder_ / "no/such/place", tree_ / "../next.las", fs::path("bare")})
         EXPECT_EQ(output_file(path), path);
     EXPECT_EQ(output_tree(folder_ / "new.pct"), folder_ / "new.pct");
     EXPECT_EQ(output_tree(folder_ / "new.pct/"), folder_ / "new.pct");
@@ -102,7 +102,7 @@ TEST_F(OutputPath, OnlyARegularFileIsReplacedByAFile)
     no_file(folder_ / "plain", ErrorCode::exists, "this is a folder");
     ASSERT_EQ(mkfifo((folder_ / "fifo").c_str(), 0666), 0);
     no_file(folder_ / "fifo", ErrorCode::exists, "this is a FIFO");
-    // Of the system's own files only the name is checked: a test that fails must not replace them.
+    // For the system's own files only the name is checked: a test that fails must not replace them.
     expect_refused([] { output_file("/dev/null"); }, ErrorCode::exists, "this is a device");
     for (const char* stream : {"/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"})
         expect_refused([&] { output_file(stream); }, ErrorCode::unsupported, "an open stream");

@@ -15,7 +15,7 @@ namespace {
 using namespace pcm;
 
 constexpr std::size_t mebibyte = std::size_t(1) << 20;
-constexpr std::size_t most_kept = 32 * mebibyte;  // of freed blocks
+constexpr std::size_t most_kept = 32 * mebibyte;  // freed blocks that are kept
 constexpr std::size_t slack = 2 * mebibyte;       // what the C library maps meanwhile for the test's own lists
 
 // Bytes of the process's address space.
@@ -171,7 +171,7 @@ TEST(PageAllocator, BlocksOfTheSizeInUseDisplaceOthersThatAreKept)
 
 TEST(PageAllocator, AnImpossibleSizeIsRefusedAndNotCounted)
 {
-    SKIP_WITHOUT_A_POOL();  // which ends the process at such a size
+    SKIP_WITHOUT_A_POOL();  // AddressSanitizer ends the process at such a size
     const std::size_t before = pages_in_use();
     EXPECT_THROW(PageVector<std::uint64_t>(static_cast<std::size_t>(-1) / 32), std::bad_alloc);
     EXPECT_THROW(PageAllocator<std::uint64_t>().allocate(static_cast<std::size_t>(-1) / 8), std::bad_alloc);

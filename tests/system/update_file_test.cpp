@@ -82,7 +82,7 @@ TEST(UpdateFile, AChangeSinceReadingIsReadAgain)
         EXPECT_EQ(calls, 2);
         EXPECT_EQ(content(path), exists ? "first\nstranger\nmine\n" : "stranger\nmine\n");
     }
-    // Of the same size, in the same file.
+    // A change of the same size, in the same file.
     int calls = 0;
     update_file(path, [&] {
         std::string before = content(path);

@@ -75,7 +75,7 @@ TEST_F(DataFilePoolTest, ManyDataFilesKeepFewOpen)
     EXPECT_TRUE(verify_tree(tree(), 2).faults.empty());
 }
 
-// Of many calls, the pool holds the last used.
+// After many calls the pool holds the files used last.
 TEST_F(DataFilePoolTest, ThePoolClosesWhatWasNotUsedForLongest)
 {
     std::vector<DataFile> files;

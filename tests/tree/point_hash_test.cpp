@@ -25,7 +25,7 @@ Schema some_schema()
 
 struct Cloud {
     std::vector<Vec3i> positions;
-    std::vector<std::vector<std::byte>> attributes;  // of each point, all in a row
+    std::vector<std::vector<std::byte>> attributes;  // one row per point: all its attributes
 };
 
 Cloud random_cloud(const Schema& schema, std::size_t points, bool wide)

@@ -49,7 +49,7 @@ protected:
     }
 
     std::shared_ptr<const Tree> tree_;
-    std::vector<Chunk> chunks_;  // of each node
+    std::vector<Chunk> chunks_;  // one per node
 };
 
 TEST_F(SelectedNodesTest, HoldEverySelectedPointAndNoOthersWhereAllAreSelected)

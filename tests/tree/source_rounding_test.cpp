@@ -28,7 +28,7 @@ TEST(DecimalCount, CountsTheDigitsAfterThePoint)
     EXPECT_EQ(places_of({1.0 / 3}), no_decimals);
     EXPECT_EQ(places_of({0.1f}), no_decimals);
     EXPECT_EQ(places_of({std::sqrt(2.0) * 1e6}), no_decimals);
-    EXPECT_EQ(places_of({1e15, 0.25}), no_decimals);  // 1e17 quarters are no integers in double
+    EXPECT_EQ(places_of({1e15, 0.25}), no_decimals);  // 1e17 hundredths: more than the integers of a double
     EXPECT_EQ(places_of({1e300}), no_decimals);
     EXPECT_EQ(places_of({1e-300}), no_decimals);
 }

@@ -119,7 +119,7 @@ TEST_F(VerifyTest, VerifyLooksAroundTheIndex)
     write_file(tree() / data_file_name(0), longer);
     EXPECT_TRUE(names(verify_tree(tree(), 1).notes, "3 bytes after"));
     auto damaged = good;
-    damaged[damaged.size() - 20] ^= std::byte(1);  // of the record at its end
+    damaged[damaged.size() - 20] ^= std::byte(1);  // in the record at its end
     write_file(tree() / data_file_name(0), damaged);
     report = verify_tree(tree(), 1);
     EXPECT_TRUE(report.faults.empty());

@@ -78,7 +78,7 @@ TEST_F(AppendSystems, AnotherSystemIsRefusedAndTheTreeStays)
     EXPECT_EQ(report.points_added, 2000u);
     EXPECT_TRUE(mentions(report.notes, "the difference is ignored"));
     EXPECT_EQ(systems(), std::vector<std::string>{"EPSG:32632"}) << "the tree keeps its own";
-    // The same system, said in the same way: no notes.
+    // The same system in the same notation: no notes.
     EXPECT_FALSE(mentions(append(cloud({crs("EPSG:32632")}, 3)).notes, "system"));
     EXPECT_EQ(systems().size(), 1u);
 }

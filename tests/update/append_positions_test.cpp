@@ -77,7 +77,7 @@ TEST_F(AppendPositions, DecimalsStayDecimals)
     EXPECT_TRUE(verify_tree(path_).faults.empty());
 }
 
-// What was rounded to decimals no longer is, and it is said.
+// Positions that were rounded to decimals no longer are, and a note reports it.
 TEST_F(AppendPositions, OtherNumbersEndTheRoundingAndAreNotRoundedThemselves)
 {
     build(decimals_);

@@ -47,7 +47,7 @@ INSTANTIATE_TEST_SUITE_P(Samplings, Append, testing::Values(Sampling::poisson, S
 TEST_P(Append, PCM_NOT_UNDER_THREAD(BesideAcrossAndOverTheExistingPoints))
 {
     start(surface(20000, 0, 0, 50, 31));
-    append_and_check(surface(15000, 50, 0, 50, 32), "beside");
+    append_and_check(surface(15000, 50, 0, 50, 32), "next to it");
     append_and_check(surface(10000, 30, 20, 50, 33), "across the border");
     append_and_check(surface(20000, 0, 0, 50, 34), "all over");
     append_and_check(surface(500, -200, -200, 700, 35), "few and far");

@@ -259,7 +259,7 @@ TEST(EraseFloats, NoPointsHaveNoPositionError)
     ASSERT_GT(error, 0);
     erase_points(path, where("x<0"), two_threads());
     ASSERT_GT(Tree::open(path)->info().points, 0u);
-    EXPECT_EQ(Tree::open(path)->info().position_error, error);  // of the others
+    EXPECT_EQ(Tree::open(path)->info().position_error, error);  // the other points'
     erase_points(path, where("x>=-1e9"), two_threads());
     ASSERT_EQ(Tree::open(path)->info().points, 0u);
     EXPECT_EQ(Tree::open(path)->info().position_error, 0);

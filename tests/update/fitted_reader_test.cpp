@@ -123,7 +123,7 @@ TEST(FittedReader, OffsetsFarFromTheCoordinates)
                 const auto apart = static_cast<std::int64_t>(std::llround((of_file - of_tree) / step));
                 std::vector<std::int64_t> expected;
                 for (auto& q : cloud.points.grid_xyz[0]) {
-                    const auto near = static_cast<std::int64_t>(random() % 6000);  // of the tree's offset
+                    const auto near = static_cast<std::int64_t>(random() % 6000);  // relative to the tree's offset
                     q = static_cast<std::int32_t>(near - apart);
                     expected.push_back(near);
                 }

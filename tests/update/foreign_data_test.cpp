@@ -23,7 +23,7 @@ protected:
     {
         build(surface(3000, 0, 0, 20, 1), path_);
         append(path_, surface(2000, 30, 0, 20, 2));
-        build(surface(3000, 0, 0, 20, 3), alike_);
+        build(surface(3000, 0, 0, 20, 3), similar_);
         MemoryCloud elsewhere = surface(3000, 0, 0, 20, 4);
         elsewhere.info.grid->offset = {7, 8, 9};
         build(elsewhere, other_);
@@ -65,13 +65,13 @@ protected:
     }
 
     const TemporaryFolder folder_;
-    const fs::path path_ = folder_ / "tree.pct", alike_ = folder_ / "alike.pct", other_ = folder_ / "other.pct";
+    const fs::path path_ = folder_ / "tree.pct", similar_ = folder_ / "similar.pct", other_ = folder_ / "other.pct";
     std::vector<Row> rows_;
 };
 
 TEST_F(ForeignData, InPlaceOfTheTreesOwn)
 {
-    for (const fs::path& from : {alike_, other_}) {
+    for (const fs::path& from : {similar_, other_}) {
         restore();
         put(from / "chunks-000.bpc", "chunks-000.bpc");
         expect_refused(from.string(), {(path_ / "chunks-000.bpc").string(), "another tree", "put the tree's own back"});
@@ -87,7 +87,7 @@ TEST_F(ForeignData, InPlaceOfTheTreesOwn)
 
 TEST_F(ForeignData, IndexOrAboutOfAnotherTree)
 {
-    for (const fs::path& from : {alike_, other_}) {
+    for (const fs::path& from : {similar_, other_}) {
         restore();
         put(from / index_file_name, index_file_name);
         put(from / about_file_name, about_file_name);
@@ -111,7 +111,7 @@ TEST_F(ForeignData, WithoutIndexAndAboutTheUserSaysWhichFilesBelong)
 
 TEST_F(ForeignData, BehindTheTreesOwnTheyStay)
 {
-    for (const fs::path& from : {alike_, other_}) {
+    for (const fs::path& from : {similar_, other_}) {
         restore();
         put(from / "chunks-000.bpc", "chunks-002.bpc");
         const auto bytes = fs::file_size(path_ / "chunks-002.bpc");
@@ -135,7 +135,7 @@ TEST_F(ForeignData, BehindTheTreesOwnTheyStay)
     }
 }
 
-// What an interrupted update has left is no foreign file: a whole chunk of the next generation, or less than a chunk.
+// An interrupted update does not leave foreign files: a whole chunk of the next generation, or less than a chunk.
 TEST_F(ForeignData, LeftoversAreNoForeignFiles)
 {
     const fs::path later = folder_ / "later.pct";

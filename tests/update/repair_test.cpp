@@ -83,7 +83,7 @@ TEST_P(RepairTest, ALostIndexComesBackToTheByte)
         EXPECT_FALSE(fs::exists(index_));
         const RepairReport report = repair_tree(path_, options_of());
         EXPECT_EQ(report.points_lost, 0u);
-        EXPECT_EQ(report.faults.size(), 1u) << report.faults.back();  // that there was none
+        EXPECT_EQ(report.faults.size(), 1u) << report.faults.back();  // the missing index
         EXPECT_TRUE(bytes_of_file(index_) == before) << "step " << step;
     }
 }

@@ -27,7 +27,7 @@ protected:
         MemoryCloud cloud = random_cloud(schema, std::nullopt, 40000, 5, 100);
         MemoryReader reader(cloud);
         BuildOptions options;
-        options.chunk_points = 12000;  // of several segments
+        options.chunk_points = 12000;  // several segments
         options.memory_bytes = 64 << 20;
         build_tree(reader, {"memory"}, path_, options);
     }
@@ -180,7 +180,7 @@ TEST_F(TreeChangesTest, WhatWasClosedIsReadAsOfTheLastCommit)
             EXPECT_NE(std::string(error.what()).find("this point cloud was closed (open it again)"), std::string::npos)
                 << error.what();
         }
-    changes.commit();  // of nothing
+    changes.commit();  // nothing to commit
     EXPECT_EQ(Tree::open(path_)->read_chunk(0, all).attributes[0]->value(0), old.attributes[0]->value(0));
 }
 

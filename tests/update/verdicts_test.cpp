@@ -1,4 +1,4 @@
-// verify_tree() and repair_tree() judge every damage alike, and what was repaired is whole.
+// verify_tree() and repair_tree() agree on every damage, and a repaired tree is whole.
 
 #include "pcm/system/error.h"
 #include "pcm/tree/about.h"

@@ -69,7 +69,7 @@ TEST(FirstPerson, StraightDownNeedsNoRoll)
 {
     for (const double angle : {0.0, 0.4, 2.0, -3.0}) {
         for (const double sign : {1.0, -1.0}) {
-            EyePose pose;  // of a map: z up, north turned by the angle
+            EyePose pose;  // pose in a map: z up, north turned by the angle
             pose.right = {std::cos(angle), std::sin(angle), 0};
             pose.up = {-std::sin(angle) * sign, std::cos(angle) * sign, 0};
             pose.back = {0, 0, sign};

@@ -66,7 +66,7 @@ TEST_F(GroundTest, IsTheSixthLowestOfTheNearestInMemory)
             Vec3d place;
             for (std::size_t a = 0; a < 3; ++a)
                 place[a] = box.min[a] + box.extent(a) * static_cast<double>(random() % 1001) / 1000;
-            place[axis] += 100;  // of no effect
+            place[axis] += 100;  // has no effect
             std::vector<std::pair<double, double>> all;
             for (const Vec3d& p : points) all.emplace_back(std::hypot(p[u] - place[u], p[v] - place[v]), p[axis]);
             const auto ground = ground_under(cache, place, axis);

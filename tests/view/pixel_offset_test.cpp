@@ -12,7 +12,7 @@
 
 using namespace pcm;
 
-// Of the first 2^(a + b) one is in each cell of 2^-a by 2^-b, counted.
+// Each cell of 2^-a by 2^-b has one of the first 2^(a + b) offsets.
 TEST(PixelOffset, IsEvenInEveryShapeOfCells)
 {
     for (unsigned a = 0; a <= 5; ++a)

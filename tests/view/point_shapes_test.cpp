@@ -162,7 +162,7 @@ TEST(PointShapes, AWireIsALineAlongIt)
         if (surroundings_of(shape) == Surroundings::line) EXPECT_LT(angle(direction_of(shape), along), 3);
 }
 
-// The surface stays closed there: points beside an edge are no volume.
+// The surface stays closed there: points next to an edge are not a volume.
 TEST(PointShapes, ACreaseShrinksLittle)
 {
     const auto shapes =

@@ -97,7 +97,7 @@ TEST(ScreenMap, KeepsPartsOfSegmentsInThePicture)
     ASSERT_TRUE(towards);
     EXPECT_NEAR(towards->second[2], -0.1, 1e-12) << "at the near plane";
     EXPECT_FALSE(ends({0, 0, 6}, {0, 1, 7})) << "behind the eye";
-    EXPECT_FALSE(ends({20, 0, 0}, {20, 3, 0})) << "beside the picture";
+    EXPECT_FALSE(ends({20, 0, 0}, {20, 3, 0})) << "next to the picture";
     EXPECT_FALSE(ends({0, 0, std::numeric_limits<double>::quiet_NaN()}, {0, 0, 0}));
     EXPECT_FALSE(map->place_of({0, 0, 5}));
     EXPECT_FALSE(map->place_of({0, 0, 20}));

@@ -37,7 +37,7 @@ TEST(ValueRange, ExtremeValuesAreOutsideOfIt)
     EXPECT_NEAR(range.low, 101, 0.3);
     EXPECT_NEAR(range.high, 199, 0.3);
     EXPECT_EQ(range.exponent, 1);
-    // Of few values none is extreme.
+    // Few values have no extreme one.
     EXPECT_EQ(linear_range(summary_of_values({5, 1, 3})), (ValueRange{1, 5, 1}));
     // Nearly all are equal: those that are not are still seen.
     values.assign(1000, 4);

@@ -181,7 +181,8 @@ TEST(Bpc, BareChunksOnSeveralGridsAreDoubles)
     for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(far.position(i), other.to_source(positions->grid(i)));
 
     const auto strange = encode_batch(part_of(points, info.schema, 0, 1), info.schema, Grid{{0, 1, 1}, {0, 0, 0}});
-    EXPECT_FALSE(read_whole(write_file(folder / "c.bpc", text(strange))).info.grid) << "a step of 0 is no grid";
+    EXPECT_FALSE(read_whole(write_file(folder / "c.bpc", text(strange))).info.grid)
+        << "a step of 0 does not make a grid";
 }
 
 TEST(Bpc, ChunksOfDifferentAttributesAreRefused)

@@ -103,7 +103,7 @@ TEST_F(E57, SaysWhatIsWrong)
     const Error error = refusal(e57_with_right_checksums(bytes));
     EXPECT_TRUE(mentions(error.what(), "byte 48") && mentions(error.what(), "type 3")) << error.what();
     bytes = e57_file({simple_scan(1)});
-    bytes[80] = 9;  // of the first packet
+    bytes[80] = 9;  // type of the first packet
     EXPECT_TRUE(mentions(refusal(e57_with_right_checksums(bytes)).what(), "byte 80: a packet of type 9"));
 }
 

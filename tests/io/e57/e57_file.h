@@ -45,7 +45,7 @@ inline std::string e57_with_right_checksums(const std::string& file)
 }
 
 struct E57TestField {
-    std::string xml;  // of the prototype
+    std::string xml;  // element of the prototype
     unsigned bits = 0;
     std::vector<std::uint64_t> values;  // their lowest bits
 

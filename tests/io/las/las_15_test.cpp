@@ -85,7 +85,7 @@ TEST(Las15, OldPointFormatsAreNoted)
     EXPECT_TRUE(any_mentions(cloud.info.notes, "point format 1 is not part of LAS 1.5"));
 }
 
-// LAS 1.4 has one offset: the times are moved to it, and a note says so.
+// LAS 1.4 has one offset: the times are moved to it, and a note reports it.
 TEST(Las15, WrittenAsLas14TheTimesKeepTheirMeaning)
 {
     TemporaryFolder folder;

@@ -175,7 +175,7 @@ TEST(LasTarget, WhatAVersionHasNoRoomFor)
     old.info.points = 4294967296;
     write_cloud(folder / "b.las", old);
     EXPECT_EQ(open_reader(folder / "b.las")->info().format, "LAS 1.4, point format 3");
-    // A coordinate system in WKT of a source before 1.4 was no hindrance to anybody.
+    // A source before 1.4 that has a coordinate system in WKT keeps its version.
     old.info.points = 10;
     old.info.metadata.push_back(metadata("las.vlr/LASF_Projection/2112", "PROJCS[]"));
     write_cloud(folder / "b.las", old);

@@ -53,7 +53,7 @@ TEST(FarPoints, OrdinaryCloudsHaveNone)
         EXPECT_FALSE(find(scattered({0, 0, 0}, extent, 5000))) << extent;
     EXPECT_FALSE(find(scattered({500000, 4800000, 100}, 100, 5000)));
     EXPECT_FALSE(find(scattered({500000, 4800000, 100}, 100, 5000) + std::vector<Vec3d>{{0, 0, 0}}));
-    // A model around the origin beside map coordinates, and a scan whose points get denser towards it.
+    // A model around the origin together with map coordinates, and a scan whose points get denser towards it.
     EXPECT_FALSE(find(scattered({0, 0, 0}, 1, 5000) + scattered({5e5, 4.8e6, 0}, 100, 5000)));
     std::mt19937_64 random(2);
     std::vector<Vec3d> scan = scattered({0, 0, 0}, 1, 100000);

@@ -68,7 +68,7 @@ TEST(Ptx, PromisesAreChecked)
     }
 }
 
-// x y z 1 times a matrix whose last column is not 0 0 0 1 is no point of this kind.
+// x y z 1 times a matrix whose last column is not 0 0 0 1 does not end with 1.
 TEST(Ptx, ProjectiveTransformsAreRefused)
 {
     struct {

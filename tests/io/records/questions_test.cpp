@@ -40,7 +40,7 @@ TEST(Questions, ColoursAreAskedForUnlessTheyAreOf8BitsOrStayOf16)
 {
     Attribute colours = of_type(ScalarType::u16);
     colours.name = attribute_name::rgb;
-    EXPECT_EQ(question_about(colours, {}, false), Question::none) << "one component is no colour";
+    EXPECT_EQ(question_about(colours, {}, false), Question::none) << "one component is not a colour";
     colours.components = 3;
     EXPECT_EQ(question_about(colours, {}, false), Question::colour_steps);
     EXPECT_EQ(question_about(colours, 8u, false), Question::colour_steps);

@@ -326,7 +326,7 @@ TEST(PcdWriter, FloatPositionsAreRelativeToAShift)
         EXPECT_TRUE(back.info.notes.empty());
         expect_same_points(cloud, back);
         EXPECT_EQ(back.info.metadata.at(0), cloud.info.metadata[0]);
-        EXPECT_EQ(back.info.metadata.size(), 2u) << "that and the grid; the shift is no viewpoint";
+        EXPECT_EQ(back.info.metadata.size(), 2u) << "that and the grid; the shift is not a viewpoint";
         // Somebody has moved the points, and VIEWPOINT with them.
         bytes.replace(bytes.find("VIEWPOINT 500000"), 16, "VIEWPOINT 600000");
         const Whole moved = read_whole(write_file(folder / "b.pcd", bytes));

@@ -51,7 +51,7 @@ TEST(TextColumns, ColoursAreWithinTheirRange)
     EXPECT_EQ(with(65536, true, 6), "x y z column_4 column_5 column_6");
     EXPECT_EQ(with(1, false, 6), "x y z r g b");
     EXPECT_EQ(with(1.001, false, 6), "x y z column_4 column_5 column_6");
-    // Of many columns only small whole numbers are colours; of four the first is the intensity.
+    // Among many columns only small whole numbers are colours; the first of four is the intensity.
     EXPECT_EQ(with(256, true, 7), "x y z intensity r g b");
     EXPECT_EQ(with(256, true, 8), "x y z column_4 column_5 column_6 column_7 column_8");
     EXPECT_EQ(with(255, true, 8), "x y z r g b column_7 column_8");

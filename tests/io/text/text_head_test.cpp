@@ -46,7 +46,7 @@ TEST(TextHead, ARowWithABadValueIsNoHeader)
     EXPECT_TRUE(mentions(refusal("1,2\n4,5,6\n").what(), "line 1: found 2 fields, expected 3"));
     EXPECT_TRUE(mentions(refusal("x,y,z\n1,2,oops\n4,5,6\n").what(), "line 2: found 'oops'"));
     EXPECT_EQ(read_text("1 2 NA\n4 5 6\n", "a.xyz", {{}, 1, {}, {}}).points.size, 1u);
-    // An error value of a spreadsheet is no comment.
+    // An error value of a spreadsheet is not a comment.
     EXPECT_TRUE(mentions(refusal("#N/A,2,3\n4,5,6\n4,5,6\n").what(), "line 1: found '#N/A' in column 1"));
     EXPECT_TRUE(mentions(refusal(";2;3\n4;5;6\n4;5;6\n").what(), "line 1: found '' in column 1"));
 }
@@ -67,7 +67,7 @@ TEST(TextHead, MissingValuesOfAttributesAreNaN)
     EXPECT_TRUE(std::isnan(read_text("x,y,z,a\n1,2,3,NA\n1,2,3,NA\n", "a.csv").value("a", 1)));
 }
 
-// Of few rows too, and by the content alone.
+// Also with few rows, and by the content alone.
 TEST(TextHead, SeparatorsAtTheEndsOfLinesAreNoColumn)
 {
     for (const char* name : {"a.csv", "a.unknown"})

@@ -251,7 +251,7 @@ TEST(TextReader, TheLayoutIsReported)
     EXPECT_EQ(describe(*stated.text_layout), "x y z id:u64, separated by blanks");
 }
 
-// All that was understood and guessed is said, and nothing else.
+// Notes report all that was understood and guessed, and nothing else.
 TEST(TextReader, TheNotesOfAFileAreThese)
 {
     const std::string overrides = "; the columns option overrides this";
@@ -276,7 +276,7 @@ TEST(TextReader, TheNotesOfAFileAreThese)
           "names of columns understood: lon\u2192x, lat\u2192y, i\u2192intensity",
           "x and y are longitude and latitude, in degrees as they are in the file"}}};
     for (const auto& c : cases) EXPECT_EQ(notes_after(c.text, "a.xyz"), c.notes) << c.text;
-    // What the user stated is not said to be a guess.
+    // What the user stated is not reported as a guess.
     TextLayout layout;
     layout.columns = {"x", "y", "z", "r", "g", "b"};
     EXPECT_EQ(read_text("1 2 3 300000 5 6\n", "a.xyz", layout).info.notes,

@@ -1,6 +1,6 @@
 // Shapes asked for where the cloud has another: rings and strips of it, or all of it within a wide threshold.
 
-#include "pcm/place/surface_beyond.h"
+#include "pcm/place/cut_out_evidence.h"
 
 #include "pcm/place/best_kind.h"
 #include "pcm/place/fit_at.h"
@@ -46,32 +46,32 @@ std::vector<Vec3d> near(const Shape& shape, double distance, const std::vector<V
     return some;
 }
 
-TEST(SurfaceBeyond, APipeContinuesBesideTheRingOfASphere)
+TEST(CutOutEvidence, APipeOvershootsTheRingOfASphere)
 {
     Dice dice(1);
     const std::vector<Vec3d> pipe = points_of(shape_of(ShapeKind::cylinder, 0.5), 20000, 2, 2 * pi, dice);
-    Shape ball = shape_of(ShapeKind::sphere, 0.497);  // which the ring is on both sides of
+    Shape ball = shape_of(ShapeKind::sphere, 0.497);  // the ring is on both sides of it
     ball.point = map + 1.0 * shape_of(ShapeKind::cylinder, 0.5).axis;
     const double threshold = 0.008;
-    const SurfaceBeyond ring = surface_beyond(ball, threshold, near(ball, 4 * threshold, pipe));
+    const CutOutEvidence ring = cut_out_evidence(ball, threshold, near(ball, 4 * threshold, pipe));
     // Distances grow as squares of the way from the ring: half of the points to 4 thresholds are within one.
-    EXPECT_GT(ring.continued, 0.3);
-    EXPECT_LT(ring.continued, 1.5);
+    EXPECT_GT(ring.overshoot, 0.3);
+    EXPECT_LT(ring.overshoot, 1.5);
     EXPECT_GT(ring.bend, 0.5);
-    EXPECT_TRUE(ring.is_piece(0));
-    EXPECT_TRUE((SurfaceBeyond{0.2, 0.1, 0}.is_piece(3)));
-    EXPECT_FALSE((SurfaceBeyond{0.2, 0.1, 0}.is_piece(1)));
-    EXPECT_FALSE((SurfaceBeyond{0.05, 0.5, 0}.is_piece(3)));
+    EXPECT_TRUE(ring.is_cut_out(0));
+    EXPECT_TRUE((CutOutEvidence{0.2, 0.1, 0}.is_cut_out(3)));
+    EXPECT_FALSE((CutOutEvidence{0.2, 0.1, 0}.is_cut_out(1)));
+    EXPECT_FALSE((CutOutEvidence{0.05, 0.5, 0}.is_cut_out(3)));
     const Shape truth = shape_of(ShapeKind::cylinder, 0.5);
-    const SurfaceBeyond itself = surface_beyond(truth, threshold, near(truth, 4 * threshold, pipe));
-    EXPECT_EQ(itself.continued, 0);
+    const CutOutEvidence itself = cut_out_evidence(truth, threshold, near(truth, 4 * threshold, pipe));
+    EXPECT_EQ(itself.overshoot, 0);
     EXPECT_NEAR(itself.bend, 1.0 / 17, 0.01);
     EXPECT_LT(itself.chance, 0.001);
-    EXPECT_FALSE(itself.is_piece(9));
+    EXPECT_FALSE(itself.is_cut_out(9));
 }
 
-// From all pairs of few points, as surface_beyond.h says: of 17 nearest, and the median way to the fifth of these.
-SurfaceBeyond by_all_pairs(double threshold, const std::vector<Vec3d>& points)
+// The oracle: from all pairs of few points, with 17 nearest neighbours, and the median way to the fifth of these.
+CutOutEvidence by_all_pairs(double threshold, const std::vector<Vec3d>& points)
 {
     std::vector<Vec3d> inside;
     for (const Vec3d& p : points)
@@ -93,18 +93,18 @@ SurfaceBeyond by_all_pairs(double threshold, const std::vector<Vec3d>& points)
         ways.push_back(std::sqrt(found[4].first));
     }
     std::sort(ways.begin(), ways.end());
-    double continued = 0, far = 0;
+    double overshoot = 0, far = 0;
     for (const Vec3d& p : points) {
-        const double beyond = std::fabs(p[2]) - threshold;
-        if (beyond <= 0 || beyond > 3 * threshold) continue;
-        far += beyond > threshold;
-        continued += std::sqrt(nearest(p)[0].first) > 1.2 * beyond + 1.5 * ways[inside.size() / 2];
+        const double outside = std::fabs(p[2]) - threshold;
+        if (outside <= 0 || outside > 3 * threshold) continue;
+        far += outside > threshold;
+        overshoot += std::sqrt(nearest(p)[0].first) > 1.2 * outside + 1.5 * ways[inside.size() / 2];
     }
     const auto count = double(inside.size());
-    return {continued / count, smooth / squares, far / 2 / count};
+    return {overshoot / count, smooth / squares, far / 2 / count};
 }
 
-TEST(SurfaceBeyond, IsWhatAllPairsGive)
+TEST(CutOutEvidence, EqualsThatOfAllPairs)
 {
     const Shape plane{ShapeKind::plane, {0, 0, 0}, {0, 0, 1}, 0, 0};
     Dice dice(5);
@@ -115,23 +115,24 @@ TEST(SurfaceBeyond, IsWhatAllPairsGive)
         const int count = 17 + round;
         for (int i = 0; i < count; ++i)
             points.push_back({dice.between(-1, 1), dice.between(-1, 1), dice.between(-threshold, threshold)});
-        for (int i = 0; i < 20; ++i)  // beside them, and farther
+        for (int i = 0; i < 20; ++i)  // next to them, and farther
             points.push_back({dice.between(-1, 4), dice.between(-1, 1), dice.between(1.01, 4.5) * threshold});
-        const SurfaceBeyond found = surface_beyond(plane, threshold, points), wanted = by_all_pairs(threshold, points);
-        EXPECT_NEAR(found.continued, wanted.continued, 1e-12) << round;
+        const CutOutEvidence found = cut_out_evidence(plane, threshold, points),
+                             wanted = by_all_pairs(threshold, points);
+        EXPECT_NEAR(found.overshoot, wanted.overshoot, 1e-12) << round;
         EXPECT_NEAR(found.bend, wanted.bend, 1e-9) << round;
         EXPECT_NEAR(found.chance, wanted.chance, 1e-12) << round;
-        some += wanted.continued > 0 && wanted.chance > 0;
+        some += wanted.overshoot > 0 && wanted.chance > 0;
     }
     EXPECT_GT(some, 30u);
-    // Of fewer than 17 points nothing is said.
-    const SurfaceBeyond none = surface_beyond(plane, 1, std::vector<Vec3d>(16, Vec3d{0, 0, 0.5}));
+    // Fewer than 17 points give no evidence.
+    const CutOutEvidence none = cut_out_evidence(plane, 1, std::vector<Vec3d>(16, Vec3d{0, 0, 0.5}));
     EXPECT_EQ(none.bend, 0);
-    EXPECT_EQ(none.continued, 0);
+    EXPECT_EQ(none.overshoot, 0);
 }
 
 // A face of a box, twenty thresholds wide: walls stand on it, and clutter hangs over it.
-TEST(SurfaceBeyond, WallsAndClutterAreNoContinuation)
+TEST(CutOutEvidence, WallsAndClutterAreNotOvershoot)
 {
     Dice dice(2);
     const double threshold = 0.006, half = 0.06;
@@ -148,28 +149,28 @@ TEST(SurfaceBeyond, WallsAndClutterAreNoContinuation)
         }
         if (i % 20 == 0) points.push_back({u, v, dice.between(0, 4 * threshold)});
     }
-    const SurfaceBeyond around = surface_beyond(face, threshold, near(face, 4 * threshold, points));
-    EXPECT_LT(around.continued, 0.05);
-    EXPECT_FALSE(around.is_piece(1));
+    const CutOutEvidence around = cut_out_evidence(face, threshold, near(face, 4 * threshold, points));
+    EXPECT_LT(around.overshoot, 0.05);
+    EXPECT_FALSE(around.is_cut_out(1));
     EXPECT_FALSE(around.is_by_chance());
 }
 
-TEST(SurfaceBeyond, PointsEverywhereAreThereByChance)
+TEST(CutOutEvidence, PointsEverywhereAreThereByChance)
 {
     Dice dice(3);
     const Shape ball = shape_of(ShapeKind::sphere, 0.5);
     std::vector<Vec3d> points;
     for (int i = 0; i < 200000; ++i)
         points.push_back(map + Vec3d{dice.between(-1, 1), dice.between(-1, 1), dice.between(-1, 1)});
-    const SurfaceBeyond by_chance = surface_beyond(ball, 0.02, near(ball, 0.08, points));
+    const CutOutEvidence by_chance = cut_out_evidence(ball, 0.02, near(ball, 0.08, points));
     EXPECT_NEAR(by_chance.chance, 1, 0.1);
     EXPECT_TRUE(by_chance.is_by_chance());
-    EXPECT_FALSE(by_chance.is_piece(1));
-    // With a threshold of one standard deviation a third of the points are beside the shape, and are its own.
+    EXPECT_FALSE(by_chance.is_cut_out(1));
+    // With a threshold of one standard deviation a third of the points are off the shape, and are its own.
     const std::vector<Vec3d> own = points_of(ball, 20000, 1, pi, dice);
-    EXPECT_LT(surface_beyond(ball, sigma, own).chance, 0.1);
-    EXPECT_EQ(surface_beyond(ball, sigma, {}).chance, 0);
-    EXPECT_EQ(surface_beyond(ball, sigma, {map, map}).bend, 0);
+    EXPECT_LT(cut_out_evidence(ball, sigma, own).chance, 0.1);
+    EXPECT_EQ(cut_out_evidence(ball, sigma, {}).chance, 0);
+    EXPECT_EQ(cut_out_evidence(ball, sigma, {map, map}).bend, 0);
 }
 
 TEST(BetterKind, IsOneThatLeavesMuchLessNoise)
@@ -221,7 +222,7 @@ struct Asked {
 
 class AskedOnAnother : public testing::TestWithParam<Asked> {};
 
-// Neither the shape nor its points are what the cloud has: the verdict says so, or there is no shape.
+// Neither the shape nor its points are what the cloud has: the verdict reports it, or there is no shape.
 // Not under the thread sanitizer: many fits, whose threads other tests watch.
 TEST_P(AskedOnAnother, PCM_NOT_UNDER_THREAD(IsNotCalledGood))
 {

@@ -1,4 +1,4 @@
-#include "pcm/place/surface_beyond.h"
+#include "pcm/place/cut_out_evidence.h"
 
 #include "pcm/fit/near_tree.h"
 #include "pcm/fit/tuning.h"
@@ -13,7 +13,7 @@
 namespace pcm {
 namespace {
 
-// Within the threshold, about the first of them.
+// The points within the threshold, relative to the first of all.
 struct Inside {
     Inside(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
     {
@@ -30,17 +30,17 @@ struct Inside {
 
 }  // namespace
 
-bool SurfaceBeyond::is_piece(double noise) const
+bool CutOutEvidence::is_cut_out(double noise) const
 {
-    const BeyondTuning& tuned = place_tuning().beyond;
-    return continued > tuned.max_continued && (bend > tuned.max_bend || noise > tuned.max_noise);
+    const CutOutTuning& tuned = place_tuning().cut_outs;
+    return overshoot > tuned.max_overshoot && (bend > tuned.max_bend || noise > tuned.max_noise);
 }
 
-bool SurfaceBeyond::is_by_chance() const { return chance > fit_tuning().consensus.max_chance; }
+bool CutOutEvidence::is_by_chance() const { return chance > fit_tuning().consensus.max_chance; }
 
-SurfaceBeyond surface_beyond(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
+CutOutEvidence cut_out_evidence(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
 {
-    SurfaceBeyond result;
+    CutOutEvidence result;
     const std::size_t neighbours = place_tuning().evidence.neighbours;
     const Inside inside(shape, threshold, points);
     const std::size_t count = inside.distance.size();
@@ -60,17 +60,17 @@ SurfaceBeyond surface_beyond(const Shape& shape, double threshold, const std::ve
     }
     std::nth_element(spacings.begin(), spacings.begin() + static_cast<std::ptrdiff_t>(count / 2), spacings.end());
     const double spacing = std::sqrt(spacings[count / 2]);
-    const double slant = place_tuning().beyond.min_slant, gap = place_tuning().beyond.gap * spacing;
-    std::size_t continued = 0, far = 0;
+    const double slant = place_tuning().cut_outs.min_slant, gap = place_tuning().cut_outs.gap * spacing;
+    std::size_t overshoot = 0, far = 0;
     for (const Vec3d& p : points) {
-        const double beyond = distance_to(shape, p) - threshold;
-        if (!(beyond > 0 && beyond <= (beyond_thresholds - 1) * threshold)) continue;
-        far += beyond > threshold;
+        const double outside = distance_to(shape, p) - threshold;
+        if (!(outside > 0 && outside <= (around_thresholds - 1) * threshold)) continue;
+        far += outside > threshold;
         tree.nearest(p - points.front(), 1, near);
-        continued += std::sqrt(near[0].square) > slant * beyond + gap;
+        overshoot += std::sqrt(near[0].square) > slant * outside + gap;
     }
-    result.continued = static_cast<double>(continued) / static_cast<double>(count);
-    result.chance = static_cast<double>(far) / (beyond_thresholds - 2) / static_cast<double>(count);
+    result.overshoot = static_cast<double>(overshoot) / static_cast<double>(count);
+    result.chance = static_cast<double>(far) / (around_thresholds - 2) / static_cast<double>(count);
     result.bend = squares > 0 ? smooth / squares : 0;
     return result;
 }
