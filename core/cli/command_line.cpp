@@ -129,6 +129,8 @@ std::string wrong_number_of_values(const CLI::App& command, const std::vector<st
         const std::string fault = option ? fault_of(*option) : "";
         if (!fault.empty()) return fault;
     }
+    const CLI::Option* const last = words.empty() ? nullptr : command.get_option_no_throw(words.back());
+    if (last && last->get_items_expected_min() > 0) return words.back() + " needs a value";
     return otherwise;
 }
 
@@ -156,11 +158,9 @@ bool is_number_list(const CLI::Option* option)
 
 // The parser takes every word after the name of a list as its value. What follows a list of numbers and is not a number
 // is moved to the end, behind "--": "fit --at 1 2 3 scan.pct" is "fit --at 1 2 3 -- scan.pct".
-std::vector<std::string> end_lists(const std::vector<Runnable>& commands, const std::vector<std::string>& words)
+std::vector<std::string> end_lists(const CLI::App& command, const std::vector<std::string>& words)
 {
-    const auto named = std::find_if(commands.begin(), commands.end(),
-                                    [&](const Runnable& c) { return c.app->get_name() == words[0]; });
-    if (named == commands.end() || std::find(words.begin(), words.end(), "--") != words.end()) return words;
+    if (std::find(words.begin(), words.end(), "--") != words.end()) return words;
     std::vector<std::string> kept, moved;
     const CLI::Option* list = nullptr;
     int numbers = 0;
@@ -169,7 +169,7 @@ std::vector<std::string> end_lists(const std::vector<Runnable>& commands, const 
         std::string number = word;
         const bool is_number = ops::number_fault(number, {}).empty();
         if (word.size() > 1 && word[0] == '-' && !is_number) {
-            const CLI::Option* const option = named->app->get_option_no_throw(word);
+            const CLI::Option* const option = command.get_option_no_throw(word);
             list = is_number_list(option) ? option : nullptr;
             numbers = 0;
             ended = false;
@@ -185,6 +185,32 @@ std::vector<std::string> end_lists(const std::vector<Runnable>& commands, const 
     return kept;
 }
 
+const CLI::App* command_of(const std::vector<Runnable>& commands, const std::vector<std::string>& words)
+{
+    const auto named = std::find_if(commands.begin(), commands.end(),
+                                    [&](const Runnable& c) { return c.app->get_name() == words[0]; });
+    return named == commands.end() ? nullptr : named->app;
+}
+
+// What may be given by its place or by its name comes first where it is given by its name, so that no other word takes
+// its place: "merge a.pct b.pct -o c.pct" is "merge -o c.pct a.pct b.pct".
+std::vector<std::string> named_places_first(const CLI::App& command, std::vector<std::string> words)
+{
+    for (const CLI::Option* option : command.get_options()) {
+        if (!option->get_positional() || option->get_snames().empty()) continue;
+        const std::string name = "--" + option->get_lnames().front(), letter = "-" + option->get_snames().front();
+        const auto end = std::find(words.begin(), words.end(), "--");
+        const auto at = std::find_if(words.begin() + 1, end, [&](const std::string& word) {
+            return word == name || word == letter || word.rfind(name + "=", 0) == 0 ||
+                   (word.rfind(letter, 0) == 0 && word.size() > letter.size());
+        });
+        const bool is_alone = at != end && (*at == name || *at == letter);
+        if (at == end || (is_alone && at + 1 == end)) continue;  // the parser says what is missing
+        std::rotate(words.begin() + 1, at, at + (is_alone ? 2 : 1));
+    }
+    return words;
+}
+
 int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vector<std::string> words)
 {
     const auto parsed = [&] {
@@ -195,7 +221,8 @@ int parse_and_run(CLI::App& app, const std::vector<Runnable>& commands, std::vec
     const auto command = [&]() -> const CLI::App& { return parsed() ? *parsed()->app : app; };
     const std::vector<std::string> given = words;
     try {
-        words = end_lists(commands, words);
+        if (const CLI::App* const named = words.empty() ? nullptr : command_of(commands, words))
+            words = end_lists(*named, named_places_first(*named, std::move(words)));
         std::reverse(words.begin(), words.end());  // as CLI11 takes them
         app.parse(std::move(words));
         return parsed() ? parsed()->run() : 0;

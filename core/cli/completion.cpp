@@ -27,7 +27,9 @@ void for_each_option(const Command& command, const std::function<void(const ops:
 {
     const auto operation = ops::find_operation(command.name)->make();  // every command is a row of the table
     for (const ops::Argument& argument : operation->arguments().list())
-        if (argument.is_in(ops::Face::command) && argument.is_shown() && !argument.is_positional()) visit(argument);
+        if (argument.is_in(ops::Face::command) && argument.is_shown() &&
+            (!argument.is_positional() || argument.letter()))
+            visit(argument);
 }
 
 // "'outliers --method') BEFORE'statistical robust radius'AFTER ;;", a line for each option that takes one of some

@@ -205,9 +205,9 @@ std::string Argument::option_name() const
 
 std::string Argument::option_names() const
 {
-    if (positional_) return key_;
+    if (positional_ && !letter_) return key_;
     return (letter_ ? std::string("-") + letter_ + "," : "") + "--" + option_name() +
-           (also_.empty() ? "" : ",--" + also_);
+           (also_.empty() ? "" : ",--" + also_) + (positional_ ? "," + key_ : "");
 }
 
 std::string Argument::script_name() const

@@ -87,7 +87,7 @@ public:
     // The same for a number whose variable is then 0: 0 stands for this meaning, in dialogs too.
     Argument& automatic(const std::string& meaning);
     Argument& as(ValueKind kind);  // file, output or tree for a text; inputs or trees for words
-    Argument& positional();        // on the command line: by its place
+    Argument& positional();        // on the command line: by its place, and with a letter() by its name, too
     Argument& required();
     Argument& advanced();                            // for few: below the others, and in --help-all
     Argument& only(Face face);                       // other faces do not have it

@@ -27,6 +27,7 @@ public:
         arguments_.add("output", output_)
             .as(ValueKind::output_tree)
             .positional()
+            .letter('o')
             .required()
             .label("Output folder")
             .help("The new tree's folder, by convention NAME.pct");

@@ -139,7 +139,7 @@ private:
     RegionArguments region_;
     ReadingArguments reading_;
     WorkArguments work_;
-    std::vector<std::unique_ptr<Operation>> operations_;  // of the steps
+    std::vector<std::unique_ptr<Operation>> operations_;  // one for each step
 };
 
 }  // namespace

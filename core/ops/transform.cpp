@@ -18,7 +18,7 @@ public:
     Transform()
     {
         target_.declare_cloud(arguments_);
-        to_.declare_output(arguments_).positional().required();
+        to_.declare_output(arguments_).positional().letter('o').required();
         arguments_.add("layer_matrix", layer_matrix_)
             .only(Face::dialog)  // the command has no layers
             .label("The layer's matrix")

@@ -89,6 +89,21 @@ TEST_F(ResultCommands, MergeOfTrees)
     EXPECT_NE(text.out.find("of 1 trees"), std::string::npos) << text.out;
     EXPECT_NE(text.out.find("coordinate system: "), std::string::npos) << text.out;
     EXPECT_EQ(pcmlab("merge " + path("c.pct")).code, 2);
+    // The output by its name, wherever it stands.
+    const std::string trees = path("a.pct") + " " + path("b.pct"), output = path("d.pct");
+    for (const std::string& words :
+         {trees + " -o " + output, "-o " + output + " " + trees, trees + " -o" + output, trees + " --output=" + output,
+          path("a.pct") + " --output " + output + " " + path("b.pct")}) {
+        const Json named = json_of("merge --overwrite " + words);
+        EXPECT_EQ(named["trees"], Json({"a.pct", "b.pct"})) << words;
+        EXPECT_EQ(named["output"], (folder_ / "d.pct").string()) << words;
+    }
+    EXPECT_EQ(json_of("query " + path("a.pct"))["points"], 5000);
+    for (const std::string wrong : {"-o", "--output"}) {
+        const Result missing = pcmlab("merge " + trees + " " + wrong);
+        EXPECT_EQ(missing.code, 2);
+        EXPECT_NE(missing.err.find("needs a value"), std::string::npos) << missing.err;
+    }
 }
 
 TEST_F(ResultCommands, VoxelGridsThatAreRefused)

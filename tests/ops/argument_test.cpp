@@ -21,7 +21,8 @@ TEST(Argument, NamesFollowTheKey)
     EXPECT_EQ(argument.script_name(), "RadiusNeighbours");
     EXPECT_EQ(argument.command_help(), "How many (points; default 6)");
     EXPECT_EQ(argument.script("Radii").script_name(), "Radii");
-    EXPECT_EQ(argument.positional().option_names(), "radius_neighbours");
+    EXPECT_EQ(argument.positional().option_names(), "-r,--radius-neighbours,radius_neighbours");
+    EXPECT_EQ(Argument("radius_neighbours", &value).positional().option_names(), "radius_neighbours");
 }
 
 TEST(Argument, AFlagThatIsOnIsSwitchedOff)

@@ -48,7 +48,7 @@ public:
 
     // After run(): the head of an answer about all of it. Values are those of the reading: points_skipped, skipped.
     const Result& summary() const { return summary_; }
-    std::string path() const { return place_.string(); }  // of the output
+    std::string path() const { return place_.string(); }  // where the output is
 
 private:
     bool is_file() const;
