@@ -348,6 +348,12 @@ void L2Cache::set_capacity(std::uint64_t bytes)
     state_->make_room(lock);
 }
 
+std::uint64_t L2Cache::capacity() const
+{
+    const std::lock_guard lock(state_->mutex);
+    return state_->capacity;
+}
+
 L2Statistics L2Cache::statistics() const
 {
     const std::lock_guard lock(state_->mutex);

@@ -155,6 +155,7 @@ public:
     void clear();
     // Takes effect immediately; drops entries as necessary.
     void set_capacity(std::uint64_t bytes);
+    std::uint64_t capacity() const;
     L2Statistics statistics() const;
     // The store's tree as of the last take_schema(); lives as long as the cache.
     const Tree& tree() const;

@@ -77,7 +77,8 @@ ChunkStream::ChunkStream(L2Cache& cache, TaskPool& pool, ReadRates& rates, Selec
       level_(level),
       columns_(columns),
       in_flight_(std::clamp(in_flight, 1u, TaskPool::most_threads)),
-      nodes_(selected_nodes(cache.tree(), selector_, level))
+      nodes_(selected_nodes(cache.tree(), selector_, level)),
+      passes_cache_(fills_cache())
 {
     box_ = selector_.bounds() ? grid_box(cache.tree(), *selector_.bounds()) : cache.tree().info().box;
 }
@@ -124,6 +125,14 @@ double ChunkStream::fraction() const
     return nodes_.empty() ? 1.0 : static_cast<double>(next_ - ahead_.size()) / static_cast<double>(nodes_.size());
 }
 
+bool ChunkStream::fills_cache() const
+{
+    std::uint64_t points = 0;
+    for (const SelectedNode& node : nodes_)
+        if (node.relation == BoxRelation::inside) points += node.points;
+    return points * decoded_bytes(cache_.tree(), columns_) > cache_.capacity() / 4;
+}
+
 // On any thread.
 void ChunkStream::read(Job& job) const
 {
@@ -138,7 +147,7 @@ void ChunkStream::read(Job& job) const
         job.cached = true;
         result.chunk = *result.pin;
         result.points = node.points;
-    } else if (node.relation == BoxRelation::inside && node.points == tree.node(node.node).points) {
+    } else if (!passes_cache_ && node.relation == BoxRelation::inside && node.points == tree.node(node.node).points) {
         result.pin = cache_.get(node.node, columns_);
         result.chunk = *result.pin;
         result.points = node.points;

@@ -37,7 +37,8 @@ struct SelectedChunk {
 
 // A chunk that the cache holds is used from there. Among the others, a chunk that the selection or the level cuts is
 // read past the cache, and only those of its segments that selected points can be in; a whole chunk goes through the
-// cache. Memory: at most `in_flight` chunks, the one that next() returned among them. The caller's thread reads too, so
+// cache, unless all whole chunks together would take more than a quarter of it: reading everything once pushes nothing
+// out. Memory: at most `in_flight` chunks, the one that next() returned among them. The caller's thread reads too, so
 // in_flight - 1 threads of the pool are asked for. One thread calls; the cache, the pool and the rates outlive the
 // stream. The destructor waits for the reads that run, and drops the others.
 class ChunkStream {
@@ -71,6 +72,7 @@ private:
         bool cached = false;
         std::shared_ptr<Task> task;
     };
+    bool fills_cache() const;
     void read(Job& job) const;
     void select(Job& job, const std::vector<BoxRelation>& relations) const;
 
@@ -84,6 +86,7 @@ private:
     Box3i box_;  // grid positions; no point outside of it is selected
     std::size_t in_flight_;
     std::vector<SelectedNode> nodes_;
+    bool passes_cache_;  // whole chunks are not kept
     std::size_t next_ = 0;                    // index in nodes_ of the first without a job
     std::deque<std::unique_ptr<Job>> ahead_;  // submitted, not returned
     std::unique_ptr<Job> current_;

@@ -151,7 +151,7 @@ TEST_F(FitCommand, WhatMakesNoSenseIsRefused)
     // Before the tree is opened.
     const Result result = pcmlab("fit " + path("nowhere.pct") + " " + at_ + "--add list.txt");
     EXPECT_NE(result.err.find(".json"), std::string::npos) << result.err;
-    refused(at_ + "--not-at '2 -39.75 10'", 1, "was given as one of the surface");
+    refused(at_ + "--not-at '2 -39.75 10'", 1, "was given both as one on the surface and as one off it");
 }
 
 // A refusal is a result: printed, with the exit code of a failure, and nothing is done.

@@ -214,6 +214,28 @@ TEST_F(ChunkStreamTest, GivesTheSelectedPointsOfEveryChunkInOrder)
         }
 }
 
+// Reading everything once pushes nothing out of a cache that is less than four times as large.
+TEST_F(ChunkStreamTest, KeepsChunksOnlyWhereAllTakeLittleOfTheCache)
+{
+    std::uint64_t bytes = 0;
+    for (const Node& node : tree_->nodes()) bytes += node.points * decoded_bytes(*tree_, columns_);
+    for (const bool keeps : {true, false}) {
+        open(4 * bytes - (keeps ? 0 : 4));
+        const NodeId held = with_points_.back();
+        cache_->get(held, columns_);
+        for (const bool again : {false, true}) {
+            const auto chunks = stream({}, 3);
+            std::size_t points = 0;
+            while (const SelectedChunk* chunk = chunks->next()) points += chunk->size();
+            EXPECT_EQ(points, tree_->info().points);
+            EXPECT_EQ(chunks->cached(), keeps && again ? with_points_.size() : 1u) << "the chunk that was there before";
+            EXPECT_EQ(chunks->bytes_read() > 0, !keeps);
+        }
+        EXPECT_EQ(cache_->statistics().resident_chunks, keeps ? with_points_.size() : 1u);
+        EXPECT_TRUE(cache_->find(held, columns_));
+    }
+}
+
 TEST_F(ChunkStreamTest, ReadsAheadUpToTheBoundAndNoFurther)
 {
     for (const unsigned in_flight : {1u, 3u, 8u}) {

@@ -232,7 +232,7 @@ class EditableCloud(Cloud):
 def open(path, *, cache_bytes=0) -> Cloud:
     """Opens a tree: its folder, or a file in it. Takes moments, whatever its size.
 
-    cache_bytes: memory for chunks that are kept; 0 is the library's default, 1 GiB. build() makes trees of files.
+    cache_bytes: memory for chunks that are kept; 0 is the library's default, 512 MiB. build() makes trees of files.
     """
     return Cloud(_pcmlab.open(os.fspath(path), False, cache_bytes))
 
