@@ -86,7 +86,7 @@ private:
     Box3i box_;  // grid positions; no point outside of it is selected
     std::size_t in_flight_;
     std::vector<SelectedNode> nodes_;
-    bool passes_cache_;  // whole chunks are not kept
+    bool passes_cache_;                       // whole chunks are not kept
     std::size_t next_ = 0;                    // index in nodes_ of the first without a job
     std::deque<std::unique_ptr<Job>> ahead_;  // submitted, not returned
     std::unique_ptr<Job> current_;

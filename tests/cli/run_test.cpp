@@ -124,7 +124,8 @@ TEST_F(RunTest, NamesTheStepThatFailsAndLeavesNothing)
         {"--outliers 16,x", "step 1, outliers 16,x: factor: 'x' is not a number"},
         {"--normals 8 --outliers 16,3,4", "step 2, outliers 16,3,4: '4' is one value too many"},
         {"--outliers count", "step 1, outliers count: this only counts"},
-        {"--radii 8,device=gpu", "step 1, radii 8,device=gpu: device=gpu: a chain, and what is made of files, is computed on the processor"},
+        {"--radii 8,device=gpu",
+         "step 1, radii 8,device=gpu: device=gpu: a chain, and what is made of files, is computed on the processor"},
         {"--normals 8,viewpoint=0,0,9,direction=0,0,1", "step 1, normals 8,viewpoint=0,0,9,direction=0,0,1: "},
         {"", "no step is given: "},
         {"--nomrals 8", "there is no option --nomrals; perhaps --normals"}};

@@ -81,7 +81,12 @@ class Copy:
     def write(self, broken):
         """Copies the sources that changed; `broken`: path -> text of those with faults."""
         listed = subprocess.run(["git", "-C", self.root, "ls-files", "-z"], capture_output=True, check=True).stdout
-        for name in filter(None, listed.decode().split("\0")):
+        names = set(filter(None, listed.decode().split("\0")))
+        for folder in ("core", "tests"):  # what is no longer in the project, and would be compiled
+            for old in (self.source / folder).rglob("*.*"):
+                if old.is_file() and old.relative_to(self.source).as_posix() not in names:
+                    old.unlink()
+        for name in sorted(names):
             old, new = self.root / name, self.source / name
             if not old.is_file():
                 continue
