@@ -31,7 +31,11 @@ std::string text_alone(const Error& error)
 
 bool is_any_tree(const std::string& path) { return is_tree(path) || is_tree_folder(tree_folder_of(path)); }
 
-bool is_file_output(const fs::path& path) { return is_point_file_name(path) && !fs::is_directory(path); }
+bool is_file_output(const fs::path& path)
+{
+    std::error_code ignored;
+    return is_point_file_name(path) && !fs::is_directory(path, ignored);
+}
 
 }  // namespace
 
@@ -241,7 +245,8 @@ Result run_on_files_too(const Row& row, Operation& operation, const Context& con
     ChainOptions options;
     options.inputs = {input_of_step(operation).text()};
     if (const Argument* const output = output_of_step(operation)) options.output = output->text();
-    const bool from_file = !is_any_tree(options.inputs[0]) && fs::exists(options.inputs[0]),
+    std::error_code ignored;
+    const bool from_file = !is_any_tree(options.inputs[0]) && fs::exists(options.inputs[0], ignored),
                to_file = !options.output.empty() && is_file_output(options.output) && !writes_new_cloud(operation);
     if (!from_file && !to_file) return operation.run(context);
     if (!output_of_step(operation))
