@@ -59,7 +59,12 @@ public:
     {
         test(value, value < 0 ? overlap_ / bend : std::min(tuned_.max_open_arc, tuned_.max_gap * radius_ / bend));
     }
-    void test(double value, double limit) { misfit_ = std::max(misfit_, std::fabs(value) / limit); }
+    // What is not a number is refused.
+    void test(double value, double limit)
+    {
+        const double share = std::fabs(value) / limit;
+        misfit_ = share <= 1 ? std::max(misfit_, share) : infinity;
+    }
     void refuse() { misfit_ = infinity; }
 
 private:
@@ -186,7 +191,6 @@ Tangent common_tangent(const Tube& a, const TubeEnd& end_a, const Tube& b, const
 std::optional<PipeJoint> double_elbow(const Tube& a, const TubeEnd& end_a, const Tube& b, const TubeEnd& end_b,
                                       Trial trial)
 {
-    if (!(dot(end_a.out, end_b.out) < 0)) return {};
     const Tangent line = common_tangent(a, end_a, b, end_b);
     const Vec3d at_a = touching_place(a, end_a, {line.point, -1 * line.direction}, trial);
     const Vec3d at_b = touching_place(b, end_b, line, trial);
