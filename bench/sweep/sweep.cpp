@@ -4,6 +4,7 @@
 #include "pcm/fit/tuned_values.h"
 #include "pcm/gl/tuned_values.h"
 #include "pcm/knn/tuned_values.h"
+#include "pcm/piping/tuned_values.h"
 #include "pcm/place/tuned_values.h"
 
 #include <algorithm>
@@ -69,8 +70,8 @@ void print_row(const std::vector<std::string>& cells)
 std::vector<TunedValue> tuned_values()
 {
     std::vector<TunedValue> all;
-    for (const auto& room :
-         {fit_tuned_values(), place_tuned_values(), detect_tuned_values(), knn_tuned_values(), gl_tuned_values()})
+    for (const auto& room : {fit_tuned_values(), place_tuned_values(), detect_tuned_values(), piping_tuned_values(),
+                             knn_tuned_values(), gl_tuned_values()})
         all.insert(all.end(), room.begin(), room.end());
     return all;
 }

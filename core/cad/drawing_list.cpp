@@ -66,6 +66,7 @@ DrawingList drawing_list(const std::vector<Primitive>& primitives, bool bounded)
         for (const std::string& note : list.notes) why += (why.empty() ? "" : "; ") + note;
         throw Error(ErrorCode::invalid_argument, {}, "there is no primitive to write: " + why);
     }
+    list.runs = pipe_runs(list.shown);
     return list;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/cad/primitive_files.h"
+#include "pcm/piping/pipe_run.h"
 
 #include <string>
 #include <vector>
@@ -10,9 +11,10 @@ namespace pcm {
 
 struct DrawingList {
     std::vector<const Primitive*> shown;
+    std::vector<PipeRun> runs;       // pipe runs that these make
     std::vector<std::string> notes;  // what is left out, and why
 
-    std::vector<std::string> names() const;
+    std::vector<std::string> names() const;  // names of the primitives
 };
 
 // Without hidden ones and, `bounded`, those whose bounds are not known. Throws Error(invalid_argument) where nothing is
@@ -23,6 +25,7 @@ DrawingList drawing_list(const std::vector<Primitive>& primitives, bool bounded)
 void write_drawing(const std::filesystem::path& file, DrawingList& list, const CadOptions& options);
 void write_step(const std::filesystem::path& file, DrawingList& list, const CadOptions& options);
 void write_script(const std::filesystem::path& file, const DrawingList& list, const CadOptions& options);
+void write_table(const std::filesystem::path& file, const DrawingList& list, const CadOptions& options);
 
 // Throws Error(unsupported) where STEP files cannot be written.
 void require_step(const std::filesystem::path& file);

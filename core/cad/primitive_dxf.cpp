@@ -45,19 +45,27 @@ private:
 
 void write_drawing(const std::filesystem::path& file, DrawingList& list, const CadOptions& options)
 {
-    const std::vector<std::string> layers = layer_names(list.names());
-    std::vector<DxfLayer> table;
-    for (std::size_t i = 0; i < layers.size(); ++i) {
-        const Rgb& colour = list.shown[i]->colour;
-        table.push_back({layers[i], nearest_colour_index(colour), colour});
-    }
+    std::vector<std::string> names = list.names();
+    std::vector<Rgb> colours;
     Box3d extent;
     for (const Primitive* primitive : list.shown) {
         const Shape& shape = primitive->fit.shape;
         traits_of(shape.kind).extend(shape, primitive->bounds, extent);
+        colours.push_back(primitive->colour);
     }
+    std::vector<std::vector<Vec3d>> centre_lines;
+    for (const PipeRun& run : list.runs) {
+        centre_lines.push_back(centre_points(run, options.chord));
+        for (const Vec3d& p : centre_lines.back()) extent.extend(p);
+        names.push_back(run.name);
+        colours.push_back(run.parts.front()->colour);
+    }
+    const std::vector<std::string> layers = layer_names(names);
+    std::vector<DxfLayer> table;
+    for (std::size_t i = 0; i < layers.size(); ++i)
+        table.push_back({layers[i], nearest_colour_index(colours[i]), colours[i]});
     DxfFile dxf(file, table, {dxf_unit(options.unit), extent});
-    for (std::size_t i = 0; i < layers.size(); ++i) {
+    for (std::size_t i = 0; i < list.shown.size(); ++i) {
         const Primitive& primitive = *list.shown[i];
         const Shape& shape = primitive.fit.shape;
         LayerDrawing drawing(dxf, layers[i]);
@@ -66,6 +74,8 @@ void write_drawing(const std::filesystem::path& file, DrawingList& list, const C
         if (!why_no_faces.empty())
             list.notes.push_back("'" + primitive.name + "' has a line and no faces: " + why_no_faces);
     }
+    for (std::size_t i = 0; i < list.runs.size(); ++i)
+        dxf.polyline(layers[list.shown.size() + i], centre_lines[i], list.runs[i].is_closed);
     dxf.finish();
 }
 

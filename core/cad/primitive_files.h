@@ -23,7 +23,8 @@ struct CadOptions {
 };
 
 struct CadReport {
-    std::size_t written = 0;
+    std::size_t written = 0;         // primitives
+    std::size_t runs = 0;            // pipe runs (piping/pipe_run.h), which drawings and tables have in addition
     std::vector<std::string> notes;  // "3 planes have no outline and are left out"
 };
 
@@ -31,7 +32,8 @@ struct CadReport {
 //
 // - .dxf: a layer per primitive with its name, true colour and nearest indexed colour. Planes as closed polylines in
 //   space and 3DFACEs; the others as closed meshes of 3DFACEs with their axes, and with rims and lines on the surface
-//   as polylines in space, for programs that show no faces. Circles across z are circles.
+//   as polylines in space, for programs that show no faces. Circles across z are circles. A layer per pipe run with its
+//   centre line as one polyline in space, whose arcs are followed within the chord.
 // - .step, .stp: AP214 with a solid per primitive, with its name and colour; planes as trimmed faces. The file has a
 // unit:
 //   metres where none is given, which a note says.
@@ -39,7 +41,8 @@ struct CadReport {
 //   SPHERE, CONE, TORUS and, for a part of a torus, REVOLVE; planes as closed 3DPOLYs. One UNDO takes all of it back;
 //   no setting of the program is changed, and its object snaps are ignored.
 // - .csv: RFC 4180, a row per primitive: parameters, their standard deviations, what of the shape there is. The header
-//   names units. Angles are in degrees.
+//   names units. Angles are in degrees. Behind them a row of the kind "pipe run" for each: radius, length along the
+//   centre line, its ends, "bends" and "parts"; the column "run" says which one a primitive is a part of.
 // - .json: all of it; read_primitives() reads it. Angles are in radians.
 //
 // Cylinders and cones are drawn whole (see CadOptions::arcs), a torus as far as its arc goes. Hidden primitives are

@@ -263,12 +263,15 @@ private:
         json["sample_cell"] = found.sample;
         json["primitives"] = Json::array();
         for (const Primitive& p : found.primitives) json["primitives"].push_back(json_of(p));
+        const std::vector<PipeRun> runs = pipe_runs(found.primitives);
+        json["runs"] = json_of(runs);
         json["list"] = out_.empty() ? Json() : Json(out_);
         json["labelled_tree"] = label_.empty() ? Json() : Json(labels.tree.string());
         json["points_changed"] = labels.outcome.points_out;
         if (!found.primitives.empty()) result.line(columns("label", "points", "noise", "shape"));
         for (const Primitive& p : found.primitives)
             result.line(columns(std::to_string(p.label), grouped(p.points), brief(p.fit.noise), shape_text(p)));
+        for (const PipeRun& run : runs) put_lines(result, run, "");
         if (!out_.empty() && !found.primitives.empty()) result.line(out_ + ": written");
         if (!label_.empty())
             result.line(labels.tree.string() + ": attribute " + label_ + " written, " +
@@ -313,6 +316,7 @@ Row detect_row()
              {"spacing", "number", "source units", "spacing of the cloud"},
              {"sample_cell", "number", "source units", "shapes are searched in one point for each cell of this size"},
              {"primitives", "list", "", "as in a list of primitives, sorted by their number of points, descending"},
+             {"runs", "list", "", pipe_runs_help},
              {"list", "text?", "", "file of the primitives"},
              {"labelled_tree", "text?", "", "tree that has the labels"},
              {"points_changed", "count", "points", "points whose label was changed"}},

@@ -142,7 +142,7 @@ private:
         for (const std::string& output : outputs_) {
             if (is_input(output) != inputs) continue;
             const CadReport report = write(output, primitives);
-            files.push_back({{"file", output}, {"primitives", report.written}});
+            files.push_back({{"file", output}, {"primitives", report.written}, {"runs", report.runs}});
             for (const std::string& note : report.notes) result.notes.push_back(output + ": " + note);
         }
     }
@@ -155,7 +155,7 @@ private:
             primitives = read_all();
             return pcm::json_of(primitives);
         });
-        return {primitives.size(), {}};
+        return {primitives.size(), 0, {}};
     }
 
     void describe(Result& result, const std::vector<Primitive>& primitives, const Json& files) const
@@ -170,12 +170,18 @@ private:
         result.values.erase("version");  // the version of the list's format; the program's is in the head
         result.values["unit"] = name_of(options_.unit);
         result.values["files"] = files;
+        const std::vector<PipeRun> runs = pipe_runs(primitives);
+        result.values["runs"] = json_of(runs);
         for (const Primitive& primitive : primitives) put_brief_lines(result, primitive, name_of(options_.unit));
+        for (const PipeRun& run : runs) put_lines(result, run, name_of(options_.unit));
         if (primitives.empty()) result.line(list_ + ": no primitives");
         for (const Json& file : files) {
-            const auto count = file["primitives"].get<std::size_t>();
-            result.line(file["file"].get<std::string>() + ": " + std::to_string(count) +
-                        (count == 1 ? " primitive" : " primitives"));
+            const auto counted = [&](const char* key, const std::string& word) {
+                const auto count = file[key].get<std::size_t>();
+                return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
+            };
+            result.line(file["file"].get<std::string>() + ": " + counted("primitives", "primitive") +
+                        (file["runs"] == 0 ? "" : ", " + counted("runs", "pipe run")));
         }
     }
 
@@ -190,21 +196,25 @@ private:
 
 Row primitives_row()
 {
-    return {"primitives",
-            "Export Primitives",
-            "Show a list of primitives, or write it as DXF, as a script for AutoCAD, or as CSV",
-            "Writes the primitives of the project's list, which the tool and filter <i>Fit Primitives</i> and the "
-            "filter <i>Detect Primitives</i> make, or of a list in a file, as DXF, as a script for AutoCAD (SCR), as "
-            "CSV with standard deviations, or as a list (JSON) that reads back; in source coordinates, moved by the "
-            "matrices of their layers. Hidden ones are left out of drawings and tables.",
-            menu::measure,
-            "-primitives.dxf",
-            {{"format", "text", "", "pcm primitives"},
-             {"angles", "text", "", "unit of angles: radians"},
-             {"primitives", "list", "", "as in a list of primitives"},
-             {"unit", "text", "", "unit of the coordinates; empty: not known"},
-             {"files", "list", "", "for each file that was written: file, and its number of primitives"}},
-            make<Primitives>};
+    return {
+        "primitives",
+        "Export Primitives",
+        "Show a list of primitives, or write it as DXF, as a script for AutoCAD, or as CSV",
+        "Writes the primitives of the project's list, which the tool and filter <i>Fit Primitives</i> and the "
+        "filter <i>Detect Primitives</i> make, or of a list in a file, as DXF, as a script for AutoCAD (SCR), as "
+        "CSV with standard deviations, or as a list (JSON) that reads back; in source coordinates, moved by the "
+        "matrices of their layers. Hidden ones are left out of drawings and tables. Pipes and elbows that continue "
+        "each other are pipe runs in addition: with length and bends in the table, and with their centre line on a "
+        "layer of its own in the DXF.",
+        menu::measure,
+        "-primitives.dxf",
+        {{"format", "text", "", "pcm primitives"},
+         {"angles", "text", "", "unit of angles: radians"},
+         {"primitives", "list", "", "as in a list of primitives"},
+         {"unit", "text", "", "unit of the coordinates; empty: not known"},
+         {"runs", "list", "", pipe_runs_help},
+         {"files", "list", "", "for each file that was written: file, and its numbers of primitives and pipe runs"}},
+        make<Primitives>};
 }
 
 }  // namespace pcm::ops

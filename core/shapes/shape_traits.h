@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -27,6 +28,7 @@ struct ShapeErrors;
 struct ShapeLine;
 struct ShapeLineOptions;
 struct ShapeLines;
+struct Tube;
 
 // What Shape::axis is.
 enum class ShapeAxis : std::uint8_t {
@@ -115,6 +117,8 @@ struct ShapeTraits {
                         ShapeDrawing& drawing);
     void (&script)(const Shape& shape, const ShapeBounds& bounds, CommandScript& script);  // the solid, by commands
     void (&solid)(const Shape& shape, const ShapeBounds& bounds, ShapeSolids& solids);     // the solid itself
+    // As a part of a pipe, shapes/tube.h; nothing where it is none, or where its ends are not known.
+    std::optional<Tube> (&tube)(const Shape& shape, const ShapeBounds& bounds, const ShapeErrors& errors);
 
     constexpr bool is_flat() const { return axis == ShapeAxis::normal; }
     constexpr bool has_axis() const { return axis != ShapeAxis::none; }

@@ -1,6 +1,7 @@
 #include "plugin/scene/drawn_primitives.h"
 
 #include "pcm/measure/measure.h"
+#include "pcm/piping/pipe_run.h"
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_lines.h"
 #include "pcm/system/rounded_text.h"
@@ -125,6 +126,24 @@ std::vector<std::pair<QString, QString>> lines_of(const Primitive& primitive, co
     lines.emplace_back("condition", QString::fromStdString(brief(fit.condition)));
     if (!primitive.estimator.empty()) lines.emplace_back("estimator", QString::fromStdString(primitive.estimator));
     if (!primitive.cloud.empty()) lines.emplace_back("cloud", QString::fromStdString(primitive.cloud));
+    return lines;
+}
+
+Lines lines_of(const PrimitiveList& list, std::size_t index, const std::string& unit)
+{
+    Lines lines = lines_of(list[index], unit);
+    std::vector<const Primitive*> same_cloud;
+    for (std::size_t i = 0; i < list.size(); ++i)
+        if (list[i].cloud == list[index].cloud) same_cloud.push_back(&list[i]);
+    for (const PipeRun& run : pipe_runs(same_cloud)) {
+        if (std::find(run.parts.begin(), run.parts.end(), &list[index]) == run.parts.end()) continue;
+        lines.emplace_back("part of a pipe run", QString::fromStdString(parts_text(run)));
+        lines.emplace_back("run's radius", text_with(run.radius, run.radius_error, "", unit));
+        lines.emplace_back("run's length", text_with(run.length(), 0, "", unit));
+        lines.emplace_back("run's bends", QString::fromStdString(bends_text(run)));
+        const std::string doubt = doubt_text(run);
+        if (!doubt.empty()) lines.emplace_back("run is doubtful", QString::fromStdString(doubt));
+    }
     return lines;
 }
 

@@ -2,12 +2,13 @@
 #pragma once
 
 #include "pcm/cloud/affine.h"
-#include "pcm/shapes/primitive.h"
+#include "pcm/shapes/primitive_list.h"
 #include "plugin/scene/annotations.h"
 
 #include <QColor>
 #include <QString>
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <utility>
@@ -33,5 +34,8 @@ QColor colour_of(const Primitive& primitive);
 QString size_of(const Primitive& primitive, const std::string& unit);
 // Names and values of all that is known, most important first; standard deviations after ±.
 std::vector<std::pair<QString, QString>> lines_of(const Primitive& primitive, const std::string& unit);
+// The same, and the pipe run (piping/pipe_run.h) that it is a part of, among the shapes of its cloud that are shown.
+std::vector<std::pair<QString, QString>> lines_of(const PrimitiveList& list, std::size_t index,
+                                                  const std::string& unit);
 
 }  // namespace pcm::host

@@ -3,43 +3,19 @@
 #include "pcm/cad/dxf_file.h"
 #include "pcm/shapes/axis_frame.h"
 #include "pcm/system/error.h"
+#include "tests/cad/written_files.h"
 #include "tests/support.h"
 
 #include <algorithm>
 #include <fstream>
 #include <limits>
-#include <sstream>
 
 namespace pcm {
 namespace {
 
-std::string text_of_file(const std::filesystem::path& path)
-{
-    std::ifstream file(path, std::ios::binary);
-    std::ostringstream text;
-    text << file.rdbuf();
-    return text.str();
-}
-
-std::vector<std::string> lines_of(const std::filesystem::path& path)
-{
-    std::vector<std::string> lines;
-    std::istringstream text(text_of_file(path));
-    for (std::string line; std::getline(text, line);) {
-        if (!line.empty() && line.back() == '\r') line.pop_back();
-        lines.push_back(line);
-    }
-    return lines;
-}
-
-Primitive made(const char* shape, const std::string& name)
-{
-    Primitive primitive;
-    primitive.name = name;
-    primitive.fit.shape = parse_shape(shape);
-    primitive.fit.verdict = FitVerdict::good;
-    return primitive;
-}
+using test::lines_of;
+using test::made;
+using test::text_of_file;
 
 Primitive pipe()
 {

@@ -61,7 +61,7 @@ class Project(unittest.TestCase):
         self.none(house.check_plain_words({**self.tree.sources, **house.other_texts()}))
 
     def test_tuned_values_have_a_unit_a_provenance_a_reader_and_a_sweep(self):
-        for room in ("fit", "place", "detect", "knn", "gl"):
+        for room in ("fit", "place", "detect", "piping", "knn", "gl"):
             self.assertTrue(house.tuned_structs(self.tree.sources[f"core/{room}/tuning.h"]), f"{room} has no tuned values")
         self.none(house.check_tuning(self.tree.sources))
 

@@ -69,6 +69,27 @@ TEST(DrawnPrimitives, AreMovedWithTheirLayer)
     EXPECT_NEAR(box_of(there).extent(2), 11, 1e-6);  // the axis is longer by a twentieth at either end
 }
 
+TEST(DrawnPrimitives, APipesValuesNameItsRun)
+{
+    PrimitiveList list;
+    Primitive first = pipe("a"), second = pipe("a"), elsewhere = pipe("b");
+    first.name = "Lower";
+    second.name = "Upper";
+    second.bounds.from += 11;
+    second.bounds.to += 11;
+    for (const Primitive& one : {first, second, elsewhere}) list.add(one);
+    const auto value = [&](std::size_t index, const char* name) {
+        for (const auto& [key, text] : lines_of(list, index, "m"))
+            if (key == name) return text;
+        return QString("-");
+    };
+    EXPECT_EQ(value(1, "part of a pipe run"), "Lower, Upper");
+    EXPECT_EQ(value(1, "run's length"), "21 m");
+    EXPECT_EQ(value(1, "run's bends"), "no bends");
+    EXPECT_EQ(value(1, "radius"), "2.000 ± 0.004 m");
+    EXPECT_EQ(value(2, "part of a pipe run"), "-") << "of another cloud";
+}
+
 TEST(DrawnPrimitives, NumbersAreRoundedToWhatIsKnown)
 {
     EXPECT_EQ(size_of(pipe("a"), "m"), "r 2.000 ± 0.004 m");

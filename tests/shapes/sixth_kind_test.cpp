@@ -5,6 +5,7 @@
 #include "pcm/shapes/shape_drawing.h"
 #include "pcm/shapes/shape_lines.h"
 #include "pcm/shapes/shape_solids.h"
+#include "pcm/shapes/tube.h"
 #include "tests/shapes/row_columns.h"
 
 #include <gtest/gtest.h>
@@ -56,13 +57,15 @@ constexpr ShapeTraits row{sixth,
                           mesh_lines,
                           draw,
                           script,
-                          solid};
+                          solid,
+                          no_tube};
 
-using Columns = std::tuple<ShapeKind, const char*, const char*, const char*, std::size_t, PlaceWords, ShapeAxis,
-                           ShapeExtent, ShapeSizes, decltype((fault)), decltype((distance)), decltype((normal)),
-                           decltype((bend)), decltype((place)), decltype((in_box)), decltype((by_points)),
-                           decltype((extend)), decltype((area)), decltype((lines)), decltype((mesh)),
-                           decltype((mesh_lines)), decltype((draw)), decltype((script)), decltype((solid))>;
+using Columns =
+    std::tuple<ShapeKind, const char*, const char*, const char*, std::size_t, PlaceWords, ShapeAxis, ShapeExtent,
+               ShapeSizes, decltype((fault)), decltype((distance)), decltype((normal)), decltype((bend)),
+               decltype((place)), decltype((in_box)), decltype((by_points)), decltype((extend)), decltype((area)),
+               decltype((lines)), decltype((mesh)), decltype((mesh_lines)), decltype((draw)), decltype((script)),
+               decltype((solid)), decltype((no_tube))>;
 static_assert(rows::Table<ShapeTraits, Columns>::is_whole, "a column of the row is not in this list");
 static_assert(rows::Table<ShapeTraits, Columns>::optional == 0, "a row compiles without one of its columns");
 

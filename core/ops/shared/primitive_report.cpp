@@ -97,6 +97,50 @@ Json json_of(const Primitive& primitive)
 
 namespace {
 
+Json piece_json(const CentrePiece& piece)
+{
+    Json json{{"from", piece.from}, {"to", piece.to}, {"measured", piece.is_measured}};
+    if (!piece.is_bend()) return json;
+    json["angle"] = piece.angle;
+    json["radius"] = piece.radius;
+    json["centre"] = piece.centre;
+    json["axis"] = piece.axis;
+    return json;
+}
+
+}  // namespace
+
+Json json_of(const std::vector<PipeRun>& runs)
+{
+    Json all = Json::array();
+    for (const PipeRun& run : runs) {
+        Json parts = Json::array(), line = Json::array();
+        for (const Primitive* part : run.parts) parts.push_back(part->name);
+        for (const CentrePiece& piece : run.line) line.push_back(piece_json(piece));
+        all.push_back({{"name", run.name},
+                       {"parts", parts},
+                       {"radius", run.radius},
+                       {"sigma_radius", run.radius_error > 0 ? Json(run.radius_error) : Json()},
+                       {"length", run.length()},
+                       {"is_closed", run.is_closed},
+                       {"doubt", doubt_text(run)},
+                       {"line", line}});
+    }
+    return all;
+}
+
+void put_lines(Result& result, const PipeRun& run, const std::string& unit)
+{
+    const std::string after = unit.empty() ? "" : " " + unit;
+    result.line(run.name + ": " + parts_text(run));
+    result.line("  radius " + (run.radius_error > 0 ? with_error(run.radius, run.radius_error) : brief(run.radius)) +
+                after + ", length " + rounded_text(run.length(), run.radius / 100) + after + ", " + bends_text(run) +
+                (run.is_closed ? ", closed" : ""));
+    if (const std::string doubt = doubt_text(run); !doubt.empty()) result.line("  doubtful: " + doubt);
+}
+
+namespace {
+
 // Empty for a file that does not exist.
 std::vector<Primitive> read_list(const std::filesystem::path& file)
 {

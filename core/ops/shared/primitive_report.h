@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/ops/result.h"
+#include "pcm/piping/pipe_run.h"
 #include "pcm/shapes/primitive.h"
 
 #include <filesystem>
@@ -13,6 +14,14 @@ namespace pcm::ops {
 Json json_of(const Primitive& primitive);
 // Parameters with their standard deviations, bounds, and how good the fit is.
 void put_lines(Result& result, const Primitive& primitive);
+// Pipe runs as pipe_runs_help describes them.
+Json json_of(const std::vector<PipeRun>& runs);
+inline constexpr const char* pipe_runs_help =
+    "pipes and elbows that continue each other: name, parts (names), radius, sigma_radius (null: not known), length, "
+    "is_closed, doubt (empty: none), line: pieces with from, to and measured; bends with angle, radius, centre and "
+    "axis";
+// Name, parts, and the numbers in the unit, which may be empty.
+void put_lines(Result& result, const PipeRun& run, const std::string& unit);
 // The area of a plane with an outline: "52.1 +- 3.2 in the concave outline of its points".
 std::string area_text(const Primitive& primitive);
 

@@ -8,6 +8,7 @@
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
 #include "pcm/shapes/shape_solids.h"
+#include "pcm/shapes/tube.h"
 
 #include <cmath>
 
@@ -121,6 +122,7 @@ constexpr ShapeTraits cone_shape{ShapeKind::cone,
                                  mesh_lines,
                                  draw_along_axis,
                                  script,
-                                 solid};
+                                 solid,
+                                 no_tube};
 
 }  // namespace pcm

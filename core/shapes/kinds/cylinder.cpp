@@ -8,6 +8,9 @@
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
 #include "pcm/shapes/shape_solids.h"
+#include "pcm/shapes/tube.h"
+
+#include <cmath>
 
 namespace pcm {
 namespace {
@@ -66,6 +69,19 @@ void solid(const Shape& shape, const ShapeBounds& bounds, ShapeSolids& solids)
                    bounds.to - bounds.from);
 }
 
+std::optional<Tube> tube(const Shape& shape, const ShapeBounds& bounds, const ShapeErrors& errors)
+{
+    if (!(bounds.from < bounds.to)) return {};
+    Tube tube;
+    tube.radius = shape.radius;
+    tube.radius_error = errors.radius;
+    tube.ends = {{{shape.point + bounds.from * shape.axis, -1 * shape.axis},
+                  {shape.point + bounds.to * shape.axis, shape.axis}}};
+    tube.place_error = std::hypot(errors.position, errors.angle * (bounds.to - bounds.from) / 2);
+    tube.angle_error = errors.angle;
+    return tube;
+}
+
 }  // namespace
 
 constexpr ShapeTraits cylinder_shape{ShapeKind::cylinder,
@@ -91,6 +107,7 @@ constexpr ShapeTraits cylinder_shape{ShapeKind::cylinder,
                                      mesh_lines,
                                      draw_along_axis,
                                      script,
-                                     solid};
+                                     solid,
+                                     tube};
 
 }  // namespace pcm

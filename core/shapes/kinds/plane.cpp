@@ -10,6 +10,7 @@
 #include "pcm/shapes/shape_lines.h"
 #include "pcm/shapes/shape_mesh.h"
 #include "pcm/shapes/shape_solids.h"
+#include "pcm/shapes/tube.h"
 
 #include <algorithm>
 
@@ -108,6 +109,7 @@ constexpr ShapeTraits plane_shape{ShapeKind::plane,
                                   no_mesh_lines,
                                   draw,
                                   script,
-                                  solid};
+                                  solid,
+                                  no_tube};
 
 }  // namespace pcm

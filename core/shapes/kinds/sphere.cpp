@@ -8,6 +8,7 @@
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
 #include "pcm/shapes/shape_solids.h"
+#include "pcm/shapes/tube.h"
 
 #include <cmath>
 
@@ -127,6 +128,7 @@ constexpr ShapeTraits sphere_shape{ShapeKind::sphere,
                                    mesh_lines,
                                    draw,
                                    script,
-                                   solid};
+                                   solid,
+                                   no_tube};
 
 }  // namespace pcm

@@ -8,6 +8,7 @@
 #include "pcm/shapes/outline_area.h"
 #include "pcm/shapes/shape_drawing.h"
 #include "pcm/shapes/shape_solids.h"
+#include "pcm/shapes/tube.h"
 
 #include <cmath>
 #include <utility>
@@ -117,12 +118,15 @@ std::string draw(const Shape& shape, const ShapeBounds& bounds, const MeshOption
     return {};
 }
 
-// The direction from the axis in which the arc begins.
-Vec3d arc_begin(const Shape& shape, const ShapeBounds& bounds)
+// The direction from the axis at an angle of the arc.
+Vec3d arc_direction(const Shape& shape, const ShapeBounds& bounds, double angle)
 {
     const Vec3d zero = normalised(bounds.zero - dot(bounds.zero, shape.axis) * shape.axis);
-    return std::cos(bounds.begin) * zero + std::sin(bounds.begin) * cross(shape.axis, zero);
+    return std::cos(angle) * zero + std::sin(angle) * cross(shape.axis, zero);
 }
+
+// Where the arc begins.
+Vec3d arc_begin(const Shape& shape, const ShapeBounds& bounds) { return arc_direction(shape, bounds, bounds.begin); }
 
 void script(const Shape& shape, const ShapeBounds& bounds, CommandScript& commands)
 {
@@ -153,6 +157,24 @@ void solid(const Shape& shape, const ShapeBounds& bounds, ShapeSolids& solids)
     solids.ring(shape.point, shape.axis, begin, shape.radius, shape.second, bounds.zero == Vec3d{} ? 2 * pi : arc);
 }
 
+std::optional<Tube> tube(const Shape& shape, const ShapeBounds& bounds, const ShapeErrors& errors)
+{
+    if (bounds.zero == Vec3d{} || bounds.end - bounds.begin >= 2 * pi) return {};
+    Tube tube;
+    tube.radius = shape.second;
+    tube.radius_error = errors.second;
+    const Vec3d begin = arc_begin(shape, bounds), end = arc_direction(shape, bounds, bounds.end);
+    tube.ends = {{{shape.point + shape.radius * begin, cross(begin, shape.axis)},
+                  {shape.point + shape.radius * end, cross(shape.axis, end)}}};
+    tube.bend = shape.radius;
+    tube.centre = shape.point;
+    tube.axis = shape.axis;
+    tube.arc = bounds.end - bounds.begin;
+    tube.place_error = std::hypot(errors.position, errors.radius, errors.angle * shape.radius);
+    tube.angle_error = errors.angle;
+    return tube;
+}
+
 }  // namespace
 
 constexpr ShapeTraits torus_shape{ShapeKind::torus,
@@ -178,6 +200,7 @@ constexpr ShapeTraits torus_shape{ShapeKind::torus,
                                   mesh_lines,
                                   draw,
                                   script,
-                                  solid};
+                                  solid,
+                                  tube};
 
 }  // namespace pcm

@@ -168,12 +168,7 @@ void FitPanel::show_list(const PrimitiveList& list, std::optional<std::size_t> s
     buttons_[Button::copy]->setEnabled(!list.empty());
     buttons_[Button::undo]->setEnabled(list.can_undo());
     buttons_[Button::redo]->setEnabled(list.can_redo());
-    show_values(some ? &list[*selected] : nullptr, unit);
-}
-
-void FitPanel::show_values(const Primitive* primitive, const std::string& unit)
-{
-    values_->show_values(primitive ? lines_of(*primitive, unit) : std::vector<std::pair<QString, QString>>());
+    values_->show_values(some ? lines_of(list, *selected, unit) : std::vector<std::pair<QString, QString>>());
 }
 
 void FitPanel::show_found(const QString& text, bool some)

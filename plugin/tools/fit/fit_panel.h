@@ -72,7 +72,6 @@ private:
     void add_draft(QVBoxLayout& column);
     void add_list(QVBoxLayout& column);
     void add_points_menu(QGridLayout& rows, int row, int column);
-    void show_values(const Primitive* primitive, const std::string& unit);
 
     FitFields* fields_ = nullptr;
     MessageArea *found_ = nullptr, *words_ = nullptr;

@@ -91,6 +91,7 @@ void FitTool::write()
     const bool everything = QFileInfo(file).suffix().toLower() == "json";  // hidden ones too
     const CadReport report = write_primitives(file.toStdString(), book().placed(everything), options);
     QStringList words{QString("wrote %1 primitives to %2").arg(report.written).arg(file)};
+    if (report.runs > 0) words << QString("%1 pipe runs of them in addition").arg(report.runs);
     for (const std::string& note : report.notes) words << QString::fromStdString(note);
     bool moved = false;
     for (std::size_t i = 0; i < book().list().size(); ++i)
@@ -106,7 +107,7 @@ void FitTool::copy(std::optional<std::size_t> index) const
         if (index && *index != i) continue;
         const Primitive& primitive = book().list()[i];
         text += QString::fromStdString(primitive.name) + "\n";
-        for (const auto& [name, value] : lines_of(primitive, unit_))
+        for (const auto& [name, value] : lines_of(book().list(), i, unit_))
             text += "  " + name + ": " + QString(value).replace('\n', ' ') + "\n";
     }
     QGuiApplication::clipboard()->setText(text);

@@ -1,0 +1,27 @@
+// Which ends of pipes continue each other: what pipe_runs() (pipe_run.h) is made of.
+#pragma once
+
+#include "pcm/shapes/tube.h"
+
+#include <cstddef>
+#include <vector>
+
+namespace pcm::piping {
+
+// An end of a tube: 2 * the tube's index, + 1 for its second end.
+using EndIndex = std::size_t;
+
+struct PipeJoint {
+    EndIndex a = 0, b = 0;
+    // Where the centre line leaves the tube of `a`, and where it enters that of `b`: one place, the ends of a straight
+    // line, or of an arc that no shape has.
+    Vec3d at_a{}, at_b{};
+    Vec3d leaves{}, enters{};  // unit tangents there, from `a` to `b`
+    double misfit = 0;         // the largest deviation, in what is allowed of it: 0 to 1
+    int rank = 0;              // lower ones are preferred
+};
+
+// At most one for each end.
+std::vector<PipeJoint> pipe_joints(const std::vector<Tube>& tubes);
+
+}  // namespace pcm::piping
