@@ -151,7 +151,7 @@ std::optional<PipeJoint> elbow_joint(const TubeEnd& pipe, const Tube& bent, cons
     return joint_of(elbow, trial, place, place, pipe.out, pipe.out);
 }
 
-// Of two circles on one plane, near `line`.
+// Common tangent of two circles on one plane, near `line`.
 Tangent tangent_in_plane(const Tube& a, const Tube& b, const Tangent& line)
 {
     const Vec3d normal = normalised(a.axis + (dot(a.axis, b.axis) < 0 ? -1.0 : 1.0) * b.axis);
@@ -172,10 +172,10 @@ Tangent tangent_in_plane(const Tube& a, const Tube& b, const Tangent& line)
     return {middle, cross(new_left, normal)};
 }
 
-// Of the circles of two elbows, near where their measured ends are.
+// Common tangent of the circles of two elbows, near where their measured ends are.
 Tangent common_tangent(const Tube& a, const TubeEnd& end_a, const Tube& b, const TubeEnd& end_b)
 {
-    constexpr double least_sine = 0.3;  // of the angle between planes whose line of intersection is known well
+    constexpr double least_sine = 0.3;  // sine of the angle between planes whose line of intersection is known well
     const Tangent line{0.5 * (end_a.place + end_b.place), normalised(end_a.out - end_b.out)};
     const Vec3d both = cross(a.axis, b.axis);
     const double sine = length(both);

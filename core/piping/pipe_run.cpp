@@ -163,7 +163,7 @@ private:
     }
 
     // With weights of 1 / error^2 where all errors are known, else 1. sqrt(sum of w (r - mean)^2 / (n - 1)) is the
-    // ratio of the differences to what the errors let expect.
+    // ratio of the differences to those that the errors explain.
     static void set_radius(const std::vector<const Tube*>& tubes, PipeRun& run)
     {
         const bool known = std::all_of(tubes.begin(), tubes.end(), [](const Tube* tube) {
@@ -184,7 +184,7 @@ private:
     }
 
     std::vector<Tube> tubes_;
-    std::vector<const Primitive*> primitives_;  // of which they are
+    std::vector<const Primitive*> primitives_;  // the list's, which parts are chosen from
     std::vector<PipeJoint> joints_;
     std::vector<const PipeJoint*> joint_of_;  // indexed by EndIndex; null: the end is free
 };

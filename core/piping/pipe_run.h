@@ -14,9 +14,9 @@ namespace pcm {
 struct CentrePiece {
     Vec3d from{}, to{};
     double angle = 0;         // turn of the arc; 0: straight
-    double radius = 0;        // of the arc: the bend's radius
-    Vec3d centre{}, axis{};   // of the arc, counter-clockwise about the unit vector `axis` from `from` to `to`
-    bool is_measured = true;  // by a shape; else it is the line or arc that joins two shapes tangentially
+    double radius = 0;        // the bend's radius, of an arc
+    Vec3d centre{}, axis{};   // an arc runs counter-clockwise about the unit vector `axis` from `from` to `to`
+    bool is_measured = true;  // a shape shows it; else it joins two shapes tangentially
 
     bool is_bend() const { return angle > 0; }
     double length() const;
@@ -36,7 +36,7 @@ struct PipeRun {
 };
 
 // Runs of two parts and more, in the order in which the list has their first ones, each from that of its two ends that
-// is the earlier one there; hidden primitives take no part, and each primitive is a part of one run at most. Which ends
+// is the earlier one there; hidden primitives are ignored, and each primitive is a part of one run at most. Which ends
 // continue each other is decided by the shapes' errors and the limits of tuning.h:
 //
 // - the same radius;
