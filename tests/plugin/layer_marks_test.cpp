@@ -27,9 +27,9 @@ struct Opened {
     Opened()
     {
         for (const char* file : files) document.addNewMesh(file, file);
-        document.meshList[3]->visible = false;
+        set_shown(*models_of(document)[3], false);
     }
-    MeshModel& layer(int number) { return *document.meshList[number]; }
+    MeshModel& layer(int number) { return *models_of(document)[std::size_t(number)]; }
 };
 
 bool wait_until(const std::function<bool()>& holds)
