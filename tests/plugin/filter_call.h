@@ -2,7 +2,7 @@
 #pragma once
 
 #include "plugin/meshlab/plugin_bases.h"
-#include "tests/meshlab_choice.h"
+#include "tests/plugin/choice.h"
 
 #include <QCoreApplication>
 #include <QPluginLoader>

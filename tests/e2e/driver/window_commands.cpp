@@ -1,7 +1,7 @@
 #include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/commands.h"
 #include "tests/e2e/driver/start_over.h"
-#include "tests/meshlab_choice.h"
+#include "tests/plugin/choice.h"
 
 #include <QAbstractButton>
 #include <QAction>
