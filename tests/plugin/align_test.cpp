@@ -213,7 +213,7 @@ TEST_F(AlignInMeshLab, LayersShownAloneGiveTheOthersBack)
     EXPECT_TRUE(is_shown(*two) && !is_shown(*one) && is_shown(*three));
     solo.set(layer_of(*two), false);
     EXPECT_TRUE(!is_shown(*two) && is_shown(*three) && solo.is_solo(layer_of(*three)));
-    document.delMesh(three);  // the last one: all others are as they were
+    remove_model(document, *three);  // the last one: all others are as they were
     EXPECT_TRUE(is_shown(*one) && !is_shown(*two));
 }
 

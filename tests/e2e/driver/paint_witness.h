@@ -2,9 +2,11 @@
 // which it forgets afterwards, and the layers whose vertices it has drawn.
 #pragma once
 
-#include "plugin/meshlab/plugin_bases.h"
+#include "tests/e2e/driver/empty_decorator.h"
 
-class PaintWitness : public QObject, public pcm::host::DecorateBase {
+#include <QPointer>
+
+class PaintWitness : public QObject, public EmptyDecorator {
     Q_OBJECT
     Q_INTERFACES(PCM_DECORATE_INTERFACE)
 
@@ -13,15 +15,12 @@ public:
     {
         area_->iPerDocDecoratorlist << &action_;
     }
-    ~PaintWitness() override { area_->iPerDocDecoratorlist.removeAll(&action_); }
+    ~PaintWitness() override
+    {
+        if (area_) area_->iPerDocDecoratorlist.removeAll(&action_);
+    }
 
-    QString pluginName() const override { return "PaintWitness"; }
-    QString decorationName(int) const override { return "Paint witness"; }
-    QString decorationInfo(int) const override { return {}; }
-    void initGlobalParameterList(PluginAction*, RichParameterList&) override {}
-    int getDecorationClass(PluginAction*) const override { return PerDocument; }
     bool startDecorate(PluginAction*, MeshDocument&, const RichParameterList*, GLArea*) override { return true; }
-    void decorateMesh(PluginAction*, MeshModel&, const RichParameterList*, GLArea*, QPainter*, GLLogStream&) override {}
     // The decorators of documents are called last.
     void decorateDoc(PluginAction*, MeshDocument& document, const RichParameterList*, GLArea*, QPainter*,
                      GLLogStream& log) override
@@ -44,6 +43,6 @@ public:
     int native_paints = 0;                              // with vertices of layers
 
 private:
-    GLArea* area_;
+    QPointer<GLArea> area_;
     QAction action_;
 };
