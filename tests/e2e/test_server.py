@@ -3,7 +3,11 @@
 import subprocess
 import unittest
 
-from meshlab import BUILD, SOURCE, MeshLabTest, pcmlab
+from meshlab import BUILD, SOURCE, MeshLabTest, needs_server, pcmlab
+
+
+def setUpModule():
+    needs_server()
 
 
 def build(inputs, output="", memory=256, threads=2, chunk=20000, overwrite=False, opened=False, fast=False, largest=0,

@@ -6,7 +6,11 @@ import math
 import random
 import unittest
 
-from meshlab import MeshLabTest, pcmlab
+from meshlab import MeshLabTest, needs_server, pcmlab
+
+
+def setUpModule():
+    needs_server()
 
 
 def flag(on):

@@ -4,7 +4,11 @@ import csv
 import json
 import unittest
 
-from meshlab import MeshLabTest, pcmlab
+from meshlab import MeshLabTest, needs_server, pcmlab
+
+
+def setUpModule():
+    needs_server()
 
 
 def flag(on):

@@ -73,7 +73,7 @@ TEST_F(AlignInMeshLab, TheFilterWritesAMovedTree)
     ASSERT_TRUE(call.apply()) << call.log();
     EXPECT_NE(call.log().find("RMS of the residuals: "), std::string::npos) << call.log();
     EXPECT_NE(call.log().find("pair 4: residual "), std::string::npos) << call.log();
-    ASSERT_EQ(call.document.meshList.size(), 1);
+    ASSERT_EQ(models_of(call.document).size(), 1u);
     const auto moved = PointCloud::open(folder_ / "moved.pct");
     EXPECT_EQ(moved->info().points, 5000u);
     for (const PointPair& pair : pairs_) EXPECT_LT(moved->nearest(pair.fixed, 1).points.front().distance(), 1e-7);
@@ -205,16 +205,16 @@ TEST_F(AlignInMeshLab, LayersShownAloneGiveTheOthersBack)
     MeshModel* const one = document.addNewMesh("", "one");
     MeshModel* const two = document.addNewMesh("", "two");
     MeshModel* const three = document.addNewMesh("", "three");
-    two->visible = false;
+    set_shown(*two, false);
     auto& solo = scene_of(document).part<SoloLayers>();
     solo.set(layer_of(*two), true);
-    EXPECT_TRUE(two->visible && !one->visible && !three->visible);
+    EXPECT_TRUE(is_shown(*two) && !is_shown(*one) && !is_shown(*three));
     solo.set(layer_of(*three), true);
-    EXPECT_TRUE(two->visible && !one->visible && three->visible);
+    EXPECT_TRUE(is_shown(*two) && !is_shown(*one) && is_shown(*three));
     solo.set(layer_of(*two), false);
-    EXPECT_TRUE(!two->visible && three->visible && solo.is_solo(layer_of(*three)));
-    document.delMesh(three);  // the last one: all others are as they were
-    EXPECT_TRUE(one->visible && !two->visible);
+    EXPECT_TRUE(!is_shown(*two) && is_shown(*three) && solo.is_solo(layer_of(*three)));
+    remove_model(document, *three);  // the last one: all others are as they were
+    EXPECT_TRUE(is_shown(*one) && !is_shown(*two));
 }
 
 TEST_F(AlignInMeshLab, BookmarksHaveNamesOfTheirOwnAndAreReadBack)

@@ -89,7 +89,7 @@ TEST_F(DrawnCopy, GoesWithItsLayer)
 
     draw_as_cloud(*layer_, {});
     const fs::path second = Registry::instance().drawn(*layer_)->cloud->tree()->folder();
-    document_.delMesh(layer_);
+    remove_model(document_, *layer_);
     EXPECT_FALSE(fs::exists(second));
 }
 

@@ -1,7 +1,8 @@
 // Applies the filters as MeshLab has them: through the plugin, with documents of MeshLab but without its window.
 #pragma once
 
-#include <common/interfaces.h>
+#include "plugin/meshlab/plugin_bases.h"
+#include "tests/plugin/choice.h"
 
 #include <QCoreApplication>
 #include <QPluginLoader>
@@ -14,15 +15,27 @@ namespace pcm::host {
 
 namespace fs = std::filesystem;
 
-inline MeshFilterInterface& plugin()
+inline FilterBase& plugin()
 {
-    static MeshFilterInterface* const loaded = [] {
+    static FilterBase* const loaded = [] {
         QPluginLoader loader(QCoreApplication::applicationDirPath() + "/../plugins/libpcm_filter.so");
-        auto* filters = qobject_cast<MeshFilterInterface*>(loader.instance());
+        auto* filters = dynamic_cast<FilterBase*>(loader.instance());
         if (!filters) throw std::runtime_error(loader.errorString().toStdString());
         return filters;
     }();
     return *loaded;
+}
+
+// As MeshLab does it; false: the filter has failed.
+inline bool apply(QAction* action, MeshDocument& document, const RichParameterList& parameters)
+{
+    plugin().setLog(&document.Log);
+    try {
+        plugin().run(action, document, parameters, nullptr);
+        return true;
+    } catch (const Failure&) {
+        return false;
+    }
 }
 
 inline QAction* action_of(const QString& name)
@@ -37,11 +50,17 @@ class FilterCall {
 public:
     explicit FilterCall(const QString& name) : action_(action_of(name))
     {
-        plugin().initParameterSet(action_, document, parameters_);
+        meet(document);
+        parameters_ = plugin().parameters_for(action_, document);
     }
     FilterCall& set(const char* name, const Value& value)
     {
-        parameters_.setValue(name, value);
+        parameters_.setValue(script_name_of(name), value);
+        return *this;
+    }
+    FilterCall& choose(const char* name, int number)
+    {
+        test::choose(parameters_, *test::find_choice(parameters_, script_name_of(name)), number);
         return *this;
     }
     FilterCall& set(const char* name, int value) { return set(name, IntValue(value)); }
@@ -51,11 +70,7 @@ public:
         return set(name, StringValue(QString::fromStdString(value.string())));
     }
     const RichParameterList& parameters() const { return parameters_; }
-    bool apply()
-    {
-        plugin().setLog(&document.Log);
-        return plugin().applyFilter(action_, document, parameters_, nullptr);
-    }
+    bool apply() { return host::apply(action_, document, parameters_); }
     std::string log() const
     {
         std::string text;

@@ -21,8 +21,7 @@ TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
         EXPECT_TRUE(names.insert(action->text()).second) << action->text().toStdString();
         EXPECT_FALSE(plugin().filterInfo(plugin().ID(action)).isEmpty());
         MeshDocument document;
-        RichParameterList parameters;
-        plugin().initParameterSet(action, document, parameters);
+        const RichParameterList parameters = plugin().parameters_for(action, document);
         EXPECT_FALSE(parameters.isEmpty());
         for (const RichParameter& parameter : parameters)
             EXPECT_TRUE(parameter.toolTip().contains("default", Qt::CaseInsensitive))
@@ -42,8 +41,8 @@ TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
 TEST(Filters, DefaultsOfRadiiAreThoseOfTheCommandLine)
 {
     FilterCall run("Estimate Normals of Point Cloud Tree");
-    EXPECT_EQ(run.parameters().getInt("RadiusNeighbours"), 6);
-    EXPECT_FLOAT_EQ(run.parameters().getFloat("RadiusLimit"), 2.5f);
+    EXPECT_EQ(run.parameters().getInt(script_name_of("RadiusNeighbours")), 6);
+    EXPECT_FLOAT_EQ(run.parameters().getFloat(script_name_of("RadiusLimit")), 2.5f);
 }
 
 // The plugin refuses what the library would refuse, by the parameter's label, and nothing else.
@@ -124,13 +123,13 @@ TEST(Filters, AnUpdateGoesIntoACopyOrInPlaceButNotIntoNeither)
     EXPECT_EQ(points(tree), 20000u);
     const std::uint64_t left = points(copy);
     EXPECT_LT(left, 20000u);
-    EXPECT_EQ(into_copy->document.meshList.size(), 1);  // a layer shows the copy
+    EXPECT_EQ(models_of(into_copy->document).size(), 1u);  // a layer shows the copy
 
     auto in_place = erase();
     ASSERT_TRUE(in_place->set("Output", folder / "ignored.pct").set("InPlace", true).apply()) << in_place->log();
     EXPECT_EQ(points(tree), left);
     EXPECT_FALSE(fs::exists(folder / "ignored.pct"));
-    EXPECT_TRUE(in_place->document.meshList.empty());
+    EXPECT_TRUE(models_of(in_place->document).empty());
 }
 
 TEST(Filters, BadLinesAndFilesAreSkippedWhereTheParametersSaySo)

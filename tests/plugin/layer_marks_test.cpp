@@ -27,9 +27,9 @@ struct Opened {
     Opened()
     {
         for (const char* file : files) document.addNewMesh(file, file);
-        document.meshList[3]->visible = false;
+        set_shown(*models_of(document)[3], false);
     }
-    MeshModel& layer(int number) { return *document.meshList[number]; }
+    MeshModel& layer(int number) { return *models_of(document)[std::size_t(number)]; }
 };
 
 bool wait_until(const std::function<bool()>& holds)
@@ -53,7 +53,7 @@ TEST(LayerMarks, AreKeptThroughTheirText)
     const QString text = layer_marks(scene_of(before.document));
 
     Opened after;  // as MeshLab opens it: what was hidden then is hidden
-    for (const int number : {1, 3}) after.layer(number).visible = false;
+    for (const int number : {1, 3}) set_shown(after.layer(number), false);
     after.document.setBusy(true);
     take_layer_marks(scene_of(after.document), text);
     QCoreApplication::processEvents();
@@ -70,12 +70,12 @@ TEST(LayerMarks, AreKeptThroughTheirText)
             << number;
         EXPECT_EQ(scene_of(after.document).part<SoloLayers>().is_solo(layer_of(after.layer(number))), number % 2 == 0)
             << number;
-        EXPECT_EQ(after.layer(number).visible, number % 2 == 0) << number;
+        EXPECT_EQ(is_shown(after.layer(number)), number % 2 == 0) << number;
     }
     EXPECT_EQ(layer_marks(scene_of(after.document)), text);
     for (const int number : {0, 2})
         scene_of(after.document).part<SoloLayers>().set(layer_of(after.layer(number)), false);
-    for (const int number : {0, 1, 2, 3}) EXPECT_EQ(after.layer(number).visible, number != 3) << number;
+    for (const int number : {0, 1, 2, 3}) EXPECT_EQ(is_shown(after.layer(number)), number != 3) << number;
 }
 
 TEST(LayerMarks, LayersThatAreGoneAreLeftOut)

@@ -118,7 +118,7 @@ TEST(LayerReader, KeepsWhatFloatWouldRound)
     EXPECT_EQ(read.xyz[0][0], 5000000.123456789);
     EXPECT_EQ(read.attributes[*info.schema.find("gps_time")].value(1), 123456789.123457);
     EXPECT_EQ(read.attributes[*info.schema.find("id")].value(0), 2147483647);
-    document.delMesh(layer);  // and its attributes, once
+    remove_model(document, *layer);  // and its attributes, once
 }
 
 // The double nearest to it is one that float has too, and another number.

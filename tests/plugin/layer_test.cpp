@@ -45,11 +45,11 @@ TEST(Layers, LiveAndDieWithTheirDocument)
         std::vector<int> gone;
         QObject::connect(&registry, &Registry::detached, &document,
                          [&](MeshDocument*, int mesh) { gone.push_back(mesh); });
-        document.delMesh(one);
+        remove_model(document, *one);
         EXPECT_EQ(gone, std::vector<int>{id});
         EXPECT_TRUE(registry.find(*two));
         EXPECT_TRUE(registry.origin_of(document));
-        document.delMesh(two);
+        remove_model(document, *two);
         EXPECT_FALSE(registry.origin_of(document));  // an empty document may start anew
 
         MeshModel* three = document.addNewMesh("three", "three");

@@ -97,7 +97,7 @@ TEST(Misfits, TheImportReportsThemBeforeTheLayerChanges)
         import_cloud(path, *second, {}, {}, [&](const std::vector<std::string>& reasons) { asked += reasons.size(); });
         EXPECT_EQ(asked, 1u);
         EXPECT_GT(second->cm.vert.size(), 0u);
-        document.delMesh(second);
+        remove_model(document, *second);
     }
 }
 

@@ -425,7 +425,7 @@ TEST_F(PrimitiveFilters, FitsWritesAndExtracts)
     EXPECT_EQ(PointCloud::open(part)->info().points, written[0].points);
     EXPECT_EQ(scene_of(call.document).part<PrimitiveBook>().list().size(), 1u);
     EXPECT_NE(call.log().find("  radius      "), std::string::npos) << call.log();
-    EXPECT_EQ(call.document.meshList.size(), 1) << "a layer of its points";
+    EXPECT_EQ(models_of(call.document).size(), 1u) << "a layer of its points";
     // An existing file is not replaced unasked.
     EXPECT_FALSE(call.apply());
     EXPECT_NE(call.log().find("exists"), std::string::npos) << call.log();
@@ -438,12 +438,12 @@ TEST_F(PrimitiveFilters, RefusedFitsLeaveNothing)
     call.set("Tree", tree_).set("OutputFile", json);
     EXPECT_FALSE(call.apply());
     EXPECT_NE(call.log().find("'Places' is needed"), std::string::npos) << call.log();
-    call.set("Places", StringValue("500008 4800008 100")).set("Shape", EnumValue(3));  // a sphere on the floor
+    call.set("Places", StringValue("500008 4800008 100")).choose("Shape", 3);  // a sphere on the floor
     EXPECT_FALSE(call.apply());
     EXPECT_NE(call.log().find("no sphere was fitted"), std::string::npos) << call.log();
     EXPECT_FALSE(fs::exists(json));
     EXPECT_TRUE(scene_of(call.document).part<PrimitiveBook>().list().empty());
-    call.set("Shape", EnumValue(1)).set("OutputFile", folder_ / "no.stl");
+    call.choose("Shape", 1).set("OutputFile", folder_ / "no.stl");
     EXPECT_FALSE(call.apply());
     EXPECT_NE(call.log().find("no.stl: the extension says no format"), std::string::npos) << call.log();
     call.set("OutputFile", json).set("Threshold", FloatValue(-1));

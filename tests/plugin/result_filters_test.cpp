@@ -66,7 +66,7 @@ TEST_F(ResultFilters, VoxelGridIntoANewTreeAndInPlace)
     FilterCall call(voxel_name);
     call.set("Tree", tree).set("VoxelSize", FloatValue(0.7f)).set("Count", true).set("Output", folder_ / "grid");
     ASSERT_TRUE(call.apply()) << call.log();
-    EXPECT_EQ(call.document.meshList.size(), 1);
+    EXPECT_EQ(models_of(call.document).size(), 1u);
     EXPECT_LT(points_in(grid), 5000u);
     EXPECT_TRUE(Tree::open(grid)->info().schema.find("point_count"));
     for (const std::string& word : {"points of 5,000, one for each voxel of 0.7", "at most", "peak memory"})
@@ -81,7 +81,7 @@ TEST_F(ResultFilters, VoxelGridIntoANewTreeAndInPlace)
     MeshModel* const layer = add_layer(in_place.document, tree);
     layer->cm.Tr = turned(30, 1, 2, 3);
     in_place.document.setCurrentMesh(layer->id());
-    in_place.set("VoxelSize", FloatValue(0.7f)).set("InPlace", true).set("Point", EnumValue(1));
+    in_place.set("VoxelSize", FloatValue(0.7f)).set("InPlace", true).choose("Point", 1);
     ASSERT_TRUE(in_place.apply()) << in_place.log();
     EXPECT_EQ(points_in(tree), Registry::instance().find(*layer)->cloud->info().points);
     EXPECT_LT(points_in(tree), 5000u);
@@ -110,7 +110,7 @@ TEST_F(ResultFilters, SubsampleToALevelASpacingAndANumber)
     ASSERT_TRUE(level.apply()) << level.log();
     EXPECT_EQ(points_in(folder_ / "level.pct"), levels[0].points_to_here);
     EXPECT_NE(level.log().find("(level 0, spacing " + brief(levels[0].spacing)), std::string::npos) << level.log();
-    EXPECT_EQ(level.document.meshList.size(), 1);
+    EXPECT_EQ(models_of(level.document).size(), 1u);
 
     FilterCall spacing(subsample_name);
     spacing.set("Tree", tree)
@@ -120,7 +120,7 @@ TEST_F(ResultFilters, SubsampleToALevelASpacingAndANumber)
     EXPECT_NE(spacing.log().find("spacing 0.9, exactly"), std::string::npos) << spacing.log();
 
     FilterCall number(subsample_name);
-    number.set("Tree", tree).set("InPlace", true).set("By", EnumValue(1)).set("Points", 1234).set("Exact", true);
+    number.set("Tree", tree).set("InPlace", true).choose("By", 1).set("Points", 1234).set("Exact", true);
     ASSERT_TRUE(number.apply()) << number.log();
     EXPECT_EQ(points_in(tree), 1234u);
 }
@@ -137,11 +137,11 @@ TEST_F(ResultFilters, TransformTakesTheLayersMatrix)
     ASSERT_TRUE(placement);
     ASSERT_TRUE(call.set("Output", moved).apply()) << call.log();
     EXPECT_EQ(points_in(moved), 5000u);
-    ASSERT_EQ(call.document.meshList.size(), 2);
-    MeshModel* const made = call.document.meshList.back();
+    ASSERT_EQ(models_of(call.document).size(), 2u);
+    MeshModel* const made = models_of(call.document).back();
     EXPECT_EQ(made->cm.Tr, Matrix44m::Identity());
     EXPECT_FALSE(placement_of(*made, *Registry::instance().find(*made)));
-    EXPECT_TRUE(made->visible && !layer->visible);
+    EXPECT_TRUE(is_shown(*made) && !is_shown(*layer));
     // Both layers are samples of all of these points.
     const auto before = shown(*layer), after = shown(*made);
     ASSERT_EQ(before.size(), after.size());
@@ -165,23 +165,23 @@ TEST_F(ResultFilters, AResultTakesThePlaceOfItsCloud)
     call.document.setCurrentMesh(layer->id());
     ASSERT_TRUE(call.set("Where", fs::path("intensity < 0")).set("Output", folder_ / "same.pct").apply()) << call.log();
     MeshModel* const made = call.document.mm();
-    ASSERT_EQ(made, call.document.meshList.back());
+    ASSERT_EQ(made, models_of(call.document).back());
     EXPECT_EQ(made->cm.Tr, layer->cm.Tr);
-    EXPECT_TRUE(made->visible && !layer->visible);
-    EXPECT_TRUE(first->visible && unrelated->visible) << "which were not replaced";
+    EXPECT_TRUE(is_shown(*made) && !is_shown(*layer));
+    EXPECT_TRUE(is_shown(*first) && is_shown(*unrelated)) << "which were not replaced";
     EXPECT_NE(call.log().find("is shown in its place"), std::string::npos) << call.log();
 
     ASSERT_TRUE(call.set("Where", fs::path("intensity >= 0")).set("Output", folder_ / "none.pct").apply())
         << call.log();
     EXPECT_EQ(call.document.mm(), made);
-    EXPECT_TRUE(made->visible);
+    EXPECT_TRUE(is_shown(*made));
     EXPECT_NE(call.log().find("has no points, so no layer shows it"), std::string::npos) << call.log();
 
     // A tree that is named, and not the current layer's.
     call.set("Tree", other).set("Where", fs::path("intensity < 0")).set("Output", folder_ / "other.pct");
     ASSERT_TRUE(call.apply()) << call.log();
-    EXPECT_FALSE(unrelated->visible);
-    EXPECT_TRUE(made->visible);
+    EXPECT_FALSE(is_shown(*unrelated));
+    EXPECT_TRUE(is_shown(*made));
 }
 
 TEST_F(ResultFilters, NamesOfResultsAreFree)
@@ -245,18 +245,18 @@ TEST_F(ResultFilters, MergeOfVisibleLayersWhereTheirMatricesPutThem)
     EXPECT_NE(call.log().find("no trees to merge"), std::string::npos) << call.log();
     add_layer(call.document, one);
     add_layer(call.document, two)->cm.Tr = turned(0, 1000, 0, 0);
-    add_layer(call.document, hidden)->visible = false;
+    set_shown(*add_layer(call.document, hidden), false);
     ASSERT_TRUE(call.set("SourceId", true).apply()) << call.log();
     const auto merged = Tree::open(folder_ / "merged.pct");
     EXPECT_EQ(merged->info().points, 9000u);
     const double end = Tree::open(two)->info().bounds().max[0] + 1000;
     EXPECT_NEAR(merged->info().bounds().max[0], end, 1e-3);
-    ASSERT_EQ(call.document.meshList.size(), 4);
-    EXPECT_EQ(call.document.meshList.back()->cm.Tr, Matrix44m::Identity());
+    ASSERT_EQ(models_of(call.document).size(), 4u);
+    EXPECT_EQ(models_of(call.document).back()->cm.Tr, Matrix44m::Identity());
     // It is shown in place of those that were merged.
-    for (const MeshModel* layer : call.document.meshList)
-        EXPECT_EQ(layer->visible, layer == call.document.meshList.back());
-    EXPECT_EQ(call.document.mm(), call.document.meshList.back());
+    for (const MeshModel* layer : models_of(call.document))
+        EXPECT_EQ(is_shown(*layer), layer == models_of(call.document).back());
+    EXPECT_EQ(call.document.mm(), models_of(call.document).back());
     for (const std::string& word : {"points of 2 trees", "has a matrix: it is applied", "source_id 2: b.pct",
                                     "coordinate system:", "grid: steps 0.001 0.001 0.001"})
         EXPECT_NE(call.log().find(word), std::string::npos) << word << " is not in\n" << call.log();

@@ -30,7 +30,7 @@ TEST(RichParameters, KeepNamesValuesTextsAndChoices)
     EXPECT_EQ(list.getEnum("Choice"), 1);
     EXPECT_EQ(list.getFloat("Size"), 0.1f);
     EXPECT_EQ(list.getColor("Colour"), QColor(10, 20, 30));
-    list.addParam(RichPoint3f("Theirs", Point3m(1, 0, 2)));  // a type that ours do not have
+    list.addParam(RichMatrix44f("Theirs", Matrix44m::Identity()));  // a type that ours do not have
     const Parameters before = examples(), after = parameters_of(list);
     EXPECT_FALSE(after.has("Theirs"));
     for (const Parameter& p : before) {

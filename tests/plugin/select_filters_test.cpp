@@ -46,18 +46,20 @@ protected:
                const std::vector<std::pair<const char*, bool>>& flags = {})
     {
         QAction* const action = action_of(filter);
-        RichParameterList parameters;
-        plugin().initParameterSet(action, document_, parameters);
-        for (const auto& [name, text] : texts) parameters.setValue(name, StringValue(QString::fromStdString(text)));
+        meet(document_);
+        RichParameterList parameters = plugin().parameters_for(action, document_);
+        const auto set = [&](const char* name, const Value& value) {
+            parameters.setValue(script_name_of(name), value);
+        };
+        for (const auto& [name, text] : texts) set(name, StringValue(QString::fromStdString(text)));
         for (const auto& [name, number] : numbers) {
-            if (name == std::string("Operation"))
-                parameters.setValue(name, EnumValue(number));
+            if (const RichEnum* choice = test::find_choice(parameters, script_name_of(name)))
+                test::choose(parameters, *choice, number);
             else
-                parameters.setValue(name, IntValue(number));
+                set(name, IntValue(number));
         }
-        for (const auto& [name, flag] : flags) parameters.setValue(name, BoolValue(flag));
-        plugin().setLog(&document_.Log);
-        return plugin().applyFilter(action, document_, parameters, nullptr);
+        for (const auto& [name, flag] : flags) set(name, BoolValue(flag));
+        return host::apply(action, document_, parameters);
     }
     std::string log() const
     {
@@ -141,12 +143,12 @@ TEST_F(SelectFilters, WhatIsSelectedIsSavedExtractedClassifiedAndDeleted)
     ASSERT_TRUE(apply("Selected Points: Save as Attribute", {{"Attribute", "yard"}, {"Output", copy}})) << log();
     EXPECT_EQ(count(copy, "", "yard=1"), wanted_);
     // The copy is shown in place of the cloud, whose selection is used up until undo brings it back.
-    ASSERT_EQ(document_.meshList.size(), 2);
-    EXPECT_EQ(document_.mm(), document_.meshList.back());
-    EXPECT_TRUE(document_.mm()->visible);
-    EXPECT_FALSE(layer_->visible);
+    ASSERT_EQ(models_of(document_).size(), 2u);
+    EXPECT_EQ(document_.mm(), models_of(document_).back());
+    EXPECT_TRUE(is_shown(*document_.mm()));
+    EXPECT_FALSE(is_shown(*layer_));
     EXPECT_EQ(selected(), 0u);
-    layer_->visible = true;
+    set_shown(*layer_, true);
     document_.setCurrentMesh(layer_->id());
     scene_of(document_).part<SceneState>().undo(layer_of(*layer_));
     EXPECT_EQ(selected(), wanted_);
@@ -155,8 +157,8 @@ TEST_F(SelectFilters, WhatIsSelectedIsSavedExtractedClassifiedAndDeleted)
     ASSERT_TRUE(apply("Selected Points: Extract", {{"Output", part}})) << log();
     EXPECT_EQ(count(part, "", ""), wanted_);
     // A part does not replace the cloud; it lies where the cloud lies.
-    ASSERT_EQ(document_.meshList.size(), 3);
-    EXPECT_TRUE(layer_->visible);
+    ASSERT_EQ(models_of(document_).size(), 3u);
+    EXPECT_TRUE(is_shown(*layer_));
     EXPECT_EQ(document_.mm()->cm.Tr, layer_->cm.Tr);
     EXPECT_EQ(selected(), wanted_);
     layer_->cm.Tr.SetIdentity();

@@ -69,11 +69,11 @@ std::vector<FitNumber> search_numbers()
 
 }  // namespace
 
-const ops::Argument& fit_argument(const std::string& key)
+const ops::Argument& fit_argument(std::string_view key)
 {
     static const std::unique_ptr<ops::Operation> operation = ops::find_operation("fit")->make();
-    const ops::Argument* const argument = operation->arguments().find(key);
-    if (!argument) throw std::logic_error("the operation fit has no argument " + key);
+    const ops::Argument* const argument = operation->arguments().find(std::string(key));
+    if (!argument) throw std::logic_error("the operation fit has no argument " + std::string(key));
     return *argument;
 }
 

@@ -8,6 +8,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace pcm::host {
@@ -25,7 +26,7 @@ struct FitSettings {
 
 // An argument of the operation `fit`, whose label, default, limits and help the panel shows. Throws std::logic_error
 // where there is none of this key.
-const ops::Argument& fit_argument(const std::string& key);
+const ops::Argument& fit_argument(std::string_view key);
 QString tooltip_of(const ops::Argument& argument);  // with unit and default
 
 // A number of the settings: an argument of the operation `fit`.

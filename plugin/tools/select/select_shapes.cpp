@@ -54,7 +54,7 @@ void SelectTool::look_at_brush()
         if (!view_ || !answer.final || !answer.point) return;
         guarded([&] {
             take_brush_place(*answer.point);
-            draw();
+            show_shape();
         });
     });
 }

@@ -162,7 +162,7 @@ ScreenShape SelectTool::brush_ring() const
 }
 
 // The shape and the brush's ring between the near and the far plane, so that they are seen from here.
-void SelectTool::draw()
+void SelectTool::show_shape()
 {
     const auto map = map_of(*view_);
     std::vector<Annotation> drawing;
@@ -187,7 +187,7 @@ void SelectTool::reset()
     waiting_.clear();
     stroke_.clear();
     picking_ = left_down_ = dragged_ = false;
-    if (view_) draw();
+    if (view_) show_shape();
 }
 
 bool SelectTool::cancel()
@@ -235,12 +235,12 @@ void SelectTool::mouseMoveEvent(QMouseEvent* event)
         const Shape shape = panel_->shape();
         if (shape == Shape::rectangle && !shape_.empty()) {
             shape_ = rectangle_of(shape_.front(), event->pos());
-            draw();
+            show_shape();
         } else if (shape == Shape::lasso && dragged_ && !shape_.empty()) {
             const QPointF last = shape_.back();
             if (std::hypot(event->pos().x() - last.x(), event->pos().y() - last.y()) >= corner_px)
                 shape_.push_back(event->pos());
-            draw();
+            show_shape();
         } else if (shape == Shape::brush && far >= stroke_step()) {
             stroke_to(event->pos(), false);
         }
@@ -265,7 +265,7 @@ void SelectTool::mouseReleaseEvent(QMouseEvent* event)
             case Shape::lasso:
                 if (dragged_) return finish_shape();
                 if (shape_.back() != QPointF(event->pos())) shape_.push_back(event->pos());
-                return draw();
+                return show_shape();
             case Shape::brush:
                 if (!picking_ && waiting_.empty()) finish_stroke();
                 return;
@@ -293,7 +293,7 @@ void SelectTool::keyPressEvent(QKeyEvent* event)
         } else if (event->key() == Qt::Key_Backspace) {
             event->accept();
             shape_.pop_back();
-            draw();
+            show_shape();
         }
     });
 }
@@ -307,7 +307,7 @@ void SelectTool::hover_at(std::optional<QPointF> place)
         rest_.start();
     else
         rest_.stop();
-    draw();
+    show_shape();
 }
 
 bool SelectTool::eventFilter(QObject* receiver, QEvent* event)
@@ -320,7 +320,7 @@ bool SelectTool::eventFilter(QObject* receiver, QEvent* event)
         if (panel_->shape() == SelectPanel::Shape::lasso && !shape_.empty())
             guarded([&] {
                 cursor_ = static_cast<QMouseEvent*>(event)->pos();
-                draw();
+                show_shape();
             });
         return true;
     }

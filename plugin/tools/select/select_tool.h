@@ -50,7 +50,7 @@ private:
         if (panel_) panel_->say(text);
     }
     void show();
-    void draw();
+    void show_shape();
     void hover_at(std::optional<QPointF> place);
     ScreenShape brush_ring() const;  // around the cursor; empty: none is shown
     double brush_px() const;         // what is typed, or what the points under the cursor need

@@ -4,10 +4,6 @@
 #include "tests/e2e/driver/paint_witness.h"
 #include "tests/e2e/driver/start_over.h"
 
-#include <common/GLLogStream.h>
-#include <common/interfaces.h>
-#include <meshlab/glarea.h>
-
 #include <QApplication>
 #include <QFile>
 #include <QMainWindow>

@@ -7,16 +7,15 @@
 // is for a MeshLab that starts over after each script, with the command start-over.
 #pragma once
 
+#include "tests/e2e/driver/empty_decorator.h"
+
 #include <QByteArray>
 #include <QElapsedTimer>
 #include <QObject>
 #include <QStringList>
-#include <QtPlugin>
 
 #include <memory>
 
-class GLArea;
-class MeshDocument;
 class PaintWitness;
 class QMainWindow;
 class StartOver;
@@ -25,9 +24,11 @@ enum class Done { yes, not_yet };
 
 void say(const QString& text);
 
-class TestDriver : public QObject {
+class TestDriver : public QObject, public EmptyDecorator {
     Q_OBJECT
-    Q_PLUGIN_METADATA(IID "pcm.TestDriver/1.0")
+    MESHLAB_PLUGIN_IID_EXPORTER(PCM_DECORATE_IID)
+    Q_INTERFACES(PCM_DECORATE_INTERFACE)
+
 public:
     TestDriver();
     ~TestDriver() override;

@@ -1,7 +1,6 @@
+#include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/commands.h"
 #include "tests/e2e/driver/paint_witness.h"
-
-#include <meshlab/glarea.h>
 
 #include <QFile>
 #include <QGuiApplication>
@@ -50,7 +49,7 @@ Done memory(TestDriver&, const QString& name)
 
 Done print_layers(TestDriver& driver, const QString&)
 {
-    for (const MeshModel* layer : driver.document()->meshList) {
+    for (const MeshModel* layer : pcm::host::models_of(*driver.document())) {
         QStringList attributes;
         for (const auto& attribute : layer->cm.vert_attr) attributes << QString::fromStdString(attribute._name);
         Box3m box;
@@ -60,7 +59,7 @@ Done print_layers(TestDriver& driver, const QString&)
         say("layer " + compact({{"label", layer->label()},
                                 {"vertices", layer->cm.vn},
                                 {"faces", layer->cm.fn},
-                                {"visible", layer->visible},
+                                {"visible", pcm::host::is_shown(*layer)},
                                 {"shown", driver.area()->meshVisibilityMap.value(layer->id())},
                                 {"current", layer == driver.document()->mm()},
                                 {"matrix", matrix},
@@ -124,8 +123,9 @@ Done print_parameters(TestDriver& driver, const QString& name)
         if (!parameter.name().startsWith("MeshLab::PointCloud::")) continue;
         if (!parameter.toolTip().contains("efault")) without_default << parameter.name();
         const Value& value = parameter.value();
+        const auto choice = pcm::host::choice_of(value);
         values[parameter.name().section("::", -1)] = value.isFloat()    ? QJsonValue(double(value.getFloat()))
-                                                     : value.isEnum()   ? QJsonValue(value.getEnum())
+                                                     : choice           ? QJsonValue(*choice)
                                                      : value.isBool()   ? QJsonValue(value.getBool())
                                                      : value.isInt()    ? QJsonValue(value.getInt())
                                                      : value.isColor()  ? QJsonValue(value.getColor().name())

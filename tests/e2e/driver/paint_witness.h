@@ -2,40 +2,39 @@
 // which it forgets afterwards, and the layers whose vertices it has drawn.
 #pragma once
 
-#include <common/GLLogStream.h>
-#include <common/interfaces.h>
-#include <meshlab/glarea.h>
+#include "tests/e2e/driver/empty_decorator.h"
 
-class PaintWitness : public QObject, public MeshDecorateInterface {
+#include <QPointer>
+
+class PaintWitness : public QObject, public EmptyDecorator {
     Q_OBJECT
-    Q_INTERFACES(MeshDecorateInterface)
+    Q_INTERFACES(PCM_DECORATE_INTERFACE)
 
 public:
     explicit PaintWitness(GLArea* area) : area_(area), action_("Paint witness", this)
     {
         area_->iPerDocDecoratorlist << &action_;
     }
-    ~PaintWitness() override { area_->iPerDocDecoratorlist.removeAll(&action_); }
+    ~PaintWitness() override
+    {
+        if (area_) area_->iPerDocDecoratorlist.removeAll(&action_);
+    }
 
-    QString pluginName() const override { return "PaintWitness"; }
-    QString decorationName(FilterIDType) const override { return "Paint witness"; }
-    QString decorationInfo(FilterIDType) const override { return {}; }
-    int getDecorationClass(QAction*) const override { return PerDocument; }
-    bool startDecorate(QAction*, MeshDocument&, const RichParameterList*, GLArea*) override { return true; }
-    void decorateMesh(QAction*, MeshModel&, const RichParameterList*, GLArea*, QPainter*, GLLogStream&) override {}
+    bool startDecorate(PluginAction*, MeshDocument&, const RichParameterList*, GLArea*) override { return true; }
     // The decorators of documents are called last.
-    void decorateDoc(QAction*, MeshDocument& document, const RichParameterList*, GLArea*, QPainter*,
+    void decorateDoc(PluginAction*, MeshDocument& document, const RichParameterList*, GLArea*, QPainter*,
                      GLLogStream& log) override
     {
         boxes = log.realTimeLogMultiMap();
         if (document.isBusy()) return;  // MeshLab has drawn the background only
         bool native = false;
-        for (const MeshModel* layer : document.meshList) {
+        const std::vector<MeshModel*> layers = pcm::host::models_of(document);
+        for (const MeshModel* layer : layers) {
             MLRenderingData data;
             area_->mvc()->sharedDataContext()->getRenderInfoPerMeshView(layer->id(), area_->context(), data);
             native |= layer->cm.vn > 0 && data.isPrimitiveActive(MLRenderingData::PR_POINTS);
         }
-        paints += !document.meshList.empty();
+        paints += !layers.empty();
         native_paints += native;
     }
 
@@ -44,6 +43,6 @@ public:
     int native_paints = 0;                              // with vertices of layers
 
 private:
-    GLArea* area_;
+    QPointer<GLArea> area_;
     QAction action_;
 };

@@ -1,7 +1,6 @@
 // The panels of tools: fields and tables by the names of their objects, and keys as the window system sends them.
+#include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/commands.h"
-
-#include <meshlab/glarea.h>
 
 #include <QApplication>
 #include <QCheckBox>

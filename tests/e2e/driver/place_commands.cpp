@@ -1,7 +1,6 @@
 // Clicks at places of the scene, and the table of a panel as text.
+#include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/commands.h"
-
-#include <meshlab/glarea.h>
 
 #include <QApplication>
 #include <QJsonArray>

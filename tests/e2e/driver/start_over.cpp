@@ -2,8 +2,6 @@
 
 #include "tests/e2e/driver/paint_witness.h"
 
-#include <meshlab/glarea.h>
-
 #include <QApplication>
 #include <QDockWidget>
 #include <QMainWindow>
@@ -41,7 +39,8 @@ void close_documents(TestDriver& driver)
     for (QMdiSubWindow* document : documents_of(driver).subWindowList()) {
         for (QWidget* widget : document->findChildren<QWidget*>())
             if (widget->inherits("GLArea"))
-                for (MeshModel* layer : static_cast<GLArea*>(widget)->md()->meshList) layer->setMeshModified(false);
+                for (MeshModel* layer : pcm::host::models_of(*static_cast<GLArea*>(widget)->md()))
+                    layer->setMeshModified(false);
         document->close();
     }
 }

@@ -1,10 +1,8 @@
 // Brings MeshLab back to its beginning after a test, so that the next test finds what it would find in a new MeshLab.
 #pragma once
 
+#include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/driver.h"
-
-#include <common/GLLogStream.h>
-#include <common/interfaces.h>
 
 #include <QMap>
 #include <QVariant>

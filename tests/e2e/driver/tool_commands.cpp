@@ -1,7 +1,6 @@
 // Mouse and keys for the tools of point clouds, and what those tools publish.
+#include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/commands.h"
-
-#include <meshlab/glarea.h>
 
 #include <QApplication>
 #include <QJsonDocument>

@@ -1,6 +1,5 @@
+#include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/commands.h"
-
-#include <meshlab/glarea.h>
 
 #include <QApplication>
 #include <QKeyEvent>

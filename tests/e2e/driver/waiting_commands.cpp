@@ -1,6 +1,5 @@
+#include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/commands.h"
-
-#include <meshlab/glarea.h>
 
 #include <QApplication>
 #include <QFile>
@@ -31,7 +30,8 @@ Done wait_layers(TestDriver& driver, const QString& argument)
     // While MeshLab opens a file it handles events, so scripts run: the layer exists before it is complete.
     MeshDocument* document = driver.document();
     const bool complete = driver.opening == 0 && document && !document->isBusy();
-    return driver.until(complete && document->meshList.size() == argument.toInt(), argument + " layers");
+    return driver.until(complete && int(pcm::host::models_of(*document).size()) == argument.toInt(),
+                        argument + " layers");
 }
 
 // The status of a frame that starts now: that of the last frame may be about another view.

@@ -1,7 +1,7 @@
+#include "plugin/meshlab/meshlab.h"
 #include "tests/e2e/driver/commands.h"
 #include "tests/e2e/driver/start_over.h"
-
-#include <meshlab/glarea.h>
+#include "tests/plugin/choice.h"
 
 #include <QAbstractButton>
 #include <QAction>
@@ -151,8 +151,8 @@ Done parameter(TestDriver& driver, const QString& argument)
     const double number = argument.section('=', 1).toDouble();
     if (value.isFloat())
         parameters->setValue(name, FloatValue(static_cast<float>(number)));
-    else if (value.isEnum())
-        parameters->setValue(name, EnumValue(static_cast<int>(number)));
+    else if (const RichEnum* choice = pcm::test::find_choice(*parameters, name))
+        pcm::test::choose(*parameters, *choice, static_cast<int>(number));
     else if (value.isBool())
         parameters->setValue(name, BoolValue(number != 0));
     else if (value.isString())
