@@ -3,6 +3,7 @@
 
 #include "pcm/cloud/geometry.h"
 
+#include <utility>
 #include <vector>
 
 namespace pcm {
