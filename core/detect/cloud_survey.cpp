@@ -3,6 +3,7 @@
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/local_surface.h"
 #include "pcm/detect/tuning.h"
+#include "pcm/knn/unit_plan.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,8 @@ namespace pcm {
 namespace {
 
 constexpr std::size_t patches_per_place = 200;
+constexpr std::size_t places_per_region = 3;
+constexpr double place_points = 2000;
 
 // Patches of a sample.
 class Patches {
@@ -55,6 +58,41 @@ double noise_at(const SurfaceSample& sample, const std::vector<std::uint32_t>& p
     return noise;
 }
 
+Vec3i middle_of(const Box3i& box)
+{
+    Vec3i middle;
+    for (std::size_t a = 0; a < 3; ++a) middle[a] = box.min[a] + (box.max[a] - box.min[a]) / 2;
+    return middle;
+}
+
+// All regions of a group are quiet where more than half of them are: few gaps in the middle of a plant.
+void fill_groups(const std::vector<Box3i>& regions, const std::vector<Box3i>& groups, std::vector<std::uint8_t>& quiet)
+{
+    for (const Box3i& group : groups) {
+        std::vector<std::size_t> inside;
+        std::size_t count = 0;
+        for (std::size_t r = 0; r < regions.size(); ++r)
+            if (group.contains(middle_of(regions[r]))) {
+                inside.push_back(r);
+                count += quiet[r];
+            }
+        if (2 * count <= inside.size()) continue;
+        for (const std::size_t r : inside) quiet[r] = 1;
+    }
+}
+
+// About place_points in a box: half by half the one with more points, but for half number `i` from the first on, which
+// is the other; 0: none is.
+Box3i dense_place(const Tree& tree, Box3i box, std::size_t i)
+{
+    for (std::size_t step = 1;; ++step) {
+        const std::vector<Box3i> halves = halves_of(box, tree.info().grid.scale);
+        if (halves.empty() || estimated_points(tree, box) <= place_points) return box;
+        const bool second = estimated_points(tree, halves[1]) > estimated_points(tree, halves[0]);
+        box = halves[second != (step == i)];
+    }
+}
+
 double quantile(std::vector<double>& values, double share)
 {
     if (values.empty()) return 0;
@@ -87,7 +125,30 @@ CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& p
     const SurveyTuning& tuned = detect_tuning().survey;
     survey.noise = std::min(tuned.lower_factor * quantile(noises, tuned.lower_quantile),
                             tuned.upper_factor * quantile(noises, tuned.upper_quantile));
+    survey.least_noise = quantile(noises, tuned.quiet_quantile);
     return survey;
+}
+
+CloudPart quiet_part(const ChosenPoints& points, const std::vector<Box3i>& regions, const std::vector<Box3i>& groups,
+                     double noise, const std::function<void()>& check)
+{
+    const double most = detect_tuning().survey.quiet_share * noise;
+    const auto is_quiet = [&](const Box3i& place) {
+        const double found = survey_cloud(points, {place}, check).least_noise;
+        return found > 0 && found < most;
+    };
+    std::vector<std::uint8_t> quiet(regions.size(), 0);
+    // The densest place of each region, and others where one is quiet: then a region may be whose first one is a tree.
+    for (std::size_t i = 0; i < places_per_region; ++i) {
+        if (i == 1 && std::count(quiet.begin(), quiet.end(), 1) == 0) return {};
+        for (std::size_t r = 0; r < regions.size(); ++r)
+            if (!quiet[r]) quiet[r] = is_quiet(dense_place(points.tree(), regions[r], i));
+    }
+    fill_groups(regions, groups, quiet);
+    std::vector<Box3i> boxes;
+    for (std::size_t r = 0; r < regions.size(); ++r)
+        if (quiet[r]) boxes.push_back(regions[r]);
+    return boxes.empty() || boxes.size() == regions.size() ? CloudPart() : CloudPart(std::move(boxes));
 }
 
 }  // namespace pcm

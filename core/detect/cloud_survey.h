@@ -8,12 +8,20 @@
 namespace pcm {
 
 struct CloudSurvey {
-    double spacing = 0;  // typical distance of neighbours on surfaces, source units
-    double noise = 0;    // standard deviation of points across the smooth surfaces that they lie on, source units
+    double spacing = 0;      // typical distance of neighbours on surfaces, source units
+    double noise = 0;        // standard deviation of points across the smooth surfaces that they lie on, source units
+    double least_noise = 0;  // the same where it is low (SurveyTuning::quiet_quantile)
 };
 
 // `check` is called now and then; it may throw. Throws what reading throws. Zeros where nothing is known.
 CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& places,
                          const std::function<void()>& check);
+
+// The part of the cloud whose noise is far below `noise`, that of the whole: what a dense scan within one from farther
+// away is. Among `regions`, which share no position and hold all points, by the noise of small places in each;
+// `groups`, larger ones, fill gaps. The whole cloud where there is no such part, or nothing else. Throws what reading
+// and `check` throw.
+CloudPart quiet_part(const ChosenPoints& points, const std::vector<Box3i>& regions, const std::vector<Box3i>& groups,
+                     double noise, const std::function<void()>& check);
 
 }  // namespace pcm

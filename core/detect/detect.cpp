@@ -2,6 +2,8 @@
 //
 // 1. Survey (cloud_survey.h): spacing and noise at a few places. From them come the threshold, and the size of the
 //    cells of which one point each is looked at: shapes need many points, but none nearer than their noise is wide.
+//    A part of the cloud that has far less noise than the rest is searched by itself, with a survey of its own
+//    (quiet_part()), and both results are joined (joined_report.h).
 // 2. Search, from coarse to fine: at each resolution the cloud is divided into boxes of about as many sample points,
 //    which are searched by all threads (shape_search.h), without points that coarser shapes explain. So a large shape
 //    is found in one piece, and a small one at the density that shows it. Shapes of different boxes that are one
@@ -17,6 +19,7 @@
 #include "pcm/detect/cloud_survey.h"
 #include "pcm/detect/final_fit.h"
 #include "pcm/detect/hypotheses.h"
+#include "pcm/detect/joined_report.h"
 #include "pcm/detect/point_labels.h"
 #include "pcm/detect/shape_search.h"
 #include "pcm/detect/surface_sample.h"
@@ -24,6 +27,7 @@
 #include "pcm/detect/wider_shapes.h"
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/knn/unit_plan.h"
+#include "pcm/place/progress_part.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "pcm/threads/for_each_index.h"
@@ -42,6 +46,7 @@ constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // memory of a thread for them
 constexpr std::uint64_t survey_points = 20000;
 constexpr std::size_t survey_places = 24;
+constexpr std::uint64_t region_points = 40000;  // points of a region whose noise is compared with the cloud's
 constexpr double most_step_cells = 128;  // cells of the sample in a step: all within a step of a unit is in memory
 constexpr double margin_cells = 8;
 
@@ -84,17 +89,24 @@ void check(const DetectOptions& options, const std::filesystem::path& tree)
 
 class Detection {
 public:
-    Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
-        : tree_(tree), options_(options), points_(tree, options.limit), watch_(options.progress)
+    Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options, CloudPart part = {})
+        : tree_(tree), options_(options), points_(tree, options.limit, std::move(part)), watch_(options.progress)
     {
         const std::uint64_t most = std::max<std::uint64_t>(1, options.memory_bytes / unit_bytes);
         threads_ = static_cast<unsigned>(std::min<std::uint64_t>(thread_count(options.threads), most));
     }
 
+    // The part that has to be searched by itself; the whole: none has.
+    CloudPart quiet()
+    {
+        if (!survey() || options_.threshold > 0) return {};
+        return quiet_part(points_, plan(region_points), plan(4 * region_points), report_.noise,
+                          [&] { watch_.report("Looking at the cloud", 0.01); });
+    }
+
+    // After quiet(), or for a part.
     DetectReport run()
     {
-        check(options_, tree_->folder());
-        watch_.report("Looking at the cloud", 0, true);
         report_.labels = std::make_shared<PointLabels>(*tree_);
         if (survey()) {
             for (Resolution& resolution : resolutions()) search(resolution);
@@ -113,6 +125,9 @@ public:
 private:
     bool survey()
     {
+        if (is_surveyed_) return report_.spacing > 0;
+        is_surveyed_ = true;
+        watch_.report("Looking at the cloud", 0, true);
         const std::vector<Box3i> all = plan(survey_points);
         std::vector<Box3i> places;
         const std::size_t count = std::min(all.size(), survey_places);
@@ -148,7 +163,8 @@ private:
         const Selector selector(options_.limit, tree_->info().schema);
         std::vector<Box3i> boxes;
         for (const Box3i& box : plan_units(*tree_, count))
-            if (selector.relation(points_.source_box(box)) != BoxRelation::outside) boxes.push_back(box);
+            if (points_.part().touches(box) && selector.relation(points_.source_box(box)) != BoxRelation::outside)
+                boxes.push_back(box);
         return boxes;
     }
 
@@ -401,6 +417,7 @@ private:
     const ChosenPoints points_;
     Watch watch_;
     unsigned threads_ = 1;
+    bool is_surveyed_ = false;
     double progress_ = 0.02;
     std::vector<Hypothesis> hypotheses_;
     DetectReport report_;
@@ -418,7 +435,15 @@ std::vector<ShapeKind> detected_kinds()
 
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
 {
-    return Detection(tree, options).run();
+    check(options, tree->folder());
+    Detection whole(tree, options);
+    const CloudPart quiet = whole.quiet();
+    if (quiet.is_whole()) return whole.run();
+    DetectOptions first = options, second = options;
+    first.progress = part_of(options.progress, 0.02, 0.5);
+    second.progress = part_of(options.progress, 0.5, 1);
+    DetectReport rest = Detection(tree, first, quiet.others()).run();
+    return joined(*tree, std::move(rest), Detection(tree, second, quiet).run());
 }
 
 }  // namespace pcm

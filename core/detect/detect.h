@@ -42,7 +42,8 @@ struct DetectOptions {
 struct DetectReport {
     Outcome outcome;                    // in: points that the selection chooses; out: points that belong to a primitive
     std::vector<Primitive> primitives;  // most points first; label = place in the list + 1
-    // Values used; step 0: as the spacing allows. A primitive may have a larger threshold of its own
+    // Values used; step 0: as the spacing allows. Where a part of the cloud has far less noise and no threshold was
+    // given, those of the rest; a note says the part's. A primitive may have a larger threshold of its own
     // (Primitive::fit.threshold), up to eight times, where its surface is rougher than the cloud's noise.
     double threshold = 0, step = 0;
     double spacing = 0, noise = 0;  // those of the cloud, source units, estimated at a few places

@@ -99,8 +99,8 @@ void cut_edges(SurfaceSample& sample, double step, double cell)
 
 }  // namespace
 
-ChosenPoints::ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit)
-    : tree_(tree), boxes_(tree), selector_(limit, tree->info().schema), rounding_(tree->info())
+ChosenPoints::ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit, CloudPart part)
+    : tree_(tree), boxes_(tree), selector_(limit, tree->info().schema), part_(std::move(part)), rounding_(tree->info())
 {
 }
 
@@ -118,7 +118,9 @@ void ChosenPoints::visit(const Box3i& box, std::uint16_t level, const std::funct
     for (const NodeId node : boxes_.nodes(box)) {
         if (tree_->node(node).first_level > level) continue;
         const BoxRelation relation = selector_.relation(source_box(tree_->node(node).box));
-        if (relation == BoxRelation::outside) continue;
+        const CloudPart here = part_.within(tree_->node(node).box);
+        if (relation == BoxRelation::outside || !here.touches(tree_->node(node).box)) continue;
+        const bool is_all = here.is_whole();
         const ChunkPart part = tree_->read_chunk_part(
             node, columns, [&](const Box3i& b, std::uint16_t l) { return l <= level && touches(b); });
         Some some;
@@ -129,7 +131,8 @@ void ChosenPoints::visit(const Box3i& box, std::uint16_t level, const std::funct
         for (std::size_t s = 0; s < part.count.size(); ++s) {
             std::vector<std::uint32_t> chosen;
             for (std::uint32_t i = begin; i < begin + part.count[s]; ++i)
-                if (box.contains(part.chunk.positions->grid(i))) chosen.push_back(i);
+                if (const Vec3i q = part.chunk.positions->grid(i); box.contains(q) && (is_all || here.contains(q)))
+                    chosen.push_back(i);
             const auto position = [&](std::size_t i) {
                 return rounding_(tree_->info().grid.to_source(part.chunk.positions->grid(i)));
             };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/cloud/selection.h"
+#include "pcm/detect/cloud_part.h"
 #include "pcm/filter/points_in_boxes.h"
 #include "pcm/shapes/shape.h"
 #include "pcm/tree/tree.h"
@@ -21,7 +22,7 @@ namespace pcm {
 // Reads the chosen points of boxes. Any number of threads.
 class ChosenPoints {
 public:
-    ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit);
+    ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit, CloudPart part = {});
 
     // Some points of one node: `number[i]` in the node's whole chunk, `at[i]` its place in source coordinates,
     // `grid[i]` on the grid.
@@ -40,11 +41,13 @@ public:
 
     const Tree& tree() const { return *tree_; }
     Box3d source_box(const Box3i& box) const;
+    const CloudPart& part() const { return part_; }
 
 private:
     const std::shared_ptr<const Tree> tree_;
     const PointsInBoxes boxes_;
     const Selector selector_;
+    const CloudPart part_;
     const SourceRounding rounding_;
 };
 

@@ -27,6 +27,13 @@ struct SurveyTuning {
     // from place to place.
     // Chosen: not by a curve; from 3 to 5 recall is the same (bench_detect, bench/results/fitting/tuning.md).
     double threshold_noises = 4;  // standard deviations
+    // Noise below which a part of the cloud is searched by itself, with its own threshold: a plant scanned on the
+    // ground within a drone's cloud, say.
+    // Chosen: noises of such scanners differ by ten and more, of one scanner's ranges by less; not swept.
+    double quiet_share = 0.15;  // share of the cloud's noise
+    // Patches of bushes in such a part have more.
+    // Chosen: with quiet_share; not swept.
+    double quiet_quantile = 0.15;  // share of the patches
 };
 
 // How dense the samples are in which shapes are searched, and how far a shape reaches in them.
