@@ -132,13 +132,8 @@ FormatList IoBase::importFormats() const
     for (const IOPlugin* plugin : meshlab::pluginManagerInstance().ioPluginIterator())
         if (plugin != this)
             for (const FileFormat& format : plugin->importFormats()) others << format.extensions;
-    for (FileFormat& format : formats) {
-        QStringList ours;
-        for (const QString& extension : format.extensions)
-            if (!others.contains(extension, Qt::CaseInsensitive)) ours << extension;
-        format.extensions = ours;
-    }
-    formats.remove_if([](const FileFormat& format) { return format.extensions.isEmpty(); });
+    formats.remove_if(
+        [&](const FileFormat& format) { return others.contains(format.extensions.front(), Qt::CaseInsensitive); });
     return formats;
 }
 
