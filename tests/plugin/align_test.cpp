@@ -12,6 +12,7 @@
 #include "plugin/scene/layer_visibility.h"
 #include "plugin/scene/open_clouds.h"
 #include "tests/plugin/filter_call.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 #include <cmath>
@@ -119,7 +120,7 @@ TEST_F(AlignInMeshLab, IllPosedPairsAreRefusedInWords)
 
 TEST_F(AlignInMeshLab, MatricesAreChangedWithUndoAndRedo)
 {
-    MeshDocument document;
+    MetDocument document;
     MeshModel* const layer = add_layer(document, tree_);
     auto& matrices = scene_of(document).part<LayerMatrices>();
     int changes = 0;
@@ -201,7 +202,7 @@ TEST_F(AlignInMeshLab, OneMapAfterAnother)
 
 TEST_F(AlignInMeshLab, LayersShownAloneGiveTheOthersBack)
 {
-    MeshDocument document;
+    MetDocument document;
     MeshModel* const one = document.addNewMesh("", "one");
     MeshModel* const two = document.addNewMesh("", "two");
     MeshModel* const three = document.addNewMesh("", "three");
@@ -219,7 +220,7 @@ TEST_F(AlignInMeshLab, LayersShownAloneGiveTheOthersBack)
 
 TEST_F(AlignInMeshLab, BookmarksHaveNamesOfTheirOwnAndAreReadBack)
 {
-    MeshDocument document, other;
+    MetDocument document, other;
     auto& bookmarks = scene_of(document).part<Bookmarks>();
     CameraFrame frame;
     frame.eye = {500000.123456789, 4800000, 200};

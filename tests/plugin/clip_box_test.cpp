@@ -7,6 +7,7 @@
 #include "plugin/scene/project_parts.h"
 #include "plugin/tools/clip/box_handles.h"
 #include "tests/plugin/cameras.h"
+#include "tests/plugin/met_document.h"
 
 #include <gtest/gtest.h>
 
@@ -179,7 +180,7 @@ TEST(ClipText, RefusesWhatIsNoBox)
 
 TEST(ClipHistory, ChangesAreTakenBackAndRepeated)
 {
-    MeshDocument document;
+    MetDocument document;
     ClipHistory& history = scene_of(document).part<ClipHistory>();
     SceneState& state = scene_of(document).part<SceneState>();
     const ClipBox a = box_at({1, 0, 0}), b = box_at({2, 0, 0}), c = box_at({3, 0, 0});
@@ -214,7 +215,7 @@ TEST(ClipText, ProjectsKeepTheBox)
     for (const ProjectPart& part : project_parts()) {
         if (part.name != "PointCloudClipBox") continue;
         ++found;
-        MeshDocument before, after;
+        MetDocument before, after;
         EXPECT_TRUE(part.text(scene_of(before)).isEmpty());
         const ClipBox box = box_at(far_place, 12);
         scene_of(before).part<SceneState>().set_clip(box);

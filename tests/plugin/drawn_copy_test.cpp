@@ -4,6 +4,7 @@
 #include "plugin/meshlab/layer.h"
 #include "plugin/meshlab/points_layer.h"
 #include "plugin/scene/tree_cache.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {
@@ -22,7 +23,7 @@ protected:
     bool outdated_at(bool glance) const { return is_outdated(*layer_, glance); }
 
     const test::TemporaryFolder folder_;
-    MeshDocument document_;
+    MetDocument document_;
     MeshModel* layer_ = nullptr;
 };
 

@@ -3,6 +3,7 @@
 
 #include "plugin/meshlab/plugin_bases.h"
 #include "tests/plugin/choice.h"
+#include "tests/plugin/met_document.h"
 
 #include <QCoreApplication>
 #include <QPluginLoader>
@@ -50,7 +51,6 @@ class FilterCall {
 public:
     explicit FilterCall(const QString& name) : action_(action_of(name))
     {
-        meet(document);
         parameters_ = plugin().parameters_for(action_, document);
     }
     FilterCall& set(const char* name, const Value& value)
@@ -78,7 +78,7 @@ public:
         return text;
     }
 
-    MeshDocument document;
+    MetDocument document;
 
 private:
     QAction* action_;

@@ -3,6 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 #include "tests/plugin/filter_call.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 #include <fstream>
@@ -20,7 +21,7 @@ TEST(Filters, HaveNamesOfTheirOwnHelpAndTooltips)
     for (QAction* action : plugin().actions()) {
         EXPECT_TRUE(names.insert(action->text()).second) << action->text().toStdString();
         EXPECT_FALSE(plugin().filterInfo(plugin().ID(action)).isEmpty());
-        MeshDocument document;
+        MetDocument document;
         const RichParameterList parameters = plugin().parameters_for(action, document);
         EXPECT_FALSE(parameters.isEmpty());
         for (const RichParameter& parameter : parameters)

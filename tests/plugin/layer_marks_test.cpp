@@ -5,6 +5,7 @@
 #include "pcm/system/error.h"
 #include "plugin/scene/layer_matrix.h"
 #include "plugin/scene/layer_visibility.h"
+#include "tests/plugin/met_document.h"
 
 #include <gtest/gtest.h>
 
@@ -23,7 +24,7 @@ namespace {
 const char* const files[] = {"/a/one.pct", "/a/same.pct", "/b/same.pct", "/a/hidden.pct"};
 
 struct Opened {
-    MeshDocument document;
+    MetDocument document;
     Opened()
     {
         for (const char* file : files) document.addNewMesh(file, file);
@@ -83,7 +84,7 @@ TEST(LayerMarks, LayersThatAreGoneAreLeftOut)
     Opened before;
     scene_of(before.document).part<LayerMatrices>().lock(layer_of(before.layer(2)), true);
     const QString text = layer_marks(scene_of(before.document));
-    MeshDocument after;
+    MetDocument after;
     MeshModel* const only = after.addNewMesh("/c/same.pct", "same");
     MeshModel* const second = after.addNewMesh("/d/same.pct", "same");
     take_layer_marks(scene_of(after), text);

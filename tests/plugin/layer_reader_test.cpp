@@ -2,6 +2,7 @@
 
 #include "plugin/meshlab/points_layer.h"
 #include "plugin/meshlab/vertex_attributes.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 #include <cmath>
@@ -25,7 +26,7 @@ TEST(LayerReader, GivesBackTheFileToTheLastBit)
 {
     const test::TemporaryFolder folder;
     const fs::path las = scene(folder, "a.las", 20000, far_away);
-    MeshDocument document;
+    MetDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     ASSERT_TRUE(load_points(*layer, *open_reader(las), 1'000'000, {}));
     LayerReader reader(*layer, {});
@@ -47,7 +48,7 @@ TEST(LayerReader, GivesWhatWasChanged)
 {
     const test::TemporaryFolder folder;
     const fs::path las = scene(folder, "a.las", 1000, far_away);
-    MeshDocument document;
+    MetDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     ASSERT_TRUE(load_points(*layer, *open_reader(las), 1'000'000, {}));
     const Vec3d origin = *Registry::instance().origin_of(document);
@@ -105,7 +106,7 @@ TEST(LayerReader, KeepsWhatFloatWouldRound)
            "z\nproperty double gps_time\nproperty int id\nproperty uchar class\nend_header\n"
            "5000000.123456789 4800000.1 1 123456789.123456 2147483647 7\n"
            "5000001.2 4800000.3 2 123456789.123457 -5 9\n";
-    MeshDocument document;
+    MetDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     ASSERT_TRUE(load_points(*layer, *open_reader(file), 100, {}));
     EXPECT_TRUE(find_vertex_attribute<float>(*layer, "class"));
@@ -129,7 +130,7 @@ TEST(LayerReader, KeepsWhatDoubleWouldRound)
     std::ofstream(file)
         << "VERSION 0.7\nFIELDS x y z serial\nSIZE 4 4 4 8\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 2\nHEIGHT 1\n"
            "POINTS 2\nDATA ascii\n0 0 0 1152921504606846977\n1 2 3 1152921504606846977\n";
-    MeshDocument document;
+    MetDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     ASSERT_TRUE(load_points(*layer, *open_reader(file), 100, {}));
     LayerReader reader(*layer, {});
@@ -140,7 +141,7 @@ TEST(LayerReader, KeepsWhatDoubleWouldRound)
 
 TEST(LayerReader, ReadsLayersFromElsewhere)
 {
-    MeshDocument document;
+    MetDocument document;
     MeshModel* layer = document.addNewMesh("b", "b");
     vcg::tri::Allocator<CMeshO>::AddVertices(layer->cm, 3);
     layer->updateDataMask(MeshModel::MM_VERTCOLOR | MeshModel::MM_VERTQUALITY);

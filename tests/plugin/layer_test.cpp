@@ -3,6 +3,7 @@
 
 #include "plugin/meshlab/points_layer.h"
 #include "plugin/scene/open_clouds.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {
@@ -22,7 +23,7 @@ TEST(Layers, LiveAndDieWithTheirDocument)
     Registry& registry = Registry::instance();
     std::weak_ptr<PointCloud> watched;
     {
-        MeshDocument document;
+        MetDocument document;
         MeshModel* one = document.addNewMesh("one", "one");
         MeshModel* two = document.addNewMesh("two", "two");
         show_tree(*one, open_cloud(tree));
@@ -63,7 +64,7 @@ TEST(Layers, TreesOfOneDocumentShareItsOrigin)
     const test::TemporaryFolder folder;
     const fs::path here = tree_of(scene(folder, "here.las", 30000, far_away));
     const fs::path there = tree_of(scene(folder, "there.las", 30000, {far_away[0] + 1000, far_away[1], far_away[2]}));
-    MeshDocument document;
+    MetDocument document;
     MeshModel* first = document.addNewMesh("here", "here");
     MeshModel* second = document.addNewMesh("there", "there");
     show_tree(*first, open_cloud(here));
@@ -89,7 +90,7 @@ TEST(Layers, SmallFilesAreLoadedWhole)
 {
     const test::TemporaryFolder folder;
     const fs::path las = scene(folder, "a.las", 20000, far_away);
-    MeshDocument document;
+    MetDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     const auto reader = open_reader(las);
     ASSERT_TRUE(load_points(*layer, *reader, 1'000'000, {}));
@@ -117,7 +118,7 @@ TEST(Layers, LoadingCanBeCancelled)
 {
     const test::TemporaryFolder folder;
     const fs::path las = scene(folder, "a.las", 20000, far_away);
-    MeshDocument document;
+    MetDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     const auto reader = open_reader(las);
     EXPECT_THROW(load_points(*layer, *reader, 1'000'000, [](const ProgressUpdate&) { return false; }), Error);

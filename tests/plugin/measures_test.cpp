@@ -4,6 +4,7 @@
 #include "plugin/scene/length_unit.h"
 #include "plugin/scene/measure_text.h"
 #include "plugin/scene/project_unit.h"
+#include "tests/plugin/met_document.h"
 
 #include <gtest/gtest.h>
 
@@ -85,7 +86,7 @@ CoordinateSystem projected(double plan, double up)
 TEST(LengthUnits, AreSaidWhereTheyMeanSomething)
 {
     EXPECT_EQ(common_unit({}).symbol, "");
-    MeshDocument document;  // its clouds state none
+    MetDocument document;  // its clouds state none
     EXPECT_EQ(length_unit_of(scene_of(document)).symbol, "");
     choose_unit(scene_of(document), "ft");
     EXPECT_EQ(length_unit_of(scene_of(document)).symbol, "ft");

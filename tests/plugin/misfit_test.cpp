@@ -8,6 +8,7 @@
 #include "plugin/meshlab/layer.h"
 #include "plugin/meshlab/points_layer.h"
 #include "tests/memory_reader.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {
@@ -48,7 +49,7 @@ TEST(Misfits, RoundingIsMeasuredByTheCloud)
 
 TEST(Misfits, OfALayerBesideOthers)
 {
-    MeshDocument document;
+    MetDocument document;
     MeshModel* first = document.addNewMesh("first.las", "first.las");
     MeshModel* second = document.addNewMesh("second.las", "second.las");
     const Box3d here = around(far_away, 100), there = around({4500000, 5300000, 100}, 100);
@@ -80,7 +81,7 @@ TEST(Misfits, TheImportReportsThemBeforeTheLayerChanges)
     const fs::path here = scene(folder, "here.las", 3000, far_away);
     const fs::path there = scene(folder, "there.las", 3000, {4500000, 5300000, 100});
     const fs::path tree = tree_of(there);
-    MeshDocument document;
+    MetDocument document;
     MeshModel* first = document.addNewMesh("here", "here");
     const auto never = [](const std::vector<std::string>& reasons) { FAIL() << reasons[0]; };
     import_cloud(here, *first, {}, {}, never);

@@ -15,6 +15,7 @@
 #include "plugin/scene/project_parts.h"
 #include "plugin/scene/scene_state.h"
 #include "tests/plugin/filter_call.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 #include <QSettings>
@@ -134,7 +135,7 @@ protected:
     std::vector<Annotation> drawn() { return scene_of(document_).part<Annotations>().all().at("primitives"); }
 
     const test::TemporaryFolder folder_;
-    MeshDocument document_;
+    MetDocument document_;
     MeshModel* layer_ = nullptr;
     fs::path tree_;
 };

@@ -4,6 +4,7 @@
 
 #include "pcm/system/error.h"
 #include "plugin/scene/project_unit.h"
+#include "tests/plugin/met_document.h"
 
 #include <gtest/gtest.h>
 
@@ -63,7 +64,7 @@ protected:
     }
 
     const QByteArray project = "<!DOCTYPE MeshLabDocument>\n<MeshLabProject>\n <MeshGroup/>\n</MeshLabProject>\n";
-    MeshDocument document;
+    MetDocument document;
 };
 
 TEST_F(ProjectParts, AProjectWithoutPartsStaysAsItIs)
@@ -83,12 +84,12 @@ TEST_F(ProjectParts, TheUnitOfLengths)
         choose_unit(scene_of(document), symbol);
         const QByteArray file = with_parts(project, scene_of(document));
         EXPECT_EQ(file.count("<PointCloudLengthUnit>"), 1) << file.toStdString();
-        MeshDocument other;
+        MetDocument other;
         take_parts(file, scene_of(other));
         EXPECT_EQ(chosen_unit(scene_of(other)), std::string(symbol));
     }
     EXPECT_THROW(choose_unit(scene_of(document), "yard"), Error);
-    MeshDocument other;
+    MetDocument other;
     take_parts(QByteArray(with_parts(project, scene_of(document))).replace("unknown", "yard"), scene_of(other));
     EXPECT_EQ(chosen_unit(scene_of(other)), std::nullopt);
 }

@@ -3,6 +3,7 @@
 
 #include "plugin/meshlab/layer.h"
 #include "plugin/scene/open_clouds.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {
@@ -40,7 +41,7 @@ protected:
     }
 
     const test::TemporaryFolder folder_;
-    MeshDocument document_;
+    MetDocument document_;
     MeshModel* layer_ = nullptr;
     std::shared_ptr<const Proxy> sample_;
 };

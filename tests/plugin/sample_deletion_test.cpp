@@ -5,6 +5,7 @@
 #include "plugin/meshlab/sample_change.h"
 #include "plugin/scene/open_clouds.h"
 #include "plugin/scene/sample_region.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {
@@ -13,7 +14,7 @@ namespace {
 TEST(SampleDeletion, DeletesThePointsThatTheVerticesStoodFor)
 {
     const test::TemporaryFolder folder;
-    MeshDocument document;
+    MetDocument document;
     MeshModel* layer = document.addNewMesh("a", "a");
     show_tree(*layer, open_cloud(tree_of(scene(folder, "a.las", 80000, far_away))));
     layer->cm.Tr.SetTranslate(1, 2, 3);

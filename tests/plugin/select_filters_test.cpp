@@ -7,6 +7,7 @@
 #include "plugin/scene/open_clouds.h"
 #include "plugin/scene/scene_state.h"
 #include "tests/plugin/filter_call.h"
+#include "tests/plugin/met_document.h"
 #include "tests/plugin/scenes.h"
 
 namespace pcm::host {
@@ -46,7 +47,6 @@ protected:
                const std::vector<std::pair<const char*, bool>>& flags = {})
     {
         QAction* const action = action_of(filter);
-        meet(document_);
         RichParameterList parameters = plugin().parameters_for(action, document_);
         const auto set = [&](const char* name, const Value& value) {
             parameters.setValue(script_name_of(name), value);
@@ -73,7 +73,7 @@ protected:
         return points ? points->size() : 0;
     }
     const test::TemporaryFolder folder_;
-    MeshDocument document_;
+    MetDocument document_;
     MeshModel* layer_ = nullptr;
     fs::path tree_;
     std::string sphere_;

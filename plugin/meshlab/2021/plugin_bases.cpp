@@ -1,11 +1,12 @@
 #include "plugin/meshlab/2021/plugin_bases.h"
 
-#include <QCoreApplication>
+#include <QApplication>
 #include <QDir>
 #include <QTimer>
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -36,6 +37,16 @@ MeshDocument* document_of_log(const MeshLabPluginLogger& plugin)
     }();
     GLLogStream* const log = log_of(plugin);
     return log ? reinterpret_cast<MeshDocument*>(reinterpret_cast<char*>(log) - place) : nullptr;
+}
+
+// The settings of MeshLab's window; null: there is none.
+RichParameterList* window_settings()
+{
+    if (!qobject_cast<QApplication*>(QCoreApplication::instance())) return nullptr;
+    for (QWidget* widget : QApplication::allWidgets())
+        if (widget->inherits("GLArea"))
+            return const_cast<RichParameterList*>(static_cast<GLArea*>(widget)->glas.currentGlobalParamSet);
+    return nullptr;
 }
 
 }  // namespace
@@ -99,12 +110,18 @@ void IoBase::list_first() const
 
 RichParameterList IoBase::initPreOpenParameter(const QString& format) const
 {
+    RichParameterList parameters = parameters_before_open(format, QString());
+    RichParameterList* const settings = window_settings();
+    if (!settings) return parameters;
     // MeshLab's dialog stores the values as settings, which it has made for the plugin that lists the extension.
-    const FormatList listed = QCoreApplication::instance() ? importFormats() : all_import_formats();
-    const bool is_listed = std::any_of(listed.begin(), listed.end(), [&](const FileFormat& other) {
-        return other.extensions.contains(format, Qt::CaseInsensitive);
-    });
-    return is_listed ? parameters_before_open(format, QString()) : RichParameterList();
+    for (const RichParameter& parameter : parameters) {
+        const QString name = "MeshLab::IO::" + format.toUpper() + "::" + parameter.name();
+        if (settings->hasParameter(name)) continue;
+        const std::unique_ptr<RichParameter> setting(parameter.clone());
+        setting->setName(name);
+        settings->addParam(*setting);
+    }
+    return parameters;
 }
 
 FormatList IoBase::importFormats() const

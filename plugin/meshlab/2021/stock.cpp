@@ -58,8 +58,11 @@ void stock_mask(StockPlugin& stock, const QString& format, int& capability, int&
 
 QString stock_open(StockPlugin& stock, const StockCall& call, MeshModel& layer, int& mask)
 {
+    // MeshLab has asked ours for parameters, before it gave the file's name: the stock plugin's own have their
+    // defaults.
+    const RichParameterList parameters = stock.initPreOpenParameter(call.format);
     return done_by(stock, layer,
-                   [&] { stock.open(call.format, call.file_name, layer, mask, call.parameters, call.callback); });
+                   [&] { stock.open(call.format, call.file_name, layer, mask, parameters, call.callback); });
 }
 
 QString stock_save(StockPlugin& stock, const StockCall& call, MeshModel& layer, int mask)

@@ -111,7 +111,8 @@ RichParameterList PointCloudIo::parameters_before_open(const QString& format, co
     const bool is_tree = format.compare(tree_extension, Qt::CaseInsensitive) == 0;
     if (file_name.isEmpty()) {
         Parameters asked;
-        if (!is_tree) add_file_settings(asked, "." + format.toLower().toStdString(), import_defaults());
+        const std::filesystem::path any = "no-folder/any." + format.toLower().toStdString();
+        if (!is_tree) add_file_settings(asked, any, import_defaults());
         add_to(parameters, asked);
         return parameters;
     }

@@ -40,7 +40,10 @@ QWidget* field(const QString& parameter)
         QWidget* best = nullptr;
         int best_distance = 1 << 30;
         for (QWidget* other : label->window()->findChildren<QWidget*>()) {
-            if (!other->isVisible() || !(qobject_cast<QLineEdit*>(other) || qobject_cast<QComboBox*>(other))) continue;
+            const auto* tick = qobject_cast<QCheckBox*>(other);  // since 2021.05 with a label like the others
+            const bool is_tick = tick && tick->text().isEmpty();
+            if (!other->isVisible() || !(is_tick || qobject_cast<QLineEdit*>(other) || qobject_cast<QComboBox*>(other)))
+                continue;
             const QPoint d =
                 other->mapToGlobal(QPoint(0, other->height() / 2)) - label->mapToGlobal(QPoint(0, label->height() / 2));
             if (d.x() < 0 || std::abs(d.y()) > label->height()) continue;
