@@ -49,6 +49,17 @@ TEST_F(ClipOptions, HoldInEveryCommandThatChoosesPoints)
     EXPECT_EQ(run("query --json " + path("in.pct"))["points"], 20000 - wanted_);
 }
 
+// Each value goes to its own attribute, whatever the order in the schema.
+TEST_F(ClipOptions, SeveralAttributesAreSetAtOnce)
+{
+    const auto with = [&](const std::string& where) {
+        return run("query --json --where " + where + " " + path("in.pct"))["points"].get<std::size_t>();
+    };
+    run("set --json " + path("in.pct") + " user_data=41 intensity=4242 classification=17 point_source_id=999");
+    for (const char* where : {"user_data=41", "intensity=4242", "classification=17", "point_source_id=999"})
+        EXPECT_EQ(with(where), 20000u) << where;
+}
+
 // A clip alone chooses points, too.
 TEST_F(ClipOptions, AClipAloneChoosesPoints)
 {

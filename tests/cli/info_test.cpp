@@ -55,10 +55,10 @@ TEST_F(InfoTest, HeaderSystemAndTimesOfAFileAndOfItsTree)
         EXPECT_EQ(json["gps_time"]["type"], "standard");
         EXPECT_EQ(json["gps_time"]["offset"], 1e9);
         const std::string text = pcmlab("info " + path(name)).out;
-        for (const char* line :
-             {"crs         EPSG:32632, metre; projected, from GeoTIFF keys",
-              "gps time    standard GPS time minus 1000 million seconds (adjusted standard)",
-              "returns     1: 300  2: 200  3: 100", "header      LAS 1.2, point format 1, 227 bytes"})
+        for (const char* line : {"crs         EPSG:32632, metre; projected, from GeoTIFF keys",
+                                 "gps time    standard GPS time minus 1000 million seconds (adjusted standard)",
+                                 "returns     1: 300  2: 200  3: 100", "header      LAS 1.2, point format 1, 227 bytes",
+                                 "\nscale       0.001  0.01  0.25\n"})
             EXPECT_NE(text.find(line), std::string::npos) << line << "\n" << text;
     }
 }

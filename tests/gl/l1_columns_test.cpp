@@ -222,6 +222,12 @@ TEST(L1Columns, FailedWriteBacksStayAndTheErrorReachesTheCaller)
                   std::string::npos)
             << error.what();
     }
+    try {
+        cache.read(owner, 7, strides.size());
+        ADD_FAILURE() << "one column beyond the last was read";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("column 3 of node 7"), std::string::npos) << error.what();
+    }
     EXPECT_THROW(cache.mark_written(owner, 8, 0), Error);
     EXPECT_THROW(cache.mark_written(cache.add_owner(), 7, 0), Error);
 

@@ -69,7 +69,6 @@ constexpr std::size_t size_of_version(unsigned minor)
 namespace encoding {
 inline constexpr unsigned gps_standard_time = 1;
 inline constexpr unsigned waveforms_inside = 2, waveforms_beside = 4;
-inline constexpr unsigned synthetic_returns = 8;
 inline constexpr unsigned wkt = 16;
 inline constexpr unsigned time_offset = 64;  // since 1.5, with gps_standard_time: the header states the offset
 constexpr unsigned bits_of_version(unsigned minor) { return minor >= 4 ? 31 : minor == 3 ? 15 : minor == 2 ? 1 : 0; }
