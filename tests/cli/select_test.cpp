@@ -140,7 +140,7 @@ TEST_F(SelectCommand, OfALassoTheFront)
     const double front = select(lasso + "--front 800 800", "two.pct")["points"];
     EXPECT_LT(front, 1.1 * static_cast<double>(count(in)));
     EXPECT_GE(front, static_cast<double>(count(in)));
-    // Of those that a condition chooses, and hidden by those alone.
+    // A condition chooses what is selected, and what hides it.
     EXPECT_EQ(select(lasso + "--front 800 800 --where 'classification<9'")["points"],
               count([&](const LasRecord& p) { return in(p) && (p.classification & 31) < 9; }));
     refused("--sphere 1 2 3 4 --front 800 800", 2, "needs a lasso");
