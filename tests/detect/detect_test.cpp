@@ -6,6 +6,7 @@
 #include "pcm/detect/point_labels.h"
 #include "pcm/select/select_points.h"
 #include "pcm/system/error.h"
+#include "tests/detect/checked_labels.h"
 #include "tests/place/shape_cloud.h"
 #include "tests/sanitizers.h"
 
@@ -57,34 +58,8 @@ protected:
     DetectReport detect(DetectOptions options = {})
     {
         DetectReport report = detect_primitives(tree_, options);
-        check_labels(report);
+        check_labels(*tree_, report);
         return report;
-    }
-    // Each label is that of a primitive within the threshold, and each primitive has as many points as it says.
-    void check_labels(const DetectReport& report)
-    {
-        std::map<std::uint32_t, std::uint64_t> counts;
-        std::uint64_t labelled = 0;
-        NodeId node = no_node;
-        std::vector<std::uint32_t> labels;
-        for (const PlacedPoint& p : all_points(*tree_)) {
-            if (p.node != node) labels = report.labels->get(node = p.node);
-            const std::uint32_t label = labels[p.number];
-            if (label == 0) continue;
-            ASSERT_LE(label, report.primitives.size());
-            ASSERT_LE(distance_to(report.primitives[label - 1].fit.shape, p.position),
-                      report.primitives[label - 1].fit.threshold * (1 + 1e-6));
-            ++counts[label];
-            ++labelled;
-        }
-        EXPECT_EQ(labelled, report.outcome.points_out);
-        for (std::size_t i = 0; i < report.primitives.size(); ++i) {
-            const Primitive& primitive = report.primitives[i];
-            EXPECT_EQ(primitive.label, i + 1);
-            EXPECT_EQ(primitive.points, counts[primitive.label]);
-            EXPECT_TRUE(primitive.bounds.known(primitive.fit.shape.kind));
-            if (i > 0) EXPECT_LE(primitive.points, report.primitives[i - 1].points);
-        }
     }
     // The found shape is the true one, within `sigmas` standard deviations.
     static void expect_same(const Primitive& found, const pcm::Shape& truth, double sigmas = 4)
