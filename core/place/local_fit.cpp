@@ -404,7 +404,7 @@ private:
         }
     }
 
-    // Farther away than the noise there are no points of the surface.
+    // The surface has no points farther away than its noise.
     void narrow(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
     {
         const double enough = std::max(noise_, fit_tuning().thresholds.inlier_noises * 1.1 * best.noise);
