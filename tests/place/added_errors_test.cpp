@@ -157,9 +157,9 @@ TEST_F(AddedErrors, DoubtGoodFitsOfWhichTheSizeIsUncertain)
 // The same from the stations of the points, which this shape has.
 TEST_F(AddedErrors, DoubtGoodFitsWhoseStationsAreFarApart)
 {
-    // Half of the ball, a side of which each of two stations sees.
+    // Half of the ball, which two stations see, each one side more than the other.
     std::vector<StationPoint> half = ball(9000, 2, {});
-    for (StationPoint& p : half) p.station = p.position[1] > hall[1] + 0.02 * dice_.normal();
+    for (StationPoint& p : half) p.station = dice_.unit() < (p.position[1] > hall[1] ? 0.8 : 0.2);
     half.erase(std::remove_if(half.begin(), half.end(), [](const StationPoint& p) { return p.position[0] < hall[0]; }),
                half.end());
     const auto cap = tree(half, Says::source_id);

@@ -273,16 +273,16 @@ TEST_F(StationSurveyTest, StationsThatSeeDifferentPartsOfAWallAreNotCompared)
     EXPECT_EQ(evidence([&](int i) { return Vec3d{any() + i % 2, any(), small()}; }), 0u) << "halves of a wall";
 }
 
-// Points of a floor that have a number of their own, or with a chance that of their square of 0.2: the nearest one of a
+// Points of a floor that have a number of their own, or with a chance that of their square: the nearest one of a
 // point has another number less often than by chance, the less the more numbers are those of squares.
 TEST_F(StationSurveyTest, NumbersOfPlacesAreNoStations)
 {
-    const auto names = [&](int points, double of_squares) {
+    const auto names = [&](int points, double of_squares, double edge = 0.2) {
         const auto made = tree(
             "p", points,
             [&](int) {
                 const Vec3d place{dice_.between(0, 4), dice_.between(0, 4), noise * dice_.normal()};
-                const int square = static_cast<int>(place[0] / 0.2) + static_cast<int>(place[1] / 0.2);
+                const int square = static_cast<int>(place[0] / edge) + static_cast<int>(place[1] / edge);
                 const int number = dice_.unit() < of_squares ? square % 2 : dice_.unit() < 0.5;
                 return Numbers{0, static_cast<std::uint16_t>(number), 0, place};
             },
@@ -290,11 +290,12 @@ TEST_F(StationSurveyTest, NumbersOfPlacesAreNoStations)
         return station_survey(*made, PointStations(*made), {}).names_stations;
     };
     EXPECT_TRUE(names(8000, 0));
-    EXPECT_TRUE(names(8000, 0.5)) << "three quarters of the neighbours by chance";
-    EXPECT_FALSE(names(8000, 0.85));
+    EXPECT_TRUE(names(8000, 0.3)) << "nine in ten of the neighbours by chance";
+    EXPECT_FALSE(names(8000, 0.55)) << "seven in ten";
     EXPECT_FALSE(names(8000, 1));
     EXPECT_FALSE(names(1400, 1)) << "700 by chance";
-    EXPECT_TRUE(names(800, 1)) << "400 by chance say nothing";
+    EXPECT_FALSE(names(200, 1, 1.5)) << "100 by chance";
+    EXPECT_TRUE(names(80, 1, 1.5)) << "40 by chance say nothing";
 }
 
 // The walls are eight times as rough as the floor, which alone is looked at: it shows differences of heights.
