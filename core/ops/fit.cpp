@@ -204,7 +204,9 @@ private:
             .unit("s")
             .group(group)
             .label("Time limit")
-            .help("Time limit of the search for samples, which then keeps the best shape so far")
+            .help(
+                "Time limit: the search for samples then keeps the best shape so far, and a shape is not followed any "
+                "farther than to the points around the place, which the answer says")
             .automatic("no limit")
             .advanced();
         arguments_.add("seed", options_.fit.seed)
@@ -381,9 +383,9 @@ private:
 
     void put_points_lines(Result& result, const FittedPrimitive& fitted) const
     {
-        const std::string growth = fitted.rounds == 0             ? ""
-                                   : !fitted.left_surface.empty() ? ", and not followed: growth left the surface"
-                                                                  : ", grown by steps of " + brief(fitted.step);
+        const std::string growth = !fitted.left_surface.empty() ? ", and not followed: " + fitted.left_surface
+                                   : fitted.rounds == 0         ? ""
+                                                                : ", grown by steps of " + brief(fitted.step);
         result.line(tree_ + ": " + grouped(fitted.points.size()) + " points belong to it; fitted to " +
                     grouped(fitted.local.inliers) + " of " + grouped(fitted.near.ids.size()) +
                     " points around the place" + growth);

@@ -67,21 +67,11 @@ public:
 
     FittedPrimitive run(const std::vector<Vec3d>& not_places)
     {
-        const auto start = std::chrono::steady_clock::now();
         for (const Vec3d& p : not_places) leave_out(p);
-        FittedPrimitive result = best_of_thresholds();
-        Primitive& primitive = result.primitive;
-        primitive.points = result.points.size();
-        if (!result.points.empty()) {
-            // A concave outline takes a triangulation of the points, and has as many corners as they need.
-            const std::size_t most = options_.outline.kind == OutlineKind::concave ? 100000 : 1000000;
-            primitive.bounds = bounds_of(primitive.fit.shape,
-                                         cover_points(result.points, primitive.fit.shape, options_.threads,
-                                                      part_of(options_.progress, 0.9, 0.95), most),
-                                         options_.outline, tree_->info().bounds());
-        }
+        FittedPrimitive result = best_in_time();
+        find_bounds(result, part_of(options_.progress, 0.9, 0.95));
         compare_stations(result);
-        primitive.fit.seconds = seconds_since(start);
+        result.primitive.fit.seconds = seconds_since(start_);
         return result;
     }
 
@@ -89,6 +79,18 @@ private:
     double registration() const  // source units
     {
         return options_.registration / 1000 / metres_per_unit(tree_->info().metadata);
+    }
+
+    void find_bounds(FittedPrimitive& result, const ProgressFunction& progress) const
+    {
+        Primitive& primitive = result.primitive;
+        primitive.points = result.points.size();
+        if (result.points.empty()) return;
+        // A concave outline takes a triangulation of the points, and has as many corners as they need.
+        const std::size_t most = options_.outline.kind == OutlineKind::concave ? 100000 : 1000000;
+        primitive.bounds = bounds_of(primitive.fit.shape,
+                                     cover_points(result.points, primitive.fit.shape, options_.threads, progress, most),
+                                     options_.outline, tree_->info().bounds());
     }
 
     void compare_stations(FittedPrimitive& result) const
@@ -127,16 +129,40 @@ private:
         limit_.clips.push_back({Region::sphere(place, radius), true});
     }
 
+    // When the time is over, the shape of the places.
+    FittedPrimitive best_in_time()
+    {
+        const ProgressFunction whole = [this](const ProgressUpdate& update) {
+            is_late_ = is_late_ || (at_places_ && seconds_since(start_) > options_.fit.seconds);
+            return !is_late_ && (!options_.progress || options_.progress(update));
+        };
+        const bool is_limited = options_.grow && options_.fit.seconds > 0;
+        progress_in_time_ = is_limited ? whole : options_.progress;
+        try {
+            return best_of_thresholds();
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::cancelled || !is_late_) throw;
+        }
+        FittedPrimitive result = std::move(*at_places_);
+        result.left_surface = "the time limit of " + brief(options_.fit.seconds) + " s was over";
+        ShapeFit& fit = result.primitive.fit;
+        if (fit.verdict == FitVerdict::good)
+            doubt(fit, FitIssue::no_consensus,
+                  result.left_surface +
+                      " before it was followed through the cloud: these are the points around the place alone");
+        return result;
+    }
+
     // The first threshold that holds all of the noise around the places may cut that of the rest of the surface:
     // ceilings that hang through, points that the scanner was farther from. Then the shape is followed once more, with
     // the threshold at which it is least probable by chance. If that holds several surfaces, the noise of all points
     // shows it.
     FittedPrimitive best_of_thresholds()
     {
-        whole_progress_ = part_of(options_.progress, 0, 0.6);
+        whole_progress_ = part_of(progress_in_time_, 0, 0.6);
         FittedPrimitive first = best_of_neighbourhoods(true);
         if (first.primitive.fit.verdict == FitVerdict::good || !is_cut_early_) return first;
-        whole_progress_ = part_of(options_.progress, 0.6, 0.9);
+        whole_progress_ = part_of(progress_in_time_, 0.6, 0.9);
         FittedPrimitive wider = best_of_neighbourhoods(false);
         const bool is_better = wider.primitive.fit.verdict == FitVerdict::good || wider.left_surface.empty();
         return is_better ? wider : first;
@@ -154,6 +180,7 @@ private:
         options.first_threshold = first_threshold;
         options.progress = part_of(whole_progress_, 0, 0.3);
         LocalFit wide = fit_locally(cloud_, places_, options);
+        if (!at_places_ && options_.grow) keep(wide);
         options.progress = part_of(whole_progress_, 0.3, 0.4);
         std::optional<LocalFit> narrow = fit_narrowly(cloud_, places_, options, wide);
         const Way way = narrow ? Way::uneven : Way::even;
@@ -217,7 +244,19 @@ private:
         return options;
     }
 
-    FittedPrimitive followed(LocalFit local, Way way, double begin, double end)
+    // What is answered when the time is over, and shown before the shape is followed.
+    void keep(const LocalFit& local)
+    {
+        at_places_ = at_places(local);
+        at_places_->reached.turned_angle = angle_of(Way::even);
+        if (!options_.found_at_place || !local.fit.has_shape()) return;
+        FittedPrimitive found = *at_places_;
+        find_bounds(found, part_of(whole_progress_, 0.3, 0.3));
+        options_.found_at_place(found.primitive);
+    }
+
+    // The shape of a neighbourhood and its points there.
+    FittedPrimitive at_places(LocalFit local) const
     {
         FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}};
         result.near = std::move(local.near);
@@ -229,20 +268,10 @@ private:
         primitive.fit = result.local;
         primitive.fit.is_inlier.clear();
         if (!local.next_kind.empty()) result.notes.push_back(local.next_kind);
-        known_ = {local.noise / fit_tuning().thresholds.inlier_noises, local.even.noise, registration()};
-        other_kind_.reset();
-        cuts_noise_ = false;
-        progress_ = part_of(whole_progress_, begin, end);
-        if (result.local.has_shape()) add_points(local.close, way, result);
-        return result;
-    }
-
-    void add_points(const NearPoints& close, Way way, FittedPrimitive& result)
-    {
-        const ShapeFit& local = result.local;
+        if (!result.local.has_shape()) return result;
         std::map<NodeId, std::vector<std::uint32_t>> inliers;
         for (std::size_t i = 0; i < result.near.ids.size(); ++i)
-            if (local.is_inlier[i]) {
+            if (result.local.is_inlier[i]) {
                 inliers[result.near.ids[i].node].push_back(result.near.ids[i].index);
                 result.reached.seeds.push_back(result.near.points.source(i));
             }
@@ -250,12 +279,29 @@ private:
             std::sort(numbers.begin(), numbers.end());
             result.points.set(node, numbers);
         }
-        result.reached.shape = local.shape;
-        result.reached.threshold = local.threshold;
+        result.reached.shape = result.local.shape;
+        result.reached.threshold = result.local.threshold;
         result.reached.normal_angle = options_.fit.normal_angle;
-        result.reached.turned_angle = angle_of(way);
         result.reached.limit = limit_;
-        if (!options_.grow || result.points.empty()) return;
+        return result;
+    }
+
+    FittedPrimitive followed(LocalFit local, Way way, double begin, double end)
+    {
+        known_ = {local.noise / fit_tuning().thresholds.inlier_noises, local.even.noise, registration()};
+        other_kind_.reset();
+        cuts_noise_ = false;
+        progress_ = part_of(whole_progress_, begin, end);
+        const NearPoints close = std::move(local.close);
+        FittedPrimitive result = at_places(std::move(local));
+        result.reached.turned_angle = angle_of(way);
+        if (options_.grow && !result.points.empty()) follow(close, way, result);
+        return result;
+    }
+
+    void follow(const NearPoints& close, Way way, FittedPrimitive& result)
+    {
+        const ShapeFit& local = result.local;
         std::vector<Vec3d> positions;
         for (std::size_t i = 0; i < close.ids.size(); ++i)
             if (const Vec3d p = close.points.source(i); distance_to(local.shape, p) <= local.threshold)
@@ -395,6 +441,10 @@ private:
     Selection limit_;
     ProgressFunction whole_progress_, progress_;      // progress at one threshold; of following a shape there
     bool cuts_noise_ = false, is_cut_early_ = false;  // whether a threshold cut the noise of the points reached
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    bool is_late_ = false;
+    std::optional<FittedPrimitive> at_places_;  // the shape before it is followed
+    ProgressFunction progress_in_time_;         // ends what follows the shape when the time is over
     KnownErrors known_;
     std::optional<ShapeFit> other_kind_;  // FollowedVerdict::other_kind()
     std::string other_doubt_;

@@ -9,13 +9,14 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
 namespace pcm {
 
 struct FitAtOptions {
-    ShapeFitOptions fit;
+    ShapeFitOptions fit;  // when its `seconds` are over, the shape is not followed any farther, too
     // Several kinds: each is fitted, and choose_kind() (best_kind.h) decides. Empty: fit.kind alone.
     std::vector<ShapeKind> kinds;
     double radius = 0;      // neighbourhood of a place, source units
@@ -36,6 +37,10 @@ struct FitAtOptions {
     unsigned threads = 0;  // 0: one per processor
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     ProgressFunction progress;
+    // Is given the shape of the points around the places before it is followed over the cloud, which takes most of the
+    // time: with bounds, without what stations add to its errors. The answer may be another shape. Not called where no
+    // shape is found there, or none is followed. On the calling thread.
+    std::function<void(const Primitive&)> found_at_place;
 };
 
 struct FittedPrimitive {
@@ -48,7 +53,8 @@ struct FittedPrimitive {
     unsigned rounds = 0;  // rounds of growth
     bool converged = false;
     double agreement = 1;  // how many times as large errors are as those of independent points (refit.h)
-    // Why the points are those around the places alone although the shape was to be followed: growth left the surface.
+    // Why the points are those around the places alone although the shape was to be followed: growth left the surface,
+    // or the time was over.
     // Empty: it did not.
     std::string left_surface;
     std::vector<std::string> notes;  // "the neighbourhood was widened to 2000 points"

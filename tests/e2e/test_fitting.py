@@ -260,7 +260,7 @@ class Fitting(MeshLabTest):
             wait-label {MESSAGE} there is nothing to accept
             field PointCloudFitShape = Cylinder
             click-place {pipe}
-            wait-label {FOUND} Cylinder
+            wait-label {FOUND} Enter accepts
             print-label {FOUND}
             wait-status complete
             print-boxes
@@ -313,6 +313,24 @@ class Fitting(MeshLabTest):
             """)
         self.assertDriven(run)
         self.assertEqual(run.fields(), ["Sphere", ""], "choices are kept, numbers belong to the cloud")
+
+    def test_the_shape_at_the_place_is_shown_before_it_is_followed(self):
+        first = self.result("first.png")
+        run = self.gui(f"""
+            {self.start()}
+            click {TABLE}
+            wait-property pcm_fit_tool "following"
+            print-label {FOUND}
+            print-property pcm_fit_tool
+            picture {first}
+            wait-property pcm_fit_tool "draft"
+            print-label {FOUND}
+            """)
+        self.assertDriven(run)
+        found = run.labels(FOUND)
+        self.assertIn("Plane", found[0])
+        self.assertIn("points around the place. It is followed through the cloud; Esc cancels it.", found[0])
+        self.assertIn("Enter accepts it.", found[1])
 
     def test_escape_and_further_clicks(self):
         """What runs is cancelled by Esc, and replaced by a further click; the camera moves meanwhile."""

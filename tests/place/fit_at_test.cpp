@@ -255,6 +255,50 @@ TEST_F(FitAt, PCM_NOT_UNDER_THREAD(OptionsOutOfRangeAreRefused))
     EXPECT_TRUE(refused({at}, options));
 }
 
+// Before it is followed, which takes most of the time; once, although the pipe is followed with two thresholds.
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(TheShapeAtThePlaceIsGivenFirst))
+{
+    int calls = 0;
+    double fraction = 0;
+    std::uint64_t points = 0;
+    FitAtOptions options = of_any();
+    options.progress = [&](const ProgressUpdate& update) { return fraction = update.fraction, true; };
+    options.found_at_place = [&](const Primitive& found) {
+        ++calls;
+        EXPECT_LT(fraction, 0.25);
+        EXPECT_EQ(found.fit.shape.kind, ShapeKind::cylinder);
+        EXPECT_TRUE(found.bounds.known(ShapeKind::cylinder));
+        points = found.points;
+    };
+    const FittedPrimitive found = fit({pick(ShapeKind::cylinder)}, options);
+    EXPECT_EQ(calls, 1);
+    EXPECT_EQ(points, found.local.inliers);
+    EXPECT_GT(found.points.size(), 3 * points);
+    options.grow = false;
+    fit({pick(ShapeKind::cylinder)}, options);
+    EXPECT_EQ(calls, 1) << "the answer is that shape";
+}
+
+TEST_F(FitAt, PCM_NOT_UNDER_THREAD(WhenTheTimeIsOverTheShapeIsThatOfThePlace))
+{
+    FitAtOptions options = of(ShapeKind::cylinder);
+    const FittedPrimitive whole = fit({pick(ShapeKind::cylinder)}, options);
+    options.fit.seconds = 1000;
+    EXPECT_EQ(fit({pick(ShapeKind::cylinder)}, options).primitive.fit.shape.radius, whole.primitive.fit.shape.radius);
+    options.fit.seconds = 1e-9;
+    const FittedPrimitive found = fit({pick(ShapeKind::cylinder)}, options);
+    EXPECT_EQ(found.left_surface, "the time limit of 1e-09 s was over");
+    EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_NE(found.primitive.fit.message.find("points around the place alone"), std::string::npos);
+    EXPECT_EQ(found.points.size(), found.local.inliers);
+    EXPECT_TRUE(found.primitive.bounds.known(ShapeKind::cylinder));
+    EXPECT_EQ(found.reached.turned_angle, whole.reached.turned_angle);
+    EXPECT_LT(std::fabs(found.primitive.fit.shape.radius - whole.primitive.fit.shape.radius),
+              4 * found.primitive.fit.errors.radius);
+    options.grow = false;
+    EXPECT_EQ(fit({pick(ShapeKind::cylinder)}, options).left_surface, "") << "it was not to be followed";
+}
+
 TEST_F(FitAt, PCM_NOT_UNDER_THREAD(CanBeCancelledAtAnyTime))
 {
     FitAtOptions options = of_any();

@@ -77,7 +77,10 @@ void FitTool::end()
 {
     wanted_.reset();
     worker_.cancel();
-    guarded([&] { discard(); });
+    guarded([&] {
+        forget_first();
+        discard();
+    });
     disconnect(&view_->scene().part<PrimitiveBook>(), nullptr, this, nullptr);
     view_->widget().removeEventFilter(this);
     forget_press();
@@ -190,9 +193,13 @@ void FitTool::fit()
     panel_->show_progress(std::make_pair(QString("Fitting"), 0.0));
     publish("fitting");
     worker_.start(
-        [places = *wanted_, options, found](const ProgressFunction& progress) {
+        [this, number = fits_, places = *wanted_, options, found](const ProgressFunction& progress) {
             FitAtOptions running = options;
             running.progress = running.fit.progress = progress;
+            running.found_at_place = [this, number, places](const Primitive& primitive) {
+                const auto show = [=] { show_first(number, places, primitive); };
+                QMetaObject::invokeMethod(this, show, Qt::QueuedConnection);
+            };
             *found = fit_at(*places.cloud, places.on, places.off, running);
         },
         [this, places = *wanted_, found](std::exception_ptr failure) {
@@ -201,8 +208,26 @@ void FitTool::fit()
         });
 }
 
+void FitTool::show_first(int number, const FitPlaces& places, const Primitive& primitive)
+{
+    if (!view_ || !wanted_ || again_ || number != fits_) return;
+    first_.emplace();
+    first_->places = places;
+    first_->primitive = primitive;
+    guarded([&] { show_draft(); });
+    publish("following");
+}
+
+void FitTool::forget_first()
+{
+    if (!first_) return;
+    first_.reset();
+    show_draft();
+}
+
 void FitTool::take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure)
 {
+    forget_first();
     if (std::exchange(again_, false) && wanted_) return fit();
     const bool cancelled = !wanted_;  // what was found in spite of that is dropped
     wanted_.reset();
@@ -251,39 +276,49 @@ void FitTool::keep_draft(const FitPlaces& places, FittedPrimitive& found)
     publish("draft");
 }
 
-void FitTool::show_draft()
+std::vector<Annotation> FitTool::drawn(const FitDraft& draft, const QString& label) const
 {
-    std::vector<Annotation> drawn;
-    QString text;
-    if (draft_) {
-        const SceneLayer* layer = view_->scene().layer(draft_->places.layer_id);
-        const auto tree = layer ? layer->drawn() : std::nullopt;
-        const auto placement = tree ? layer->placement() : std::nullopt;
-        const Primitive& primitive = draft_->primitive;
-        const QString label = traits_of(primitive.fit.shape.kind).label;
-        const QString size = size_of(primitive, unit_);
-        drawn = drawn_primitive(primitive, placement, {draft_colour, true, label + "\n" + size});
+    const SceneLayer* layer = view_->scene().layer(draft.places.layer_id);
+    const auto tree = layer ? layer->drawn() : std::nullopt;
+    const auto placement = tree ? layer->placement() : std::nullopt;
+    std::vector<Annotation> drawn = drawn_primitive(draft.primitive, placement, {draft_colour, true, label});
+    for (const bool on : {true, false}) {
         Annotation places;
-        for (const Vec3d& p : draft_->places.on) places.marks.push_back(placement ? (*placement)(p) : p);
-        places.colour = draft_colour;
+        for (const Vec3d& p : on ? draft.places.on : draft.places.off)
+            places.marks.push_back(placement ? (*placement)(p) : p);
+        places.colour = on ? draft_colour : QColor(255, 80, 60);
         places.on_top = true;
         drawn.push_back(places);
-        places.marks.clear();
-        for (const Vec3d& p : draft_->places.off) places.marks.push_back(placement ? (*placement)(p) : p);
-        places.colour = QColor(255, 80, 60);
-        drawn.push_back(places);
-        text =
-            QString("%1: %2\nresidual %3, %4 points, %5%6. %7")
-                .arg(label, size, QString::fromStdString(brief(primitive.fit.rms) + (unit_.empty() ? "" : " " + unit_)),
-                     QString::fromStdString(grouped(primitive.points)), counted(draft_->places.on.size(), "place"),
-                     draft_->places.off.empty() ? QString()
-                                                : ", " + counted(draft_->places.off.size(), "place") + " taken away",
-                     doubt().isEmpty()     ? "Enter accepts it."
-                     : draft_->doubt_shown ? "Doubtful: Enter again accepts it."
-                                           : "Doubtful: Enter says why, and Enter again accepts it.");
     }
-    view_->scene().part<Annotations>().set(draft_owner, std::move(drawn));
-    if (panel_) panel_->show_found(text, draft_.has_value());
+    return drawn;
+}
+
+void FitTool::show_draft()
+{
+    const FitDraft* const shown = first_ ? &*first_ : draft_ ? &*draft_ : nullptr;
+    std::vector<Annotation> marks;
+    QString text;
+    if (shown) {
+        const Primitive& primitive = shown->primitive;
+        const QString label = traits_of(primitive.fit.shape.kind).label, size = size_of(primitive, unit_);
+        const QString points = QString::fromStdString(grouped(primitive.points));
+        marks = drawn(*shown, label + "\n" + size);
+        text = label + ": " + size + "\n";
+        if (first_)
+            text += "of the " + points + " points around the place. It is followed through the cloud; Esc cancels it.";
+        else
+            text += QString("residual %1, %2 points, %3%4. %5")
+                        .arg(QString::fromStdString(brief(primitive.fit.rms) + (unit_.empty() ? "" : " " + unit_)),
+                             points, counted(draft_->places.on.size(), "place"),
+                             draft_->places.off.empty()
+                                 ? QString()
+                                 : ", " + counted(draft_->places.off.size(), "place") + " taken away",
+                             doubt().isEmpty()     ? "Enter accepts it."
+                             : draft_->doubt_shown ? "Doubtful: Enter again accepts it."
+                                                   : "Doubtful: Enter says why, and Enter again accepts it.");
+    }
+    view_->scene().part<Annotations>().set(draft_owner, std::move(marks));
+    if (panel_) panel_->show_found(text, draft_ && !first_);
 }
 
 QString FitTool::doubt() const

@@ -6,6 +6,7 @@
 // list. GUI thread.
 #pragma once
 
+#include "plugin/scene/annotations.h"
 #include "plugin/scene/picker.h"
 #include "plugin/scene/worker.h"
 #include "plugin/tools/fit/fit_panel.h"
@@ -64,9 +65,13 @@ private:
     void click(const QPoint& place, Qt::KeyboardModifiers modifiers) override;
     void take(Way way, const Picked& picked);
     void fit();
+    // Before it is followed: the shape of the places of fit `number`.
+    void show_first(int number, const FitPlaces& places, const Primitive& primitive);
+    void forget_first();
     void take_fit(const FitPlaces& places, std::optional<FittedPrimitive>& found, std::exception_ptr failure);
     void keep_draft(const FitPlaces& places, FittedPrimitive& found);
     void show_draft();
+    std::vector<Annotation> drawn(const FitDraft& draft, const QString& label) const;
     QString doubt() const;  // the draft's: "doubtful (...): ..."; empty: none
     void press_key(ListKey key) override;
     void accept() override;
@@ -84,6 +89,7 @@ private:
     QPointer<FitPanel> panel_;
     std::unique_ptr<QObject> picks_;   // the context of picks that are not answered
     std::optional<FitPlaces> wanted_;  // being fitted
+    std::optional<FitDraft> first_;    // while it is followed: what it is around the places, without points
     std::optional<FitDraft> draft_;
     std::string unit_;    // unit of lengths
     bool again_ = false;  // the wanted fit has changed while it ran
