@@ -278,7 +278,7 @@ class MovedClouds(FittingTest):
             wait-rows {LIST} 1
             {show}
             {self.click_place("3 0.5 3.5")}
-            wait-label {FOUND} Cylinder
+            wait-label {FOUND} Enter
             {show}
             print-label {FOUND}
             modifiers Ctrl
@@ -288,7 +288,7 @@ class MovedClouds(FittingTest):
             print-label {FOUND}
             {show}
             {self.click_place("-11.5 3 1.5")}
-            wait-label {FOUND} Cylinder
+            wait-label {FOUND} Enter
             print-label {FOUND}
             {show}
             escape-in-view
@@ -353,7 +353,7 @@ class LayersAndWork(FittingTest):
             print-table {LIST}
             field PointCloudFitNeighbourhood =
             click-place {PIPE}
-            wait-label {FOUND} Cylinder
+            wait-label {FOUND} Enter
             """)
         self.assertDriven(run)
         self.assertIn("Click a point", run.labels(FOUND)[0])
@@ -417,7 +417,7 @@ class LayersAndWork(FittingTest):
             trigger Fit Primitives
             field PointCloudFitNeighbourhood =
             click-place {PIPE}
-            wait-label {FOUND} Cylinder
+            wait-label {FOUND} Enter
             print-label {FOUND}
             """)
         self.assertDriven(run)
