@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <regex>
 #include <set>
 #include <vector>
 
@@ -65,6 +66,12 @@ void compare(const Json& kept, const Json& now, const std::string& at, std::vect
 
 }  // namespace
 
+std::string frozen_line(const std::string& line)
+{
+    static const std::regex number("-?[0-9][0-9,]*([.][0-9]+)?(e[-+]?[0-9]+)?( ?[munkMG]?(s|B)?)?\\b");
+    return std::regex_replace(line, number, "#");
+}
+
 Json frozen(const Json& answer, const std::filesystem::path& folder)
 {
     if (answer.is_string()) return without(answer.get<std::string>(), folder.string());
@@ -72,6 +79,8 @@ Json frozen(const Json& answer, const std::filesystem::path& folder)
         Json left = Json::object();
         for (const auto& [key, value] : answer.items())
             if (!is_of_the_run(key)) left[key] = frozen(value, folder);
+        if (left.contains("lines"))
+            for (Json& line : left["lines"]) line = frozen_line(line.get<std::string>());
         return left;
     }
     if (!answer.is_array()) return answer;

@@ -8,12 +8,16 @@
 
 namespace pcm::test {
 
-// Without times, memory, version and `folder`; every list of more than twelve numbers is their number, sum and a sum in
-// which each weighs as much as its place, so that their order counts.
+// Without times, memory, version and `folder`, and the texts of `lines` as frozen_line() gives them; every list of more
+// than twelve numbers is their number, sum and a sum in which each weighs as much as its place, so that their order
+// counts.
 ops::Json frozen(const ops::Json& answer, const std::filesystem::path& folder);
 
 // The numbers of a text and its words, of a drawing say, as above.
 ops::Json frozen_text(const std::string& text, const std::filesystem::path& folder);
+
+// A line for people with # for each number and its unit, which may be those of a time.
+std::string frozen_line(const std::string& line);
 
 // As it is kept: members of the outer objects a line each.
 std::string kept_text(const ops::Json& frozen, int outer = 4);

@@ -24,6 +24,7 @@ using namespace pcm::ops;
 using pcm::test::FrozenCall;
 namespace fs = std::filesystem;
 
+// What it answers to programs, and to people.
 Json run(const std::string& name, const FrozenCall::Values& values)
 {
     const Row* const row = find_operation(name);
@@ -37,7 +38,12 @@ Json run(const std::string& name, const FrozenCall::Values& values)
         else
             argument->set(pcm::test::words_of(words), key);
     }
-    return json_of(row->name, operation->run({}));
+    const Result result = operation->run({});
+    Json answer = json_of(row->name, result);
+    answer["makes"] = static_cast<int>(result.makes);
+    answer["good"] = result.good;
+    answer["lines"] = result.lines;
+    return answer;
 }
 
 std::string text_of(const fs::path& file)
@@ -165,6 +171,7 @@ TEST(FrozenFiles, DifferWhereAnythingDiffers)
     EXPECT_NE(differences({{"a", 1.0}}, {{"a", 1.0}, {"b", nullptr}}), "");
     EXPECT_NE(differences({{"a", nullptr}}, {{"a", 0}}), "");
     EXPECT_EQ(frozen({{"seconds", 2}, {"output", "/x/y.pct"}}, "/x"), Json({{"output", "@/y.pct"}}));
+    EXPECT_EQ(pcm::test::frozen_line("0.52 s, 3,210 points +- 1e-05, 3 MB"), "#, #points +- #, #");
     EXPECT_EQ(differences(frozen_text("LINE 1.5 -2", "/x"), frozen_text("LINE 1.5 -2.0000000001", "/x")), "");
     EXPECT_NE(differences(frozen_text("LINE 1.5 -2", "/x"), frozen_text("LINE 1.5 -2.1", "/x")), "");
     EXPECT_NE(differences(frozen_text("LINE 1.5 -2", "/x"), frozen_text("LINF 1.5 -2", "/x")), "");
