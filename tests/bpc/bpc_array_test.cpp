@@ -321,6 +321,14 @@ TEST(BpcArray, WhatIsRefused)
     array.set_position(0, {1000.2, 0.3, 1});
     EXPECT_EQ(array.position(0), (Vec3d{1000, 0.25, 1})) << "the nearest on the grid";
     EXPECT_EQ(array.grid_position(0), (std::array<std::int32_t, 3>{0, 1, 32}));
+    for (const std::int32_t last :
+         {std::numeric_limits<std::int32_t>::min(), std::numeric_limits<std::int32_t>::max()}) {
+        const double x = 1000 + 0.5 * last;
+        array.set_position(0, {x, 0.25, 1});
+        EXPECT_EQ(array.grid_position(0)[0], last);
+        EXPECT_THROW(array.set_position(0, {x + (last < 0 ? -0.5 : 0.5), 0.25, 1}), Error);
+        EXPECT_EQ(array.grid_position(0)[0], last) << "what was refused changes nothing";
+    }
     EXPECT_THROW(BpcArray(folder / "none.bpc"), Error);
 }
 
