@@ -264,6 +264,24 @@ TEST(Renderer, TwoCloudsShareOneCache)
     EXPECT_EQ(shared->statistics().allocated_bytes, 0u);
 }
 
+// Matrices that are no view, after a view: what that showed is not drawn by its matrices.
+TEST(Renderer, MatricesThatAreNoViewShowNothing)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    Drawing drawing(make_cloud(folder, "a", grid_at(map_offset), random_points(5000, 10000, 12), 2000));
+    const Framebuffer framebuffer(100, 100);
+    const Camera view = view_of(overview(10), perspective(0.9, 1, 0.1, 1000), 100, 100);
+    EXPECT_EQ(draw_until_done(drawing, framebuffer, view, map_offset, everything()).points_drawn, 5000u);
+    ASSERT_GT(count_lit(framebuffer.read()), 100u);
+    Camera none = view;
+    none.projection.fill(0);
+    framebuffer.clear();
+    EXPECT_EQ(drawing.draw(none, map_offset, everything()).points_drawn, 0u);
+    EXPECT_EQ(count_lit(framebuffer.read()), 0u);
+    drawing.release();
+}
+
 TEST(Renderer, ABrokenChunkIsReportedAndTheRestDrawn)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
