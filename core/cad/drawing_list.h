@@ -24,6 +24,7 @@ DrawingList drawing_list(const std::vector<Primitive>& primitives, bool bounded)
 // Writers of the formats; `file` may be written.
 void write_drawing(const std::filesystem::path& file, DrawingList& list, const CadOptions& options);
 void write_step(const std::filesystem::path& file, DrawingList& list, const CadOptions& options);
+void write_ifc(const std::filesystem::path& file, DrawingList& list, const CadOptions& options);
 void write_script(const std::filesystem::path& file, const DrawingList& list, const CadOptions& options);
 void write_table(const std::filesystem::path& file, const DrawingList& list, const CadOptions& options);
 

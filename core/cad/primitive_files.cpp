@@ -36,7 +36,7 @@ void check_primitive_file(const std::filesystem::path& file, bool overwrite)
     const auto is_it = [&](const char* other) { return extension == other; };
     if (std::none_of(std::begin(cad_extensions), std::end(cad_extensions), is_it))
         throw Error(ErrorCode::invalid_argument, file, "the extension says no format of primitives",
-                    "use .dxf, .step, .scr, .csv or .json");
+                    "use .dxf, .step, .ifc, .scr, .csv or .json");
     if (extension == ".dxf") require_dxf(file);
     if (is_step(extension)) require_step(file);
     check_output(file, overwrite);
@@ -65,6 +65,8 @@ CadReport write_primitives(const std::filesystem::path& file, const std::vector<
         write_table(file, list, options);
     else if (is_step(extension))
         write_step(file, list, options);
+    else if (extension == ".ifc")
+        write_ifc(file, list, options);
     else if (extension == ".scr")
         write_script(file, list, options);
     else

@@ -37,6 +37,10 @@ struct CadReport {
 // - .step, .stp: AP214 with a solid per primitive, with its name and colour; planes as trimmed faces. The file has a
 // unit:
 //   metres where none is given, which a note says.
+// - .ifc: IFC4, for programs that plan buildings and plants: a pipe segment per pipe run, a disc swept along its centre
+//   line, whose parts are not written once more; planes as plates without thickness; the others as solids whose use is
+//   not known. With names, colours, sizes and their standard deviations. About a site at whole units near the first
+//   shape; a unit as in STEP.
 // - .scr: a script for AutoCAD and what understands its commands, in the world's coordinates: true solids by CYLINDER,
 //   SPHERE, CONE, TORUS and, for a part of a torus, REVOLVE; planes as closed 3DPOLYs. One UNDO takes all of it back;
 //   no setting of the program is changed, and its object snaps are ignored.
@@ -56,7 +60,7 @@ CadReport write_primitives(const std::filesystem::path& file, const std::vector<
 bool writes_step();
 // Throws what write_primitives() would because of the file's name and of what is there: before long work, not after it.
 void check_primitive_file(const std::filesystem::path& file, bool overwrite);
-inline constexpr const char* cad_extensions[] = {".dxf", ".step", ".stp", ".scr", ".csv", ".json"};
+inline constexpr const char* cad_extensions[] = {".dxf", ".step", ".stp", ".ifc", ".scr", ".csv", ".json"};
 
 // {"format": "pcm primitives", "version": 1, "primitives": [...]}, angles in radians. A primitive has "name", "kind"
 // and what its kind needs of "point", "axis" (any length but 0), "radius", "half_angle" and "tube_radius". All else may

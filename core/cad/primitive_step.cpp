@@ -1,5 +1,6 @@
 // Primitives as STEP: solids and trimmed planes, by the shared object of cad/step.
 #include "pcm/cad/drawing_list.h"
+#include "pcm/cad/iso_text.h"
 #include "pcm/cad/step/step_module.h"
 #include "pcm/shapes/axis_frame.h"
 #include "pcm/shapes/shape_solids.h"
@@ -8,8 +9,6 @@
 #include "pcm/system/shared_module.h"
 
 #include <algorithm>
-#include <cstdint>
-#include <cstdio>
 #include <exception>
 #include <mutex>
 #include <string>
@@ -123,34 +122,6 @@ StepUnit step_unit(CadUnit unit)
     return {"M", 1000};
 }
 
-// How many bytes a character of UTF-8 has that begins so.
-std::size_t bytes_of(unsigned char first) { return first < 0xc0 ? 1 : first < 0xe0 ? 2 : first < 0xf0 ? 3 : 4; }
-
-// Takes what is whole from `text`. Characters beyond ASCII are written as ISO 10303-21 has them: in four hexadecimal
-// digits within \X2\ and \X0\, or in eight within \X4\ and \X0\.
-std::string plain_text(std::string& text)
-{
-    std::string plain;
-    std::size_t at = 0;
-    while (at < text.size()) {
-        const auto first = static_cast<unsigned char>(text[at]);
-        const std::size_t bytes = bytes_of(first);
-        if (at + bytes > text.size()) break;
-        if (first < 0x80) {
-            plain += text[at++];
-            continue;
-        }
-        std::uint32_t code = bytes == 1 ? first : first & (0x7fu >> bytes);
-        for (std::size_t i = 1; i < bytes; ++i) code = code << 6 | (static_cast<unsigned char>(text[at + i]) & 0x3fu);
-        char digits[24];
-        std::snprintf(digits, sizeof digits, code < 0x10000 ? "\\X2\\%04X\\X0\\" : "\\X4\\%08X\\X0\\", code);
-        plain += digits;
-        at += bytes;
-    }
-    text.erase(0, at);
-    return plain;
-}
-
 // Keeps what an OutputFile throws while OpenCASCADE writes, which does not expect it.
 struct Sink {
     OutputFile& output;
@@ -163,7 +134,7 @@ struct Sink {
         if (sink.failure) return false;
         try {
             sink.begun.append(bytes, size);
-            sink.output.append(plain_text(sink.begun));
+            sink.output.append(iso_characters(sink.begun));
         } catch (...) {
             sink.failure = std::current_exception();
         }

@@ -98,7 +98,7 @@ TEST_F(PrimitiveCommands, RefuseWithoutWriting)
     };
     refused(path("none.json"), 1, "none.json");
     refused(path("a.json") + " --to " + path("b.json"), 1, "exists already");
-    refused(path("a.json") + " --to " + path("a.dwg"), 1, ".dxf, .step, .scr");
+    refused(path("a.json") + " --to " + path("a.dwg"), 1, ".dxf, .step, .ifc, .scr");
     refused(path("a.json") + " --unit mile", 2, "mile");
     refused(path("a.json") + " --chord 0 --to " + path("a.scr"), 2, "--chord");
     refused("", 2, "list");

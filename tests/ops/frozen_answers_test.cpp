@@ -124,6 +124,7 @@ TEST_P(FrozenAnswers, PCM_NOT_UNDER_SANITIZERS(AreThoseOfBefore))
     FrozenCall::Values values = call.values;
     for (auto& [key, words] : values)
         for (std::size_t at = 0; (at = words.find('@', at)) != std::string::npos;) words.replace(at, 1, here(""));
+    if (call.operation == "set") fs::copy(*folder_ / "site.pct", out / "copy.pct", fs::copy_options::recursive);
     Json now;
     try {
         now["answer"] = run(call.operation, values);

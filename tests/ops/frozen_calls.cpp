@@ -135,7 +135,7 @@ Calls calls_of_filters()
          {{"input", shapes}, {"by", "points"}, {"points", "2500"}, {"output", "@out/s.pct"}}},
         {"set",
          "set",
-         {{"tree", site},
+         {{"tree", "@out/copy.pct"},
           {"new", "height:f32"},
           {"values", "height=2.5 user_data=7"},
           {"where", "classification=6"},

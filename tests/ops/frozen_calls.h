@@ -13,7 +13,8 @@ struct FrozenCall {
 
     std::string name;  // of the test and of its file
     std::string operation;
-    Values values;  // by key; words apart by blanks, or after = one word; @ is the folder of the test
+    Values values;  // by key; words apart by blanks, or after = one word; @ is the folder of the test,
+                    // @out/copy.pct a copy of its site.pct
 };
 
 inline void PrintTo(const FrozenCall& call, std::ostream* out) { *out << call.name; }

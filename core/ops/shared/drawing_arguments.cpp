@@ -9,7 +9,8 @@ std::string drawing_formats()
 {
     return std::string(writes_dxf() ? ".dxf (a layer each, meshes and lines), " : "") +
            (writes_step() ? ".step (solids with names and colours), " : "") +
-           ".scr (a script for AutoCAD, with true solids), .csv (parameters and their uncertainties), .json (a list)";
+           ".ifc (pipes, plates and solids), .scr (a script for AutoCAD, with true solids), .csv (parameters and their "
+           "uncertainties), .json (a list)";
 }
 
 void DrawingArguments::declare(Arguments& arguments)

@@ -65,9 +65,9 @@ PointSet points_again(const std::shared_ptr<const Tree>& tree, const Primitive& 
 
 void FitTool::write()
 {
-    const QString filter = QString(writes_dxf() ? "Drawing (*.dxf);;" : "") +
-                           (writes_step() ? "Solids, STEP (*.step *.stp);;" : "") +
-                           "AutoCAD script (*.scr);;Comma-separated values (*.csv);;List (*.json)";
+    const QString filter =
+        QString(writes_dxf() ? "Drawing (*.dxf);;" : "") + (writes_step() ? "Solids, STEP (*.step *.stp);;" : "") +
+        "Building model, IFC (*.ifc);;AutoCAD script (*.scr);;Comma-separated values (*.csv);;List (*.json)";
     QString kind;
     QString file =
         QFileDialog::getSaveFileName(panel_, "Export primitives", writes_dxf() ? "primitives.dxf" : "primitives.scr",
