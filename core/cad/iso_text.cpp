@@ -48,6 +48,14 @@ std::string iso_string(const std::string& text)
     return "'" + iso_characters(doubled) + "'";
 }
 
+std::string iso_label(const std::string& text)
+{
+    std::size_t at = 0;
+    for (int characters = 0; characters < 255 && at < text.size(); ++characters)
+        at += bytes_of(static_cast<unsigned char>(text[at]));
+    return iso_string(text.substr(0, at));
+}
+
 std::string iso_real(double number)
 {
     std::string text = exact(number);

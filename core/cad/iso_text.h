@@ -12,6 +12,9 @@ std::string iso_characters(std::string& text);
 // The whole text in quotation marks, with those and the backslashes in it doubled and without control characters.
 std::string iso_string(const std::string& text);
 
+// The same of a label, which has 255 characters at most: its first ones.
+std::string iso_label(const std::string& text);
+
 // The shortest text that reads back as the number, with the decimal point that a REAL has; finite.
 std::string iso_real(double number);
 

@@ -244,8 +244,8 @@ public:
         const Ref whole = file_.add("IFCPRODUCTDEFINITIONSHAPE($,$,(" + shape + "))");
         const Ref placed =
             file_.add("IFCLOCALPLACEMENT(" + place_ + "," + file_.axes({0, 0, 0}, {0, 0, 1}, {1, 0, 0}) + ")");
-        elements_.push_back(file_.add(std::string(ifc_class) + "(" + global_id(id) + ",$," + iso_string(name) +
-                                      ",$,$," + placed + "," + whole + ",$," + predefined + ")"));
+        elements_.push_back(file_.add(std::string(ifc_class) + "(" + global_id(id) + ",$," + iso_label(name) + ",$,$," +
+                                      placed + "," + whole + ",$," + predefined + ")"));
         std::vector<Ref> values;
         for (const auto& [key, value] : properties)
             values.push_back(file_.add("IFCPROPERTYSINGLEVALUE(" + iso_string(key) + ",$," + value + ",$)"));
@@ -297,7 +297,7 @@ IfcProject::Properties properties_of(const PipeRun& run)
     properties.emplace_back("length", length_value(run.length()));
     properties.emplace_back("bends", count_value(run.bends()));
     for (std::size_t i = 0; i < run.parts.size(); ++i)
-        properties.emplace_back("part " + std::to_string(i + 1), "IFCLABEL(" + iso_string(run.parts[i]->name) + ")");
+        properties.emplace_back("part " + std::to_string(i + 1), "IFCLABEL(" + iso_label(run.parts[i]->name) + ")");
     return properties;
 }
 
