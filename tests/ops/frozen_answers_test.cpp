@@ -2,7 +2,6 @@
 // fails here, whoever changed it. Where the change is wanted, run this test with PCM_FREEZE=1 in the environment, look
 // at what `git diff` shows of the files, and commit them with it.
 #include "tests/ops/frozen_answers.h"
-#include "tests/ops/frozen_calls.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
 
@@ -21,22 +20,46 @@
 namespace {
 
 using namespace pcm::ops;
-using pcm::test::FrozenCall;
 namespace fs = std::filesystem;
 
+// A line of frozen_calls.json. An argument's value is true, a word, or a list of words, in which @ is the folder of the
+// test, and @out/copy.pct a copy of its site.pct.
+struct FrozenCall {
+    std::string name, operation;
+    Json values = Json::object();
+};
+void PrintTo(const FrozenCall& call, std::ostream* out) { *out << call.name; }
+
+std::string text_of(const fs::path& file)
+{
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    return text.str();
+}
+
+std::vector<FrozenCall> frozen_calls()
+{
+    std::vector<FrozenCall> calls;
+    const Json listed = Json::parse(text_of(PCM_FROZEN_CALLS));
+    for (const auto& [name, call] : listed.items()) calls.push_back({name, call[0].get<std::string>(), call[1]});
+    return calls;
+}
+
 // What it answers to programs, and to people.
-Json run(const std::string& name, const FrozenCall::Values& values)
+Json run(const std::string& name, const Json& values)
 {
     const Row* const row = find_operation(name);
     if (!row) throw std::logic_error("there is no operation " + name);
     const auto operation = row->make();
-    for (const auto& [key, words] : values) {
+    for (const auto& [key, value] : values.items()) {
         Argument* const argument = operation->arguments().find(key);
         if (!argument) throw std::logic_error(name + " has no argument " + key);
-        if (argument->kind() == ValueKind::flag)
-            argument->set(words == "on");
+        if (value.is_boolean())
+            argument->set(value.get<bool>());
+        else if (value.is_string())
+            argument->set(std::vector<std::string>{value}, key);
         else
-            argument->set(pcm::test::words_of(words), key);
+            argument->set(value.get<std::vector<std::string>>(), key);
     }
     const Result result = operation->run({});
     Json answer = json_of(row->name, result);
@@ -44,13 +67,6 @@ Json run(const std::string& name, const FrozenCall::Values& values)
     answer["good"] = result.good;
     answer["lines"] = result.lines;
     return answer;
-}
-
-std::string text_of(const fs::path& file)
-{
-    std::ostringstream text;
-    text << std::ifstream(file, std::ios::binary).rdbuf();
-    return text.str();
 }
 
 // Points of a cone, a ring, a ball, a wall and some that belong to nothing, in floating point, as text.
@@ -121,13 +137,12 @@ TEST_P(FrozenAnswers, PCM_NOT_UNDER_SANITIZERS(AreThoseOfBefore))
     const fs::path out = *folder_ / "out";
     fs::remove_all(out);
     fs::create_directory(out);
-    FrozenCall::Values values = call.values;
-    for (auto& [key, words] : values)
-        for (std::size_t at = 0; (at = words.find('@', at)) != std::string::npos;) words.replace(at, 1, here(""));
+    std::string values = call.values.dump();
+    for (std::size_t at = 0; (at = values.find('@', at)) != std::string::npos;) values.replace(at, 1, here(""));
     if (call.operation == "set") fs::copy(*folder_ / "site.pct", out / "copy.pct", fs::copy_options::recursive);
     Json now;
     try {
-        now["answer"] = run(call.operation, values);
+        now["answer"] = run(call.operation, Json::parse(values));
     } catch (const std::exception& error) {
         now = json_of_error(error);
     }
@@ -142,14 +157,14 @@ TEST_P(FrozenAnswers, PCM_NOT_UNDER_SANITIZERS(AreThoseOfBefore))
     EXPECT_EQ(pcm::test::differences(Json::parse(text_of(file)), now), "");
 }
 
-INSTANTIATE_TEST_SUITE_P(Of, FrozenAnswers, testing::ValuesIn(pcm::test::frozen_calls()),
+INSTANTIATE_TEST_SUITE_P(Of, FrozenAnswers, testing::ValuesIn(frozen_calls()),
                          [](const auto& info) { return info.param.name; });
 
 // A file that no call names any more is to be removed.
 TEST(FrozenFiles, AreThoseOfTheCalls)
 {
     std::set<std::string> names;
-    for (const FrozenCall& call : pcm::test::frozen_calls())
+    for (const FrozenCall& call : frozen_calls())
         EXPECT_TRUE(names.insert(call.name).second) << call.name << " is there twice";
     for (const fs::directory_entry& entry : fs::directory_iterator(PCM_FROZEN_ANSWERS))
         EXPECT_TRUE(names.count(entry.path().stem().string())) << entry.path();

@@ -193,8 +193,8 @@ TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(PointsThatAreRepeatedCountAsPlace
     EXPECT_NEAR(fits[1].errors.position, fits[0].errors.position, 0.4 * fits[0].errors.position);
 }
 
-// A ball that one station sees and a pipe of which each sees a third: points of different numbers are nowhere neighbours,
-// so the numbers may as well be those of objects, and what is given is added to sizes, too.
+// A ball that one station sees and a pipe of which each sees a third: points of different numbers are nowhere
+// neighbours, so the numbers may as well be those of objects, and what is given is added to sizes, too.
 TEST_F(StationErrors, PCM_NOT_UNDER_THREAD(StationsThatSeeNothingTogetherAreUnknown))
 {
     const auto there = cloud(0.001, 8, Says::source_id, false);
