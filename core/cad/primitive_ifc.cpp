@@ -163,7 +163,7 @@ public:
     }
 
     Ref item;
-    std::string type;  // of the representation
+    std::string type;  // name of the representation's type
 
 private:
     void take(const std::string& entity, const char* representation)

@@ -204,9 +204,7 @@ private:
             .unit("s")
             .group(group)
             .label("Time limit")
-            .help(
-                "Time limit: the search for samples then keeps the best shape so far, and a shape is not followed any "
-                "farther than to the points around the place, which the answer says")
+            .help("Time limit: the search then keeps the best shape so far, which is not followed any farther")
             .automatic("no limit")
             .advanced();
         arguments_.add("seed", options_.fit.seed)

@@ -1,5 +1,5 @@
-// Pictures of a small scene, as they are kept in frozen/ at a quarter of their size: what changes how points look fails
-// here, whoever changed it. Where the change is wanted, run this test with PCM_FREEZE=1 in the environment, look at the
+// Pictures of a small scene, as they are kept in frozen/ at a quarter of their size: a change of how points look fails
+// here. Where the change is wanted, run this test with PCM_FREEZE=1 in the environment, look at the
 // pictures, and commit them with it.
 #include "tests/offscreen_support.h"
 #include "tests/sanitizers.h"

@@ -264,8 +264,8 @@ TEST(Renderer, TwoCloudsShareOneCache)
     EXPECT_EQ(shared->statistics().allocated_bytes, 0u);
 }
 
-// Matrices that are no view, after a view: what that showed is not drawn by its matrices.
-TEST(Renderer, MatricesThatAreNoViewShowNothing)
+// Matrices that are not those of a view, after a view: what that showed is not drawn by its matrices.
+TEST(Renderer, MatricesOfNoViewShowNothing)
 {
     PCM_REQUIRE_GL(context, Profile::compatibility);
     const TemporaryFolder folder;

@@ -1,5 +1,5 @@
 // What operations answer and write of two small clouds, as it is kept in the files of frozen/: a number that changes
-// fails here, whoever changed it. Where the change is wanted, run this test with PCM_FREEZE=1 in the environment, look
+// fails here. Where the change is wanted, run this test with PCM_FREEZE=1 in the environment, look
 // at what `git diff` shows of the files, and commit them with it.
 #include "tests/ops/frozen_answers.h"
 #include "tests/sanitizers.h"
