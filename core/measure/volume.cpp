@@ -139,6 +139,8 @@ double bytes_per_cell(std::size_t clouds) { return 220 + 110 * (static_cast<doub
 double Volume::within_memory(double side) const
 {
     const double most = static_cast<double>(options_.memory) / bytes_per_cell(clouds_.size());
+    if (most < 1)
+        refuse(bytes_text(options_.memory) + " of memory do not hold one cell", "give more memory, such as 512M");
     const double least = 1.01 * std::sqrt(report_.area / std::max(1.0, most));
     if (CellGrid::cells_of(polygon_, side) > most) side = std::max(side, least);
     while (CellGrid::cells_of(polygon_, side) > most) side *= 1.05;

@@ -452,6 +452,9 @@ TEST_F(Volumes, WhatIsWrongIsRefused)
                   o.memory = few;
               }),
               "accepted");
+    for (const std::uint64_t none : {0, 1, 219})
+        EXPECT_NE(refusal([&](VolumeOptions& o) { o.memory = none; }).find("do not hold one cell"), std::string::npos);
+    EXPECT_EQ(refusal([](VolumeOptions& o) { o.memory = 220; }), "accepted");
     EXPECT_THROW(plane_of({0, 0, 0}, {1, 0, 0}), Error);
     EXPECT_THROW(plane_of({0, 0, 0}, {0, 0, 0}), Error);
 }
