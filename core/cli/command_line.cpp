@@ -61,8 +61,8 @@ void expect_values(CLI::Option& option, const ops::Argument& argument)
     if (kind == ops::ValueKind::words || kind == ops::ValueKind::numbers) option.delimiter(',');
 }
 
-// An empty word is most often a shell's variable that is not set: without a value, `delete TREE -o "$COPY"` would change
-// the tree itself, and `--region "$REGION"` take all points.
+// An empty word is most often a shell's variable that is not set: without a value, `delete TREE -o "$COPY"` would
+// change the tree itself, and `--region "$REGION"` take all points.
 std::string word_fault(const ops::Argument& argument, std::string& word)
 {
     return word.empty() ? "the value is empty; leave the option out, or give a value" : argument.fault(word);

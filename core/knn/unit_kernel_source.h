@@ -160,8 +160,8 @@ private:
         return square == 0 && is_settled(q) ? 0 : bound_of(square);
     }
 
-    // Whether all in the list, which is full and has squares of 0, are at the query's place, and squares in double tell
-    // other places from it.
+    // Whether all in the list, which is full and has squares of 0, are at the query's place. False where squares in
+    // double underflow to 0 for other places too.
     bool is_settled(std::uint32_t q) const
     {
         for (std::uint32_t axis = 0; axis < 3; ++axis)

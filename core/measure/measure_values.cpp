@@ -57,8 +57,8 @@ struct Leg {
     Vec3d d, lost;  // what rounding took from d matters where the legs are nearly parallel
 };
 
-// `v` times the power of two that makes the largest component of `leg` 0.5 to 1: products of legs of any length, also of
-// 1e-200, are then neither 0 nor infinite.
+// `v` times the power of two that makes the largest component of `leg` 0.5 to 1: products of legs of any length, also
+// of 1e-200, are then neither 0 nor infinite.
 Vec3d to_unit(const Vec3d& v, const Vec3d& leg)
 {
     int exponent = 0;
@@ -70,9 +70,12 @@ MeasureValue angle_value(const char* name, const std::vector<MeasuredPoint>& poi
                          const Leg& second)
 {
     const Vec3d a = to_unit(first.d, first.d), b = to_unit(second.d, second.d);
-    const Vec3d across = exact_cross(a, b) + (cross(a, to_unit(second.lost, second.d)) + cross(to_unit(first.lost, first.d), b));
+    const Vec3d across =
+        exact_cross(a, b) + (cross(a, to_unit(second.lost, second.d)) + cross(to_unit(first.lost, first.d), b));
     const double radians = std::atan2(length(across), exact_dot(a, b));
-    const auto turned = [](const MeasuredPoint& by, const Leg& leg) { return std::sqrt(by.variance()) / length(leg.d); };
+    const auto turned = [](const MeasuredPoint& by, const Leg& leg) {
+        return std::sqrt(by.variance()) / length(leg.d);
+    };
     const double by_first = turned(points[0], first), by_last = turned(points[2], second);
     const double middle_a = turned(points[1], first), middle_b = turned(points[1], second);
     const double by_middle = middle_a * middle_a + middle_b * middle_b - 2 * middle_a * middle_b * std::cos(radians);

@@ -340,7 +340,8 @@ TEST_F(L2CacheTest, ARequestedChunkIsThereWhenItIsAnnouncedHoweverSmallTheCapaci
     options.capacity_bytes = 1;
     L2Cache cache(tree_, options);
     std::atomic<int> found{0};
-    cache.request({{0, positions_}, {1, positions_}}, [&](NodeId node) { found += bool(cache.find(node, positions_)); });
+    cache.request({{0, positions_}, {1, positions_}},
+                  [&](NodeId node) { found += bool(cache.find(node, positions_)); });
     cache.wait_idle();
     EXPECT_EQ(found, 2);
     EXPECT_EQ(cache.statistics().resident_bytes, 0u);

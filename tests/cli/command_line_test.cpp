@@ -134,8 +134,8 @@ TEST(CommandLine, VariablesTakeWhatIsGiven)
 TEST(CommandLine, EmptyValuesAreRefused)
 {
     using Words = std::vector<std::string>;
-    for (const Words& words : {Words{""}, Words{"w", ""}, Words{"w", "--names", ""}, Words{"w", "--names="},
-                               Words{"w", "--threads", ""}, Words{"w", "--mode", ""}}) {
+    for (const Words& words : {Words{""}, Words{"w", ""}, Words{"w", "--names", ""}, Words{"w", "--threads", ""},
+                               Words{"w", "--mode", ""}}) {
         const Result result = one(words);
         EXPECT_EQ(result.code, 2) << testing::PrintToString(words);
         EXPECT_NE(result.err.find("empty"), std::string::npos) << testing::PrintToString(words) << result.err;

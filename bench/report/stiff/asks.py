@@ -45,7 +45,7 @@ def pairs_of(stage):
 
 
 def eye_of(stage):
-    return words(stage.settings.get("eye", stage.middle + numpy.array([1.0, -2, 1.5]) * max(stage.size, 1e-300)))
+    return words(stage.settings.get("eye", stage.middle + numpy.array([1.0, -2, 1.5]) * stage.reach))
 
 
 def target_of(stage):
@@ -58,11 +58,11 @@ def angle_of(stage):
 
 def ray_down(stage):
     """From above through the first place."""
-    return words(stage.places[0] + [0, 0, max(stage.size, 1e-300)], [0, 0, -1])
+    return words(stage.places[0] + [0, 0, stage.reach], [0, 0, -1])
 
 
 def fraction_of_size(fraction):
-    return lambda stage: words(fraction * stage.size if stage.size > 0 else 1.0)
+    return lambda stage: words(fraction * stage.reach)
 
 
 def neighbours(default):
@@ -88,7 +88,7 @@ KNOWN = {
               "nearest": {"nearest": lambda s: words(s.places[0] + 0.01 * s.size), "neighbours": neighbours(5)},
               "first_hit": {"ray": lambda s: ray_down(s) + words(0.02 * s.size), "first_hit": True},
               "estimate": {"box": box_of_half, "estimate": True},
-              "frustum": {"frustum": lambda s: words(s.middle + [0, 0, 2 * s.size], s.middle, 30, 1, 1e-6 * s.size, 3 * s.size, [0, 1, 0])}},
+              "frustum": {"frustum": lambda s: words(s.middle + [0, 0, 2 * s.reach], s.middle, 30, 1, 1e-6 * s.reach, 3 * s.reach, [0, 1, 0])}},
     "pick": {"ray": {"ray": ray_down, "pixel_angle": ["0.5"]}, "view": {"at": ["640", "360"], **CAMERA}},
     "select": {"box": {"box": box_of_half, "output": None}, "grow": {"grow_from": lambda s: words(s.places[0]), "distance": fraction_of_size(0.1), "output": None}},
     "fit": {shape: {"at": fit_place, "shape": [shape], "output": None} for shape in ("any", "plane", "cylinder", "sphere")},
@@ -128,7 +128,7 @@ def by_type(argument, stage):
     if kind == "output":
         return ["out.png"] if argument["key"] == "output" else ["out.json"]
     if kind == "real":
-        return words(max(stage.size, 1e-300) * 0.05)
+        return words(stage.reach * 0.05)
     if kind == "numbers":
         return words(stage.places.ravel()[:argument.get("most_count", 3)])
     if kind == "choice":

@@ -4,6 +4,7 @@ import numpy
 from exact import LONG, distances, extended, principal_axes, relative, require
 
 ROUNDING = 1e-9  # relative to the size of what is measured
+DENORMAL = 1e-310  # lengths below it have no digits to lose
 
 
 def along(places):
@@ -58,7 +59,7 @@ def measure(cell):
     if expected is None:
         return None
     found = values[name]
-    error = relative([abs(found)], [abs(expected)], {1: size, 180: 180, None: size ** 2}[unit])
+    error = relative([abs(found)], [abs(expected)], max({1: size, 180: 180, None: size ** 2}[unit], DENORMAL))
     require(error <= ROUNDING, f"{name} is {float(expected):.17g}, not {found:.17g}")
     return error, "of the size"
 

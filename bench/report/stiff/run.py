@@ -35,10 +35,20 @@ import values  # noqa: E402
 from exact import Wrong, require  # noqa: E402
 
 ORACLES = {**oracles_clouds.ORACLES, **oracles_points.ORACLES, **oracles_measures.ORACLES}
-SMOKE = ("plain", "plain, on a map", "0 points", "1 points", "all in one place", "collinear, oblique", "a coordinate nan", "extent 1e-12", "a stray at 1e100",
-         "a mirrored matrix", "collinear pairs", "the camera inside a point")
+SMOKE = ("plain, on a map", "0 points", "all in one place", "a coordinate nan", "a stray at 1e100", "a mirrored matrix", "collinear pairs",
+         "the camera inside a point")
 HEAD = {"command": str, "version": str, "points": int, "seconds": (int, float), "warnings": list, "notes": list}
+# Keys in lists and objects of answers that may be null, where that means none.
+OPTIONAL = ("level", "radii_limited", "left_surface", "fixed_spacing", "moving_spacing", "flipped", "least_distance")
 TYPES = {"count": int, "number": (int, float), "text": str, "flag": bool, "list": list, "object": dict}
+
+
+def holes_in(value, name):
+    """The places of nulls in lists and objects that are not of OPTIONAL."""
+    if value is None:
+        return [] if name.rpartition(".")[2] in OPTIONAL else [name]
+    parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    return [hole for key, part in parts for hole in holes_in(part, f"{name}.{key}" if isinstance(key, str) else name)]
 
 
 class Cell:
@@ -116,6 +126,8 @@ class Cell:
             value = self.answer[declared["key"]]
             kind = TYPES[declared["type"].rstrip("?")]
             require(isinstance(value, kind) or (value is None and declared["type"].endswith("?")), f"{declared['key']} is {value!r}")
+            holes = holes_in(value, declared["key"]) if value is not None else []
+            require(not holes, f"{', '.join(holes[:3])}: null, as NaN and infinity are in JSON")
 
 
 def ask_case(case, operations, arguments, program):

@@ -91,6 +91,7 @@ class Stage:
         self.low, self.high = sane.min(axis=0), sane.max(axis=0)
         self.middle = numpy.median(sane, axis=0)
         self.size = float((numpy.percentile(sane, 95, axis=0) - numpy.percentile(sane, 5, axis=0)).max())
+        self.reach = self.size if self.size > 0 else 1.0  # of cameras, rays and lines
         order = numpy.argsort(((sane - self.middle) / max(self.size, 1e-300) ** 1 @ numpy.array([0.3, 0.5, 0.8])), kind="stable")
         self.places = sane[order[numpy.linspace(0.1 * (len(sane) - 1), 0.9 * (len(sane) - 1), 8).astype(int)]]
 

@@ -65,12 +65,12 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
     }
 }
 
-// `unit` is of the size of the largest element, so that the determinant of a scale of 1e-200 is not 0, nor that of 1e200
-// infinite.
+// `unit` is of the size of the largest element, so that the determinant of a scale of 1e-200 is not 0, nor that of
+// 1e200 infinite.
 void TransformedReader::take_turn(double unit)
 {
     std::array<Vec3d, 3> m;
-    double volume = 1;  // of a box with the rows' lengths
+    double volume = 1;  // volume of a box with the rows' lengths
     for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 0; j < 3; ++j) m[i][j] = map_.linear[i][j] / unit;
         volume *= length(m[i]);
