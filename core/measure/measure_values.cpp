@@ -32,7 +32,8 @@ double slope_uncertainty(const std::vector<MeasuredPoint>& points, const LineLen
     for (const Vec3d& g : horizontal.gradient) gradient.push_back(by_h * g);
     gradient.front()[2] -= by_v;
     gradient.back()[2] += by_v;
-    return propagated(points, gradient, by_h * by_h * horizontal.variance_apart);
+    const double apart = horizontal.variance_apart > 0 ? by_h * by_h * horizontal.variance_apart : 0;
+    return propagated(points, gradient, apart);
 }
 
 void add_slopes(const std::vector<MeasuredPoint>& points, const LineLength& horizontal,

@@ -156,6 +156,7 @@ void Volume::choose_side()
         base_.height = clouds_[0].bounds().min[2];
     }
     report_.side = options_.side;
+    require_coordinate("the side of a cell", options_.side);
     if (!(options_.side >= 0) || !std::isfinite(options_.side)) refuse("the side of a cell is negative or not finite");
     if (report_.side == 0) {
         for (std::size_t k = 0; k < clouds_.size(); ++k)

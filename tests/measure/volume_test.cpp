@@ -428,6 +428,7 @@ TEST_F(Volumes, WhatIsWrongIsRefused)
               }).find("no point of"),
               std::string::npos);
     EXPECT_NE(refusal([](VolumeOptions& o) { o.side = -1; }).find("side"), std::string::npos);
+    EXPECT_NE(refusal([](VolumeOptions& o) { o.side = 1e308; }).find("out of range"), std::string::npos);
     EXPECT_NE(
         refusal([](VolumeOptions& o) { o.progress = [](const ProgressUpdate&) { return false; }; }).find("cancelled"),
         std::string::npos);

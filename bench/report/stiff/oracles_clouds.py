@@ -54,7 +54,7 @@ def convert(cell):
         found = las_positions(path)
     elif path.suffix == ".xyz":
         lines = [line.split() for line in path.read_text().splitlines() if line and not line.startswith(("#", "/"))]
-        found = numpy.array([[float(word) for word in line[:3]] for line in lines if line[0][0] in "-0123456789"]).reshape(-1, 3)
+        found = numpy.array([[float(word) for word in line[:3]] for line in lines if line[0].lstrip("-")[0] in "0123456789ni" and line[0] != "x"]).reshape(-1, 3)
     else:
         found = cell.points(cell.output)["xyz"]
     if len(cell.stage.case.xyz) > len(cell.xyz):  # NaN and infinity go from file to file as they are, where the format has them

@@ -38,15 +38,16 @@ ORACLES = {**oracles_clouds.ORACLES, **oracles_points.ORACLES, **oracles_measure
 SMOKE = ("plain, on a map", "0 points", "all in one place", "a coordinate nan", "a stray at 1e100", "a mirrored matrix", "collinear pairs",
          "the camera inside a point")
 HEAD = {"command": str, "version": str, "points": int, "seconds": (int, float), "warnings": list, "notes": list}
-# Keys in lists and objects of answers that may be null, where that means none.
-OPTIONAL = ("level", "radii_limited", "left_surface", "fixed_spacing", "moving_spacing", "flipped", "least_distance")
+# Ends of the places in answers that may be null, where that means none, or, of a sigma, infinite: nothing is known.
+OPTIONAL = (".level", ".radii_limited", ".left_surface", ".fixed_spacing", ".moving_spacing", ".flipped", ".least_distance",
+            ".sigma.position", ".sigma.angle", ".sigma.radius", ".sigma.second", ".condition")
 TYPES = {"count": int, "number": (int, float), "text": str, "flag": bool, "list": list, "object": dict}
 
 
 def holes_in(value, name):
-    """The places of nulls in lists and objects that are not of OPTIONAL."""
+    """The places of nulls in lists and objects that OPTIONAL does not have."""
     if value is None:
-        return [] if name.rpartition(".")[2] in OPTIONAL else [name]
+        return [] if name.endswith(OPTIONAL) else [name]
     parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     return [hole for key, part in parts for hole in holes_in(part, f"{name}.{key}" if isinstance(key, str) else name)]
 
