@@ -124,8 +124,8 @@ public:
 
     // Requests chunks in the background, in the order of the list. A new list replaces the previous one: chunks of the
     // old list whose load has not begun are forgotten. `on_loaded` (may be empty) is called on a loader thread for each
-    // chunk of the list, when it was loaded, was resident already, or failed. It must return quickly and must not call
-    // the cache's destructor.
+    // chunk of the list, when it was loaded, was resident already, or failed; the chunk is pinned until it returns. It
+    // must return quickly and must not call the cache's destructor.
     void request(std::vector<ChunkRequest> list, std::function<void(NodeId)> on_loaded = {});
 
     // Requests one more chunk in the background, before the current list: for sequential readers.

@@ -279,16 +279,18 @@ void L2Cache::State::loader()
             count_miss(entry, request.columns);
             try {
                 load(entry, request.columns, lock);
-                make_room(lock);
             } catch (const std::exception&) {
                 // Counted, and kept in the entry for error_of().
             }
         }
+        pin(entry);  // a chunk larger than the capacity, too, is there for on_loaded
+        make_room(lock);
         if (on_each && *on_each) {
             lock.unlock();
             (*on_each)(request.node);
             lock.lock();
         }
+        unpin(entry);
         --active_loads;
         loaded.notify_all();
     }

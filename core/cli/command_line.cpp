@@ -61,6 +61,13 @@ void expect_values(CLI::Option& option, const ops::Argument& argument)
     if (kind == ops::ValueKind::words || kind == ops::ValueKind::numbers) option.delimiter(',');
 }
 
+// An empty word is most often a shell's variable that is not set: without a value, `delete TREE -o "$COPY"` would
+// change the tree itself, and `--region "$REGION"` take all points.
+std::string word_fault(const ops::Argument& argument, std::string& word)
+{
+    return word.empty() ? "the value is empty; leave the option out, or give a value" : argument.fault(word);
+}
+
 }  // namespace
 
 void Options::argument(ops::Argument& argument)
@@ -79,7 +86,7 @@ void Options::argument(ops::Argument& argument)
     } else {
         const auto set = [&argument, name](const std::vector<std::string>& words) { argument.set(words, name); };
         option = command_.add_option_function<std::vector<std::string>>(names, set, argument.command_help());
-        option->transform(CLI::Validator([&argument](std::string& word) { return argument.fault(word); }, ""));
+        option->transform(CLI::Validator([&argument](std::string& word) { return word_fault(argument, word); }, ""));
         expect_values(*option, argument);
         option->type_name(type_of(argument));
         if (argument.is_required()) option->required();

@@ -40,12 +40,13 @@ void widen(ValueStatistics& statistics, double least, double most, std::uint64_t
     statistics.values += values;
 }
 
-// Raw values of one component. Returns their sum, of integers exactly.
+// Raw values of one component. Returns their sum, of integers exactly. The sum of doubles may be larger than a double.
 template <class T>
-double add_raw(const T* values, std::size_t count, std::size_t step, ValueStatistics& statistics)
+long double add_raw(const T* values, std::size_t count, std::size_t step, ValueStatistics& statistics)
 {
-    using Sum = std::conditional_t<std::is_floating_point_v<T>, double,
-                                   std::conditional_t<(sizeof(T) > 4), double, std::int64_t>>;
+    using Sum =
+        std::conditional_t<std::is_same_v<T, double>, long double,
+                           std::conditional_t<(sizeof(T) > 4 || std::is_floating_point_v<T>), double, std::int64_t>>;
     Sum sum = 0;
     T least = std::numeric_limits<T>::max(), most = std::numeric_limits<T>::lowest();
     std::uint64_t finite = 0;
@@ -60,7 +61,7 @@ double add_raw(const T* values, std::size_t count, std::size_t step, ValueStatis
     }
     statistics.not_finite += count - finite;
     widen(statistics, static_cast<double>(least), static_cast<double>(most), finite);
-    return static_cast<double>(sum);
+    return static_cast<long double>(sum);
 }
 
 bool is_counted(const Attribute& attribute)
@@ -89,10 +90,10 @@ std::uint64_t count_values(const Column& column, std::vector<std::uint64_t>& cou
 }
 
 // From raw numbers to values.
-void scale(ValueStatistics& statistics, double sum, double scale, double offset)
+void scale(ValueStatistics& statistics, long double sum, double scale, double offset)
 {
     if (statistics.values == 0) return;
-    statistics.mean = sum / static_cast<double>(statistics.values) * scale + offset;
+    statistics.mean = static_cast<double>(sum / static_cast<long double>(statistics.values)) * scale + offset;
     statistics.least = statistics.least * scale + offset;
     statistics.most = statistics.most * scale + offset;
     if (scale < 0) std::swap(statistics.least, statistics.most);

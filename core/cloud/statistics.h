@@ -68,8 +68,8 @@ private:
     const std::optional<Grid> grid_;
     const std::size_t most_positions_;
     CloudStatistics found_;
-    std::array<double, 3> position_sums_{};
-    std::vector<std::vector<double>> sums_;
+    std::array<long double, 3> position_sums_{};
+    std::vector<std::vector<long double>> sums_;
     std::vector<Entry> table_;  // open addressing
     std::size_t entries_ = 0;
     unsigned level_ = 0;  // only hashes with this many zeros at their end are counted

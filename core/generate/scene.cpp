@@ -203,7 +203,8 @@ Grid checked_grid(const SceneOptions& options, double side)
     Grid grid;
     for (std::size_t a = 0; a < 3; ++a) {
         if (!(std::abs(options.origin[a]) <= 1e12))
-            refuse("the origin " + digits(options.origin[a]) + " is out of range");
+            refuse("the origin " + digits(options.origin[a]) +
+                   " is out of range: coordinates up to 1e12 can be generated");
         grid.scale[a] = options.scale;
         grid.offset[a] = std::floor(options.origin[a]);
     }

@@ -65,7 +65,7 @@ public:
             const std::uint32_t q = lowest_bit(bits);
             const std::uint64_t last = list_of(q)[capacity_ - 1];
             take_list(q);
-            if (static_cast<std::uint32_t>(last) != empty_slot && square_of(dropped_[q]) < bound_of(square_of(last)))
+            if (static_cast<std::uint32_t>(last) != empty_slot && square_of(dropped_[q]) < bound_of_list(q))
                 undecided |= 1u << q;
         }
         if (undecided) repeat(undecided);
@@ -151,10 +151,34 @@ private:
         return square * (1 + 0x1p-20f) + (16 * blur * root + 64 * blur * blur + (exact_ ? 0 : 1e-30f));
     }
 
+    // Squares from here on are certainly above that of the last in the query's list. 0 where all in the list are at the
+    // query's own place: there is nothing nearer, and nothing that would come before them. Without this, each of a
+    // million points at one place would be compared with all of them.
+    float bound_of_list(std::uint32_t q) const
+    {
+        const float square = square_of(list_of(q)[capacity_ - 1]);
+        return square == 0 && is_settled(q) ? 0 : bound_of(square);
+    }
+
+    // Whether all in the list, which is full and has squares of 0, are at the query's place. False where squares in
+    // double underflow to 0 for other places too.
+    bool is_settled(std::uint32_t q) const
+    {
+        for (std::uint32_t axis = 0; axis < 3; ++axis)
+            if (!(tree_.scale[axis] * tree_.scale[axis] > 0)) return false;
+        const std::uint64_t* list = list_of(q);
+        for (std::size_t i = capacity_ - request_.neighbours; i < capacity_; ++i) {
+            const auto index = static_cast<std::uint32_t>(list[i]);
+            const C* point = tree_.blocks + std::size_t(3) * leaf_points * (index / leaf_points) + index % leaf_points;
+            for (std::uint32_t axis = 0; axis < 3 * leaf_points; axis += leaf_points)
+                if (point[axis] != queries_.block[axis + q]) return false;
+        }
+        return true;
+    }
+
     void set_bounds()
     {
-        for (std::uint32_t q = 0; q < leaf_points; ++q)
-            bounds_[q] = active_ >> q & 1 ? bound_of(square_of(list_of(q)[capacity_ - 1])) : -1;
+        for (std::uint32_t q = 0; q < leaf_points; ++q) bounds_[q] = active_ >> q & 1 ? bound_of_list(q) : -1;
         find_worst();
     }
 
@@ -291,7 +315,7 @@ private:
             } else {
                 std::uint64_t* list = list_of(q);
                 insert<Eights>(list, capacity_, bits, squares, static_cast<std::uint32_t>(first), dropped_ + q);
-                bounds_[q] = bound_of(square_of(list[capacity_ - 1]));
+                bounds_[q] = bound_of_list(q);
             }
         }
         if (!Exact) find_worst();

@@ -28,7 +28,9 @@ LineLength line_length(const std::vector<MeasuredPoint>& points, Seen seen, bool
 double propagated(const std::vector<MeasuredPoint>& points, const std::vector<Vec3d>& gradient, double apart)
 {
     double variance = apart;
-    for (std::size_t i = 0; i < points.size(); ++i) variance += points[i].variance() * dot(gradient[i], gradient[i]);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        if (points[i].variance() > 0)  // an exact point adds none, also where the derivative is infinite
+            variance += points[i].variance() * dot(gradient[i], gradient[i]);
     return std::sqrt(variance);
 }
 

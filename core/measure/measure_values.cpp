@@ -5,6 +5,7 @@
 #include "pcm/measure/refuse.h"
 #include "pcm/system/error.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pcm {
@@ -31,7 +32,8 @@ double slope_uncertainty(const std::vector<MeasuredPoint>& points, const LineLen
     for (const Vec3d& g : horizontal.gradient) gradient.push_back(by_h * g);
     gradient.front()[2] -= by_v;
     gradient.back()[2] += by_v;
-    return propagated(points, gradient, by_h * by_h * horizontal.variance_apart);
+    const double apart = horizontal.variance_apart > 0 ? by_h * by_h * horizontal.variance_apart : 0;
+    return propagated(points, gradient, apart);
 }
 
 void add_slopes(const std::vector<MeasuredPoint>& points, const LineLength& horizontal,
@@ -56,16 +58,29 @@ struct Leg {
     Vec3d d, lost;  // what rounding took from d matters where the legs are nearly parallel
 };
 
+// `v` times the power of two that makes the largest component of `leg` 0.5 to 1: products of legs of any length, also
+// of 1e-200, are then neither 0 nor infinite.
+Vec3d to_unit(const Vec3d& v, const Vec3d& leg)
+{
+    int exponent = 0;
+    std::frexp(std::max({std::fabs(leg[0]), std::fabs(leg[1]), std::fabs(leg[2])}), &exponent);
+    return {std::ldexp(v[0], -exponent), std::ldexp(v[1], -exponent), std::ldexp(v[2], -exponent)};
+}
+
 MeasureValue angle_value(const char* name, const std::vector<MeasuredPoint>& points, const Leg& first,
                          const Leg& second)
 {
-    const Vec3d &a = first.d, &b = second.d;
-    const Vec3d across = exact_cross(a, b) + (cross(a, second.lost) + cross(first.lost, b));
+    const Vec3d a = to_unit(first.d, first.d), b = to_unit(second.d, second.d);
+    const Vec3d across =
+        exact_cross(a, b) + (cross(a, to_unit(second.lost, second.d)) + cross(to_unit(first.lost, first.d), b));
     const double radians = std::atan2(length(across), exact_dot(a, b));
-    const double by_a = 1 / length(a), by_b = 1 / length(b);
-    const double by_middle = by_a * by_a + by_b * by_b - 2 * by_a * by_b * std::cos(radians);
-    const double variance = points[0].variance() * by_a * by_a + points[2].variance() * by_b * by_b +
-                            points[1].variance() * std::max(by_middle, 0.0);
+    const auto turned = [](const MeasuredPoint& by, const Leg& leg) {
+        return std::sqrt(by.variance()) / length(leg.d);
+    };
+    const double by_first = turned(points[0], first), by_last = turned(points[2], second);
+    const double middle_a = turned(points[1], first), middle_b = turned(points[1], second);
+    const double by_middle = middle_a * middle_a + middle_b * middle_b - 2 * middle_a * middle_b * std::cos(radians);
+    const double variance = by_first * by_first + by_last * by_last + std::max(by_middle, 0.0);
     return {name, degrees * radians, degrees * std::sqrt(variance), "deg"};
 }
 

@@ -139,6 +139,8 @@ double bytes_per_cell(std::size_t clouds) { return 220 + 110 * (static_cast<doub
 double Volume::within_memory(double side) const
 {
     const double most = static_cast<double>(options_.memory) / bytes_per_cell(clouds_.size());
+    if (most < 1)
+        refuse(bytes_text(options_.memory) + " of memory do not hold one cell", "give more memory, such as 512M");
     const double least = 1.01 * std::sqrt(report_.area / std::max(1.0, most));
     if (CellGrid::cells_of(polygon_, side) > most) side = std::max(side, least);
     while (CellGrid::cells_of(polygon_, side) > most) side *= 1.05;
@@ -154,6 +156,7 @@ void Volume::choose_side()
         base_.height = clouds_[0].bounds().min[2];
     }
     report_.side = options_.side;
+    require_coordinate("the side of a cell", options_.side);
     if (!(options_.side >= 0) || !std::isfinite(options_.side)) refuse("the side of a cell is negative or not finite");
     if (report_.side == 0) {
         for (std::size_t k = 0; k < clouds_.size(); ++k)

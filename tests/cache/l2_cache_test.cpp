@@ -333,6 +333,20 @@ TEST_F(L2CacheTest, EveryRequestedChunkIsAnnounced)
     other.join();
 }
 
+// A view that loads chunks through a cache too small for any of them would else wait for ever.
+TEST_F(L2CacheTest, ARequestedChunkIsThereWhenItIsAnnouncedHoweverSmallTheCapacity)
+{
+    L2Options options;
+    options.capacity_bytes = 1;
+    L2Cache cache(tree_, options);
+    std::atomic<int> found{0};
+    cache.request({{0, positions_}, {1, positions_}},
+                  [&](NodeId node) { found += bool(cache.find(node, positions_)); });
+    cache.wait_idle();
+    EXPECT_EQ(found, 2);
+    EXPECT_EQ(cache.statistics().resident_bytes, 0u);
+}
+
 TEST_F(L2CacheTest, HandlesOutliveTheCache)
 {
     L2Cache::Handle handle;

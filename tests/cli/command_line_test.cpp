@@ -130,6 +130,18 @@ TEST(CommandLine, VariablesTakeWhatIsGiven)
     EXPECT_TRUE(given.overwrite);
 }
 
+// What a shell makes of a variable that is not set: taken as nothing given, `-o ""` would change the input itself.
+TEST(CommandLine, EmptyValuesAreRefused)
+{
+    using Words = std::vector<std::string>;
+    for (const Words& words : {Words{""}, Words{"w", ""}, Words{"w", "--names", ""}, Words{"w", "--threads", ""},
+                               Words{"w", "--mode", ""}}) {
+        const Result result = one(words);
+        EXPECT_EQ(result.code, 2) << testing::PrintToString(words);
+        EXPECT_NE(result.err.find("empty"), std::string::npos) << testing::PrintToString(words) << result.err;
+    }
+}
+
 // Files may stand behind numbers, however many these are.
 TEST(CommandLine, AListOfNumbersEndsAtAWordThatIsNone)
 {

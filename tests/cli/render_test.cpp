@@ -83,6 +83,15 @@ protected:
     }
 };
 
+// Chunks that are larger than the whole cache are drawn all the same, one after the other; heights are found in them
+// first.
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(ACacheTooSmallForAChunkIsSlowAndNotEndless))
+{
+    const Json small = render(path("in.pct") + " --colour height --converge 1 --l2 1 -o " + path("small.png"));
+    EXPECT_EQ(small["pictures"][0]["points_drawn"], 20000);
+    EXPECT_EQ(small["pictures"][0]["full_resolution"], true);
+}
+
 TEST_F(Render, PCM_NOT_UNDER_ADDRESS(TheWholeCloudInFull))
 {
     const Json json = render(path("in.pct") + " -o " + path("a.png"));

@@ -93,6 +93,22 @@ TEST(Statistics, RangesMeansAndHistograms)
 }
 
 // Values at the ends of what is counted one by one, in types that hold more.
+// Sums of doubles near the largest are beyond it, their mean is not.
+TEST(Statistics, MeansOfTheLargestAndTheLeastDoubles)
+{
+    constexpr double largest = std::numeric_limits<double>::max(), least = std::numeric_limits<double>::denorm_min();
+    const Schema schema = schema_of({{"large", ScalarType::f64, 1, 1, 0, ""}, {"small", ScalarType::f64, 1, 1, 0, ""}});
+    StatisticsCollector collector(schema, {});
+    PointBatch batch;
+    batch.reset(schema, false, 1000);
+    std::fill_n(batch.attributes[0].as<double>(), 1000, largest);
+    std::fill_n(batch.attributes[1].as<double>(), 1000, least);
+    collector.add(batch);
+    collector.add(batch);
+    EXPECT_EQ(collector.result().attributes[0][0].mean, largest);
+    EXPECT_EQ(collector.result().attributes[1][0].mean, least);
+}
+
 TEST(Statistics, ClassesOutsideABytesRangeAreCountedTogether)
 {
     for (const ScalarType type : {ScalarType::i8, ScalarType::u8, ScalarType::i16, ScalarType::u16, ScalarType::i32,

@@ -161,6 +161,15 @@ TEST(Measure, AngleIsThatOfLongDoubleNearNoneAndStraightToo)
     EXPECT_EQ(value_of(measure_at(MeasureKind::angle, {{1, 0, 0}, {0, 0, 0}, {0, 0, 5}}), "angle").value, 90);
     EXPECT_EQ(value_of(measure_at(MeasureKind::angle, {{1, 0, 0}, {0, 0, 0}, {2, 0, 0}}), "angle").value, 0);
     EXPECT_EQ(value_of(measure_at(MeasureKind::angle, {{1, 0, 0}, {0, 0, 0}, {-2, 0, 0}}), "angle").value, 180);
+    for (const double leg : {1e-320, 1e-200, 1e-100, 1e100}) {  // squares underflow or overflow
+        const MeasureValue right =
+            value_of(measure_at(MeasureKind::angle, {{leg, 0, 0}, {0, 0, 0}, {0, 0, 5 * leg}}), "angle");
+        EXPECT_EQ(right.value, 90) << leg;
+        EXPECT_EQ(right.uncertainty, 0) << leg;
+        const Measure slope = measure_at(MeasureKind::distance, {{0, 0, 0}, {leg, 0, leg}});
+        EXPECT_NEAR(value_of(slope, "slope").value, 100, 1e-9) << leg;
+        EXPECT_EQ(value_of(slope, "slope").uncertainty, 0) << leg;
+    }
     const Measure plan = measure_at(MeasureKind::angle, {{1, 0, 9}, {0, 0, 0}, {0, 1, 2}});
     EXPECT_EQ(value_of(plan, "plan angle").value, 90);
     EXPECT_FALSE(has_value(measure_at(MeasureKind::angle, {{1, 0, 0}, {0, 0, 0}, {0, 0, 5}}), "plan angle"));

@@ -428,6 +428,7 @@ TEST_F(Volumes, WhatIsWrongIsRefused)
               }).find("no point of"),
               std::string::npos);
     EXPECT_NE(refusal([](VolumeOptions& o) { o.side = -1; }).find("side"), std::string::npos);
+    EXPECT_NE(refusal([](VolumeOptions& o) { o.side = 1e308; }).find("out of range"), std::string::npos);
     EXPECT_NE(
         refusal([](VolumeOptions& o) { o.progress = [](const ProgressUpdate&) { return false; }; }).find("cancelled"),
         std::string::npos);
@@ -452,6 +453,9 @@ TEST_F(Volumes, WhatIsWrongIsRefused)
                   o.memory = few;
               }),
               "accepted");
+    for (const std::uint64_t none : {0, 1, 219})
+        EXPECT_NE(refusal([&](VolumeOptions& o) { o.memory = none; }).find("do not hold one cell"), std::string::npos);
+    EXPECT_EQ(refusal([](VolumeOptions& o) { o.memory = 220; }), "accepted");
     EXPECT_THROW(plane_of({0, 0, 0}, {1, 0, 0}), Error);
     EXPECT_THROW(plane_of({0, 0, 0}, {0, 0, 0}), Error);
 }

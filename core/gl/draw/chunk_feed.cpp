@@ -197,6 +197,15 @@ void ChunkFeed::load(const std::vector<NodeId>& window, const std::vector<NodeId
     request(std::move(list), std::move(to_make), std::move(silent));
 }
 
+ChunkFeed::Delivery ChunkFeed::loaded_only(NodeId node, L2Cache& cache)
+{
+    Delivery delivery;
+    ColumnSet any;
+    any.positions = false;
+    delivery.chunk = cache.find(node, any);
+    return delivery;
+}
+
 // Also when nothing is missing: this cancels requests of an older view.
 void ChunkFeed::request(std::vector<ChunkRequest> list, std::set<NodeId> to_make, std::set<NodeId> silent)
 {
@@ -209,7 +218,7 @@ void ChunkFeed::request(std::vector<ChunkRequest> list, std::set<NodeId> to_make
         if (is_silent || to_make.count(node))
             box->make(node, maker, cache, is_silent);
         else
-            box->put(node, {}, false);
+            box->put(node, loaded_only(node, cache), false);
     });
 }
 

@@ -89,7 +89,8 @@ private:
     struct Delivery {
         std::shared_ptr<const VertexMaker> maker;  // null: it was only to be loaded
         std::optional<MadeVertices> made;
-        std::string error;  // why they could not be made
+        std::string error;      // why they could not be made
+        L2Cache::Handle chunk;  // one that was only to be loaded stays until the next frame has looked for it
     };
     // What loader threads leave for the next frame. Shared with the callbacks, which may outlive the feed.
     struct Inbox {
@@ -122,6 +123,7 @@ private:
     void renew_maker(const VertexFormat& format);
     void request_facts(const std::map<NodeId, Delivery>& arrived, std::vector<ChunkRequest>& list);
     void receive(NodeId node, Delivery delivery);
+    static Delivery loaded_only(NodeId node, L2Cache& cache);
     void request(std::vector<ChunkRequest> list, std::set<NodeId> to_make, std::set<NodeId> silent);
     void fail(NodeId node, std::string error);
     std::uint64_t selection_of(NodeId node);

@@ -40,28 +40,18 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
     : cloud_(std::move(cloud)), map_(map)
 {
     const auto& m = map_.linear;
-    const double determinant = map_.determinant();
-    double volume = 1;  // volume of a box with the rows' lengths
-    bool finite = std::isfinite(determinant), stretches = true;
+    bool finite = true, stretches = true;
+    double most = 0;
     for (std::size_t i = 0; i < 3; ++i) {
-        volume *= length(m[i]);
         finite = finite && std::isfinite(map_.pivot[i]) && std::isfinite(map_.target[i]);
         for (std::size_t j = 0; j < 3; ++j) {
+            finite = finite && std::isfinite(m[i][j]);
+            most = std::max(most, std::fabs(m[i][j]));
             stretches = stretches && (i == j ? m[i][j] > 0 : m[i][j] == 0);
         }
     }
     if (!finite) throw Error(ErrorCode::invalid_argument, {}, "a transformation has NaN or infinite numbers");
-    if (std::fabs(determinant) <= 1e-12 * volume)
-        throw Error(ErrorCode::invalid_argument, {},
-                    "a transformation flattens the cloud: its determinant is " + exact(determinant),
-                    "give one with a determinant other than 0");
-    // Cofactors over the determinant are the inverse transpose; the normal keeps its length.
-    for (std::size_t i = 0; i < 3; ++i)
-        for (std::size_t j = 0; j < 3; ++j) {
-            const std::size_t r1 = (i + 1) % 3, r2 = (i + 2) % 3, c1 = (j + 1) % 3, c2 = (j + 2) % 3;
-            of_normals_[i][j] = (m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]) / determinant;
-        }
-    of_lengths_ = std::cbrt(std::fabs(determinant));
+    take_turn(most > 0 ? std::exp2(std::floor(std::log2(most))) : 1);
     const FileInfo& info = cloud_->info();
     if (const auto system = coordinate_system_of(info.metadata))
         system_note_ = "the coordinate system stated is still " + describe(*system) +
@@ -73,6 +63,30 @@ TransformedReader::TransformedReader(std::unique_ptr<PointReader> cloud, const A
             grid_->offset[a] = m[a][a] * (info.grid->offset[a] - map_.pivot[a]) + map_.target[a];
         }
     }
+}
+
+// `unit` is of the size of the largest element, so that the determinant of a scale of 1e-200 is not 0, nor that of
+// 1e200 infinite.
+void TransformedReader::take_turn(double unit)
+{
+    std::array<Vec3d, 3> m;
+    double volume = 1;  // volume of a box with the rows' lengths
+    for (std::size_t i = 0; i < 3; ++i) {
+        for (std::size_t j = 0; j < 3; ++j) m[i][j] = map_.linear[i][j] / unit;
+        volume *= length(m[i]);
+    }
+    const double determinant = dot(m[0], cross(m[1], m[2]));
+    if (std::fabs(determinant) <= 1e-12 * volume)
+        throw Error(ErrorCode::invalid_argument, {},
+                    "a transformation flattens the cloud: its determinant is " + exact(map_.determinant()),
+                    "give one with a determinant other than 0");
+    // Cofactors over the determinant are the inverse transpose; the normal keeps its length.
+    for (std::size_t i = 0; i < 3; ++i)
+        for (std::size_t j = 0; j < 3; ++j) {
+            const std::size_t r1 = (i + 1) % 3, r2 = (i + 2) % 3, c1 = (j + 1) % 3, c2 = (j + 2) % 3;
+            of_normals_[i][j] = (m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1]) / determinant;
+        }
+    of_lengths_ = std::cbrt(std::fabs(determinant)) * unit;
 }
 
 // Numbers that are stored as they are shown are multiplied; all others keep their raw values, exactly.

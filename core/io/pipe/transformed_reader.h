@@ -38,6 +38,7 @@ private:
         bool by_scale = false;
     };
     Growth growth_of(const Attribute& attribute) const;
+    void take_turn(double unit);
 
     double of_lengths_ = 1;
     std::optional<Grid> grid_;  // when points stay gridded

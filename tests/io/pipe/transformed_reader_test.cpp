@@ -170,10 +170,14 @@ TEST(Transformed, MapsThatMakeNoSense)
     map = Affine();
     map.target[1] = std::nan("");
     EXPECT_TRUE(refused(map));
-    map = Affine();
-    map.linear[0][0] = 1e200;
-    map.linear[1][1] = 1e200;
-    EXPECT_TRUE(refused(map));
+    // Determinants that are not doubles are neither 0 nor infinite.
+    for (const double scale : {1e200, 1e-200}) {
+        map = Affine();
+        for (std::size_t axis = 0; axis < 3; ++axis) map.linear[axis][axis] = scale;
+        EXPECT_FALSE(refused(map)) << scale;
+        map.linear[2][2] = 0;
+        EXPECT_TRUE(refused(map)) << scale;
+    }
 }
 
 TEST(TransformedReader, ACoordinateSystemThatStaysIsNoted)
