@@ -73,6 +73,7 @@ void StartOver::restore(TestDriver& driver)
     // Our panels are made when they are needed, and found by their names. MeshLab keeps its own.
     for (QDockWidget* panel : window->findChildren<QDockWidget*>())
         if (QByteArray(panel->metaObject()->className()).startsWith("pcm::")) delete panel;
+    for (QWidget* log : window->findChildren<QWidget*>("logPlainTextEdit")) QMetaObject::invokeMethod(log, "clear");
     QSettings stored;
     stored.clear();
     for (auto setting = settings_.cbegin(); setting != settings_.cend(); ++setting)
