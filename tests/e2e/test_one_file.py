@@ -35,7 +35,7 @@ class OneFile(MeshLabTest):
             {NO_TIME_LIMIT}
             open {las}
             wait-layers 1
-            wait-status complete
+            wait-status 400000 points of 1 clouds, complete
             trigger Pick Point
             pause 500
             trigger Pick Point
