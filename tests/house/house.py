@@ -36,7 +36,7 @@ PACKAGES = {
     r"<[A-Za-z0-9_]+\.hxx>": {"cad", "tests"},
     r"<CLI/": {"cli", "bench"},
     r"<Q[A-Za-z0-9]+[>/]": {"plugin/scene", "plugin/panels", "plugin/overlay", "plugin/tools", *("plugin/tools/" + tool for tool in TOOLS),
-                      "plugin/meshlab", *("plugin/meshlab/" + part for part in ("io", "render", "filter", "edit")),
+                      "plugin/meshlab", *("plugin/meshlab/" + part for part in ("io", "render", "filter", "edit", "2021/whole")),
                       "plugin/filter", "plugin/settings", "tests", "bench"},
     r"<pcl/": {"fit", "bench"},
     r"<flann/": {"knn", "bench"},

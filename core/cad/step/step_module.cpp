@@ -145,6 +145,9 @@ bool write(const StepShape* shapes, std::size_t count, const char* title, const 
         XCAFDoc_DocumentTool::SetLengthUnit(document, unit->millimetres, UnitsMethods_LengthUnit_Millimeter);
         writer.SetColorMode(true);
         writer.SetNameMode(true);
+        // OpenCASCADE 7.8 takes the unit's name from the setting, but not its size: coordinates would be 1000 times too
+        // large.
+        writer.ChangeWriter().Model()->SetWriteLengthUnit(unit->millimetres);
         if (!writer.Transfer(document, STEPControl_AsIs)) throw Standard_Failure("the shapes are not taken");
         const Handle(StepData_StepModel) model = writer.ChangeWriter().Model();
         set_header(model, title);

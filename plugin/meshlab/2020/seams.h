@@ -16,10 +16,15 @@ namespace pcm::host {
 
 // Newer ones have no settings of importers: those are the decorator's.
 inline constexpr bool importers_have_settings = true;
+// The class of the dialog that asks what is to be saved.
+inline constexpr const char* save_dialog = "SaveMaskExporterDialog";
 
 // A layer's document. Newer layers do not know it, and only documents that were met are found.
 inline MeshDocument& document_of(const MeshModel& model) { return *model.parent; }
 inline void meet(MeshDocument&) {}
+
+// This one loads the plugins of one folder.
+inline void refuse_second(const QString&) {}
 
 inline std::vector<MeshModel*> models_of(const MeshDocument& document)
 {

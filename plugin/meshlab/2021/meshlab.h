@@ -11,6 +11,7 @@
 #include <common/plugins/interfaces/filter_plugin.h>
 #include <common/plugins/interfaces/io_plugin.h>
 #include <common/plugins/plugin_manager.h>
+#include <common/python/function_set.h>
 #include <meshlab/glarea.h>
 #include <meshlab/ml_default_decorators.h>
 #include <vcg/math/similarity.h>

@@ -39,7 +39,10 @@ MeshDocument* document_of_log(const MeshLabPluginLogger& plugin)
     return log ? reinterpret_cast<MeshDocument*>(reinterpret_cast<char*>(log) - place) : nullptr;
 }
 
-// The settings of MeshLab's window; null: there is none.
+}  // namespace
+
+namespace pcm::host {
+
 RichParameterList* window_settings()
 {
     if (!qobject_cast<QApplication*>(QCoreApplication::instance())) return nullptr;
@@ -48,10 +51,6 @@ RichParameterList* window_settings()
             return const_cast<RichParameterList*>(static_cast<GLArea*>(widget)->glas.currentGlobalParamSet);
     return nullptr;
 }
-
-}  // namespace
-
-namespace pcm::host {
 
 unsigned int IoBase::numberMeshesContainedInFile(const QString&, const QString&, const RichParameterList&) const
 {
@@ -64,8 +63,10 @@ void IoBase::open(const QString& format, const QString& file_name, MeshModel& la
 {
     if (MeshDocument* document = document_of_log(*this)) meet(*document);
     const QString before = std::exchange(folder_, QString());
+    RichParameterList with_settings = parameters;
+    if (const RichParameterList* settings = window_settings()) with_settings.join(*settings);
     try {
-        open_layer(format, file_name, layer, mask, parameters, callback);
+        open_layer(format, file_name, layer, mask, with_settings, callback);
     } catch (...) {
         if (!before.isEmpty()) QDir::setCurrent(before);
         throw;
@@ -86,6 +87,7 @@ FormatList IoBase::exportProjectFormats() const
     if (std::exchange(is_listed_, true)) return {};
     list_first();
     is_settled_ = true;
+    was_listed();
     return {};
 }
 
@@ -113,10 +115,17 @@ RichParameterList IoBase::initPreOpenParameter(const QString& format) const
     RichParameterList parameters = parameters_before_open(format, QString());
     RichParameterList* const settings = window_settings();
     if (!settings) return parameters;
-    // MeshLab's dialog stores the values as settings, which it has made for the plugin that lists the extension.
+    // MeshLab's dialog shows what was typed for the last file, and stores the values as settings, which it has made for
+    // the plugin that lists the extension. What fits one file need not fit another: the dialog begins anew, and what is
+    // remembered is for files that are opened without it.
+    const QString prefix = "MeshLab::IO::" + format.toUpper() + "::", asks = prefix + "showPreOpenParameterDialog";
+    const bool is_asked = !settings->hasParameter(asks) || settings->getBool(asks);
     for (const RichParameter& parameter : parameters) {
-        const QString name = "MeshLab::IO::" + format.toUpper() + "::" + parameter.name();
-        if (settings->hasParameter(name)) continue;
+        const QString name = prefix + parameter.name();
+        if (settings->hasParameter(name)) {
+            if (is_asked) settings->setValue(name, parameter.value());
+            continue;
+        }
         const std::unique_ptr<RichParameter> setting(parameter.clone());
         setting->setName(name);
         settings->addParam(*setting);

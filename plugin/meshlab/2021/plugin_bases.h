@@ -22,6 +22,9 @@ namespace pcm::host {
 
 inline QString our_vendor() { return "PCM for MeshLab"; }
 
+// The settings of MeshLab's window; null: there is none.
+RichParameterList* window_settings();
+
 // What a user reads about a failure.
 class Failure : public MLException {
 public:
@@ -65,6 +68,8 @@ public:
     FormatList exportProjectFormats() const final;
 
 protected:
+    // Called once, when MeshLab has listed the plugin.
+    virtual void was_listed() const {}
     // Writes to the log. Nothing is printed: this is a library for Python, too.
     void say(GLLogStream::Levels level, const std::string& line, bool) { log(level, line); }
     void warn_after(const QString& text) { reportWarning(text); }

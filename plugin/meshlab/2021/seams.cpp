@@ -54,6 +54,20 @@ MeshDocument& document_of(const MeshModel& model)
     return *unknown;
 }
 
+void refuse_second(const QString& plugin_name)
+{
+    const PluginManager& manager = meshlab::pluginManagerInstance();
+    const auto refuse = [&](auto plugins) {
+        for (const auto* other : plugins)
+            if (other->pluginName() == plugin_name)
+                throw MLException("PCM for MeshLab is loaded already, from another file. Keep one of them.");
+    };
+    refuse(manager.ioPluginIterator(true));
+    refuse(manager.filterPluginIterator(true));
+    refuse(manager.decoratePluginIterator(true));
+    refuse(manager.editPluginFactoryIterator(true));
+}
+
 QString script_name_of(const QString& name)
 {
     if (name.contains(':') || name.mid(1) == name.mid(1).toLower()) return name;  // a setting; one word

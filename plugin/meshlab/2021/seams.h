@@ -15,11 +15,16 @@ using StockPlugin = IOPlugin;
 namespace pcm::host {
 
 inline constexpr bool importers_have_settings = false;
+// The class of the dialog that asks what is to be saved.
+inline constexpr const char* save_dialog = "SaveMeshAttributesDialog";
 
 // A layer does not know its document: it is found among those that were met, and those of MeshLab's views. A layer of a
 // document that was never met (PyMeshLab: one that is saved before any filter of ours was applied) gets an empty one.
 MeshDocument& document_of(const MeshModel& model);
 void meet(MeshDocument& document);
+
+// Throws MLException if MeshLab has a plugin of this name: that of another file of ours, such as the system's package.
+void refuse_second(const QString& plugin_name);
 
 inline std::vector<MeshModel*> models_of(const MeshDocument& document)
 {

@@ -83,6 +83,7 @@ using namespace pcm::host;
 
 PointCloudTools::PointCloudTools()
 {
+    refuse_second(PointCloudTools::pluginName());
     keep_clip_boxes_in_projects();
     keep_measures_in_projects();
     keep_primitives_in_projects();

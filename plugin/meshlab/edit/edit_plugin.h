@@ -40,7 +40,6 @@ private:
 
 class PointCloudTools : public QObject, public pcm::host::EditBase {
     Q_OBJECT
-    MESHLAB_PLUGIN_IID_EXPORTER(PCM_EDIT_IID)
     Q_INTERFACES(PCM_EDIT_INTERFACE)
 
 public:

@@ -56,6 +56,7 @@ const Filter& filter_of(int id) { return filters()[static_cast<std::size_t>(id)]
 
 PointCloudFilters::PointCloudFilters()
 {
+    refuse_second(PointCloudFilters::pluginName());
     for (int id = 0; id < static_cast<int>(filters().size()); ++id) {
         typeList.push_back(id);
         auto* action = new QAction(name_of(id), this);

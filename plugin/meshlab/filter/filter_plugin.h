@@ -5,7 +5,6 @@
 
 class PointCloudFilters : public QObject, public pcm::host::FilterBase {
     Q_OBJECT
-    MESHLAB_PLUGIN_IID_EXPORTER(PCM_FILTER_IID)
     Q_INTERFACES(PCM_FILTER_INTERFACE)
 
 public:

@@ -2,6 +2,7 @@
 
 #include "pcm/io/formats.h"
 #include "plugin/meshlab/document_scene.h"
+#include "plugin/meshlab/meshlab.h"
 
 #include <QAction>
 #include <QApplication>
@@ -117,7 +118,7 @@ void hide_unread_ticks(const SceneLayer& layer)
     const bool is_tree = layer.tree().has_value();
     QTimer::singleShot(0, qApp, [is_tree] {
         QWidget* const dialog = QApplication::activeModalWidget();
-        if (!dialog || !dialog->inherits("SaveMaskExporterDialog")) return;
+        if (!dialog || !dialog->inherits(save_dialog)) return;
         static const QStringList read{"check_iom_vertcolor", "check_iom_vertnormal", "check_iom_vertquality",
                                       "check_iom_vertradius"};
         for (QWidget* widget : dialog->findChildren<QWidget*>()) {

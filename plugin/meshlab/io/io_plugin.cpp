@@ -91,6 +91,7 @@ std::string error_about(const std::filesystem::path& path)
 
 PointCloudIo::PointCloudIo()
 {
+    refuse_second(PointCloudIo::pluginName());
     connect(&Registry::instance(), &Registry::attached, this, [](const MeshDocument* document) {
         for (const SceneView* view : scene_of(*document).views()) ExportDialog::take_over(*view);
     });

@@ -14,7 +14,6 @@ class Operation;
 
 class PointCloudIo : public QObject, public pcm::host::IoBase {
     Q_OBJECT
-    MESHLAB_PLUGIN_IID_EXPORTER(PCM_IO_IID)
     Q_INTERFACES(PCM_IO_INTERFACE)
 
 public:

@@ -29,6 +29,7 @@ using namespace pcm::host;
 
 PointCloudDecorator::PointCloudDecorator()
 {
+    refuse_second(PointCloudDecorator::pluginName());
     typeList << 0;
     auto* action = new QAction(decorationName(0), this);
     action->setCheckable(true);

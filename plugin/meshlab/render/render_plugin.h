@@ -9,7 +9,6 @@
 
 class PointCloudDecorator : public QObject, public pcm::host::DecorateBase {
     Q_OBJECT
-    MESHLAB_PLUGIN_IID_EXPORTER(PCM_DECORATE_IID)
     Q_INTERFACES(PCM_DECORATE_INTERFACE)
 
 public:

@@ -191,6 +191,7 @@ void View::draw_scene(const Settings& settings)
     for (auto& [mesh_id, layer] : layers_) layer.report.reset();
     if (auto painter = Painter::current(settings.l1_bytes); painter != painter_) {
         drop_picture();
+        glewInit();  // the GLEW of a file with all plugins is not MeshLab's
         painter_ = std::move(painter);
     }
     const pcm::Camera view = scene_view();

@@ -103,6 +103,10 @@ QString TestDriver::log() const
     QString text;
     if (MeshDocument* md = document())
         for (const auto& line : md->Log.logStringList()) text += line.second + "\n";
+    // MeshLab 2025.07 takes the lines out of the log when it shows them.
+    if (window())
+        for (const QWidget* panel : window()->findChildren<QWidget*>("logPlainTextEdit"))
+            text += panel->property("plainText").toString() + "\n";
     return text;
 }
 

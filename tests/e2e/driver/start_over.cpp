@@ -33,6 +33,18 @@ bool fills_the_window(const TestDriver& driver)
     return std::max(beside.width(), beside.height()) <= frame;
 }
 
+// Since 2021.05 MeshLab hides a filter's dialog when it is closed, and one that knows layers that are gone may be seen
+// again.
+void close_filters(QMainWindow& window)
+{
+    if (window.metaObject()->indexOfMethod("closeFilterDockDialog()") >= 0)
+        QMetaObject::invokeMethod(&window, "closeFilterDockDialog");
+    for (QWidget* widget : window.findChildren<QWidget*>()) {
+        if (widget->inherits("MeshlabStdDialog")) widget->close();
+        if (widget->inherits("FilterDockDialog")) widget->deleteLater();
+    }
+}
+
 // A document that was changed would ask whether it may be closed.
 void close_documents(TestDriver& driver)
 {
@@ -61,6 +73,7 @@ void StartOver::restore(TestDriver& driver)
     // Our panels are made when they are needed, and found by their names. MeshLab keeps its own.
     for (QDockWidget* panel : window->findChildren<QDockWidget*>())
         if (QByteArray(panel->metaObject()->className()).startsWith("pcm::")) delete panel;
+    for (QWidget* log : window->findChildren<QWidget*>("logPlainTextEdit")) QMetaObject::invokeMethod(log, "clear");
     QSettings stored;
     stored.clear();
     for (auto setting = settings_.cbegin(); setting != settings_.cend(); ++setting)
@@ -86,8 +99,7 @@ Done StartOver::run(TestDriver& driver)
     if (driver.nested || (driver.document() && driver.document()->isBusy()))
         return driver.until(false, "the end of what was begun");
     if (!restored_ && !documents_of(driver).subWindowList().isEmpty()) {
-        for (QWidget* widget : driver.window()->findChildren<QWidget*>())
-            if (widget->inherits("MeshlabStdDialog")) widget->close();
+        close_filters(*driver.window());
         close_documents(driver);
         return driver.until(false, "the end of all documents");
     }

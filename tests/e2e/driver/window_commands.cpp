@@ -110,6 +110,7 @@ Done press(TestDriver& driver, const QString& argument)
     for (QWidget* widget : qApp->allWidgets()) {
         auto* button = qobject_cast<QAbstractButton*>(widget);
         if (!button || !button->isVisible() || button->text().remove('&') != argument) continue;
+        if (qApp->activeModalWidget() && button->window() != qApp->activeModalWidget()) continue;
         if (button->property(clicked).toBool()) continue;
         if (auto* box = qobject_cast<QMessageBox*>(button->window())) {
             driver.message = box->windowTitle() + ": " + box->text() + " " + box->informativeText();
@@ -123,6 +124,13 @@ Done press(TestDriver& driver, const QString& argument)
         return Done::yes;
     }
     return driver.until(false, "a button '" + argument + "'");
+}
+
+// answer TEXT: a button of a message, which is waited for
+Done answer(TestDriver& driver, const QString& button)
+{
+    if (!qobject_cast<QMessageBox*>(qApp->activeModalWidget())) return driver.until(false, "a message");
+    return press(driver, button);
 }
 
 // set LABEL = VALUE: a parameter in the open dialog.
@@ -211,6 +219,15 @@ Done pick(TestDriver& driver, const QString& argument)
     waits_for_end = true;
     QMetaObject::invokeMethod(dialog, "accept", Qt::QueuedConnection);
     return Done::not_yet;
+}
+
+// close-dialog: the open one, as Esc does
+Done close_dialog(TestDriver& driver, const QString&)
+{
+    auto* dialog = qobject_cast<QDialog*>(qApp->activeModalWidget());
+    if (!dialog) return driver.until(false, "a dialog");
+    QMetaObject::invokeMethod(dialog, "reject", Qt::QueuedConnection);
+    return Done::yes;
 }
 
 // choose-colour #RRGGBB | cancel: in the open dialog for colours
@@ -321,11 +338,13 @@ std::vector<Command> window_commands()
         {"export-asking", [](TestDriver& driver, const QString& file) { return save(driver, file, false), Done::yes; }},
         {"trigger", trigger},
         {"press", press},
+        {"answer", answer},
         {"set", set},
         {"parameter", parameter},
         {"field-button", field_button},
         {"print-field", print_field},
         {"pick", pick},
+        {"close-dialog", close_dialog},
         {"choose-colour", choose_colour},
         {"panel", panel},
         {"print-docks", print_docks},
