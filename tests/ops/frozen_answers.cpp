@@ -68,8 +68,8 @@ void compare(const Json& kept, const Json& now, const std::string& at, std::vect
 
 std::string frozen_line(const std::string& line)
 {
-    static const std::regex number("-?[0-9][0-9,]*([.][0-9]+)?(e[-+]?[0-9]+)?( ?[munkMG]?(s|B)?)?\\b");
-    return std::regex_replace(line, number, "#");
+    static const std::regex number("-?[0-9][0-9,]*([.][0-9]+)?(e[-+]?[0-9]+)?( ?[munkMG]?(s|B)?)?\\b"), blanks(" +");
+    return std::regex_replace(std::regex_replace(line, number, "#"), blanks, " ");
 }
 
 Json frozen(const Json& answer, const std::filesystem::path& folder)

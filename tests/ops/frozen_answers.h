@@ -16,7 +16,7 @@ ops::Json frozen(const ops::Json& answer, const std::filesystem::path& folder);
 // The numbers of a text and its words, of a drawing say, as above.
 ops::Json frozen_text(const std::string& text, const std::filesystem::path& folder);
 
-// A line for people with # for each number and its unit, which may be those of a time.
+// A line for people with # for each number and its unit, which may be those of a time, and one blank for several.
 std::string frozen_line(const std::string& line);
 
 // As it is kept: members of the outer objects a line each.
