@@ -334,12 +334,13 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
         std::vector<std::string> words = words_of(argc, argv);
         answers_in_json = has_json_flag(words);
         const bool with_advanced = std::find(words.begin(), words.end(), help_all) != words.end();
-        std::replace(words.begin(), words.end(), std::string(help_all), std::string("--help"));  // as the parser knows it
+        std::replace(words.begin(), words.end(), std::string(help_all),
+                     std::string("--help"));  // as the parser knows it
         if (words.empty()) return refuse_command(name, std::string("a command is missing\n") + help, commands);
         CLI::App app{help, name};
         app.set_version_flag("--version", std::string(name) + " " PCM_VERSION);
         app.require_subcommand(1);
-        app.formatter(std::make_shared<CompactHelp>());  // of the commands, too
+        app.formatter(std::make_shared<CompactHelp>());  // inherited by the commands
         std::vector<Runnable> runnable;
         bool known = words[0][0] == '-';
         for (const Command& command : commands) {

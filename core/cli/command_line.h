@@ -24,10 +24,12 @@ using UsageError = ops::ArgumentError;
 // nothing is given. They must live until the command has run.
 class Options {
 public:
-    // `words`: the command line, from the command's name on. `with_advanced`: the help shows the arguments for few, too.
+    // `words`: the command line, from the command's name on. `with_advanced`: the help shows the arguments for few,
+    // too.
     Options(CLI::App& command, std::vector<std::string> words, bool with_advanced)
         : command_(command), words_(std::move(words)), with_advanced_(with_advanced)
-    {}
+    {
+    }
 
     // `names` between commas: "-q,--quiet". Sets the variable to true.
     void flag(const std::string& names, bool& variable, const std::string& help);
@@ -58,8 +60,9 @@ inline constexpr int done_with_warnings = 3;
 
 // The main function of a program with commands. Parses, runs the command, and reports errors on stderr. Exit codes: 0
 // success; 1 failure; 2 usage error; 3 done, but with a warning on stderr (done_with_warnings); 130 cancelled. A file
-// that grows beyond the limit of the system (RLIMIT_FSIZE) is an error and does not end the process. "help COMMAND", which is
-// "COMMAND --help-all", and --version are accepted too, and where no command or an unknown one is given, the commands are listed.
+// that grows beyond the limit of the system (RLIMIT_FSIZE) is an error and does not end the process. "help COMMAND",
+// which is "COMMAND --help-all", and --version are accepted too, and where no command or an unknown one is given, the
+// commands are listed.
 int run_program(const char* name, const char* help, const std::vector<Command>& commands, int argc, char** argv);
 
 }  // namespace pcm::cli

@@ -64,7 +64,8 @@ bool crosses_in_plan(const std::vector<Vec3d>& polygon)
     return flat.size() < 3 || find_crossing(in_plan(flat)).has_value();
 }
 
-// Cosine of the slope from which a polygon is more of a wall than of ground: 60 degrees. The first value is what lists show.
+// Cosine of the slope from which a polygon is more of a wall than of ground: 60 degrees. The first value is what lists
+// show.
 constexpr double steep = 0.5;
 
 double off_plane(const std::vector<Vec3d>& polygon, const Vec3d& normal)

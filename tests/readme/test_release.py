@@ -47,7 +47,7 @@ class Release(unittest.TestCase):
         """It is not refused: it begins with the source, whose crates cannot be had."""
         self.assertIn("== Source of pcmlab-", self.refusal(*options).stdout)
 
-    def test_a_release_names_somebody_who_can_be_written_to(self):
+    def test_a_release_names_a_maintainer(self):
         self.begins()  # a commit without a tag is not a release
         self.tag()
         refused = self.refusal()
