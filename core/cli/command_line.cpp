@@ -86,8 +86,10 @@ void Options::argument(ops::Argument& argument)
         if (argument.is_required()) option->required();
     }
     if (!argument.group().empty()) option->group(argument.group());
-    if (argument.is_shown() && argument.is_advanced() && !with_advanced_) ++left_out_of_help_;
-    if (!argument.is_shown() || (argument.is_advanced() && !with_advanced_)) option->group("");
+    // Messages about values have no name of an option without a group, so only the help leaves options out.
+    const bool is_left_out = argument.is_advanced() && brief_help_;
+    if (is_left_out && argument.is_shown()) ++left_out_of_help_;
+    if (is_left_out || !argument.is_shown()) option->group("");
 }
 
 namespace {
@@ -333,7 +335,8 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
     return report_errors([&] {
         std::vector<std::string> words = words_of(argc, argv);
         answers_in_json = has_json_flag(words);
-        const bool with_advanced = std::find(words.begin(), words.end(), help_all) != words.end();
+        const auto has = [&](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
+        const bool brief_help = (has("--help") || has("-h")) && !has(help_all);
         std::replace(words.begin(), words.end(), std::string(help_all),
                      std::string("--help"));  // as the parser knows it
         if (words.empty()) return refuse_command(name, std::string("a command is missing\n") + help, commands);
@@ -346,7 +349,7 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
         for (const Command& command : commands) {
             known = known || command.name == words[0];
             CLI::App* const subcommand = app.add_subcommand(command.name, command.help);
-            Options options(*subcommand, words_from(command.name, words), with_advanced);
+            Options options(*subcommand, words_from(command.name, words), brief_help);
             runnable.push_back({subcommand, command.add(options)});
             subcommand->footer(footer_of(std::string(name) + " " + command.name, options));
         }

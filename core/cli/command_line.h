@@ -24,10 +24,10 @@ using UsageError = ops::ArgumentError;
 // nothing is given. They must live until the command has run.
 class Options {
 public:
-    // `words`: the command line, from the command's name on. `with_advanced`: the help shows the arguments for few,
-    // too.
-    Options(CLI::App& command, std::vector<std::string> words, bool with_advanced)
-        : command_(command), words_(std::move(words)), with_advanced_(with_advanced)
+    // `words`: the command line, from the command's name on. `brief_help`: it asks for the help, without the advanced
+    // arguments.
+    Options(CLI::App& command, std::vector<std::string> words, bool brief_help)
+        : command_(command), words_(std::move(words)), brief_help_(brief_help)
     {
     }
 
@@ -41,7 +41,7 @@ public:
 private:
     CLI::App& command_;
     std::vector<std::string> words_;
-    bool with_advanced_;
+    bool brief_help_;
     int left_out_of_help_ = 0;
 };
 

@@ -26,6 +26,7 @@ struct Given {
     std::uint32_t threads = 0;
     std::uint64_t memory = 7, points = 3;
     std::optional<std::uint16_t> level;
+    std::optional<std::uint32_t> rare;
     std::optional<std::uint32_t> decimals;
     std::optional<std::uint64_t> lines;
     std::optional<double> angle;
@@ -57,7 +58,7 @@ Run add_all(Options& options)
     all.add("angle", given.angle).help("Angle");
     all.add("mode", given.mode).as(ValueKind::choice).one_of({{"fast", "Fast"}, {"even", "Even"}}).help("Mode");
     all.add("overwrite", given.overwrite).help("Overwrite");
-    all.add("rare", given.overwrite).advanced().help("For few");
+    all.add("rare", given.rare).between(1, 4).advanced().help("For few");
     all.add("hidden", given.overwrite).shown(false).help("Not in the help");
     for (ops::Argument& argument : all.list()) options.argument(argument);
     given.words = options.words();
@@ -319,8 +320,9 @@ TEST(CommandLine, HelpLeavesOutWhatFewNeedAndTellsWhereItIs)
     EXPECT_NE(whole.find("--rare"), std::string::npos) << whole;
     EXPECT_EQ(whole.find("more option"), std::string::npos) << whole;
     for (const std::string& text : {brief, whole}) EXPECT_EQ(text.find("\n\n\n"), std::string::npos) << text;
-    EXPECT_EQ(many({"all", "w", "--rare"}).code, 0);
-    EXPECT_TRUE(given.overwrite);
+    EXPECT_EQ(many({"all", "w", "--rare", "2"}).code, 0);
+    EXPECT_EQ(given.rare, 2u);
+    EXPECT_NE(many({"all", "w", "--rare", "9"}).err.find("--rare"), std::string::npos);
 }
 
 TEST(CommandLine, CommandsOfAProgram)
