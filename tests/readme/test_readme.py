@@ -174,7 +174,7 @@ class Manual(Python):
         measures = {one["name"]: one for one in json.loads(text_of(folder / "facade-measures.json"))["measures"]}
         self.assertEqual(list(measures), ["Width", "Ridge", "Window"])
         ends = [point["position"] for point in measures["Width"]["points"]]
-        self.assertAlmostEqual(math.dist(*ends), width, delta=0.03)
+        self.assertAlmostEqual(math.dist(*ends), width, delta=0.06)  # the nearest points lie up to 4 cm from the corners
         south = json.loads(text_of(folder / "facade.json"))["primitives"][0]
         off = sum(n * (a - b) for n, a, b in zip(walls[2]["direction"], south["point"], walls[2]["point"]))
         self.assertLess(abs(off), 0.001)
