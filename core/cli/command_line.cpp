@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
+#include <memory>
 #include <new>
 #include <utility>
 
@@ -92,7 +93,10 @@ void Options::argument(ops::Argument& argument)
         if (argument.is_required()) option->required();
     }
     if (!argument.group().empty()) option->group(argument.group());
-    if (!argument.is_shown()) option->group("");
+    // Messages about values have no name of an option without a group, so only the help leaves options out.
+    const bool is_left_out = argument.is_advanced() && brief_help_;
+    if (is_left_out && argument.is_shown()) ++left_out_of_help_;
+    if (is_left_out || !argument.is_shown()) option->group("");
 }
 
 namespace {
@@ -296,14 +300,34 @@ int refuse_command(const char* name, const std::string& what, const std::vector<
     return 2;
 }
 
-// The words as the parser takes them: "help NAME" is "NAME --help", "help" alone is "--help".
+constexpr const char* help_all = "--help-all";
+
+// "help NAME" is "NAME --help-all", "help" alone is "--help".
 std::vector<std::string> words_of(int argc, char** argv)
 {
     std::vector<std::string> words(argv + 1, argv + argc);
     if (words.empty() || words[0] != "help") return words;
     if (words.size() == 1 || words[1] == "help" || words[1] == "--help") return {"--help"};
-    return {words[1], "--help"};
+    return {words[1], help_all};
 }
+
+// What the help of a command left out, and where it is.
+std::string footer_of(const std::string& command, const Options& options)
+{
+    const int count = options.left_out_of_help();
+    if (count == 0) return "";
+    return std::to_string(count) + (count == 1 ? " more option: " : " more options: ") + command + " " + help_all;
+}
+
+// Groups of options with one empty line between them.
+class CompactHelp : public CLI::Formatter {
+    std::string make_help(const CLI::App* app, std::string name, CLI::AppFormatMode mode) const override
+    {
+        std::string text = CLI::Formatter::make_help(app, std::move(name), mode);
+        for (std::size_t at; (at = text.find("\n\n\n")) != std::string::npos;) text.erase(at, 1);
+        return text;
+    }
+};
 
 // The command line from the command's name on: options of the program may stand before it.
 std::vector<std::string> words_from(const std::string& name, const std::vector<std::string>& words)
@@ -318,17 +342,23 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
     return report_errors([&] {
         std::vector<std::string> words = words_of(argc, argv);
         answers_in_json = has_json_flag(words);
-        if (words.empty()) return refuse_command(name, "a command is missing", commands);
+        const auto has = [&](const char* word) { return std::find(words.begin(), words.end(), word) != words.end(); };
+        const bool brief_help = (has("--help") || has("-h")) && !has(help_all);
+        std::replace(words.begin(), words.end(), std::string(help_all),
+                     std::string("--help"));  // as the parser knows it
+        if (words.empty()) return refuse_command(name, std::string("a command is missing\n") + help, commands);
         CLI::App app{help, name};
         app.set_version_flag("--version", std::string(name) + " " PCM_VERSION);
         app.require_subcommand(1);
+        app.formatter(std::make_shared<CompactHelp>());  // inherited by the commands
         std::vector<Runnable> runnable;
         bool known = words[0][0] == '-';
         for (const Command& command : commands) {
             known = known || command.name == words[0];
             CLI::App* const subcommand = app.add_subcommand(command.name, command.help);
-            Options options(*subcommand, words_from(command.name, words));
+            Options options(*subcommand, words_from(command.name, words), brief_help);
             runnable.push_back({subcommand, command.add(options)});
+            subcommand->footer(footer_of(std::string(name) + " " + command.name, options));
         }
         app.footer(std::string("'") + name + " help COMMAND' shows the options of a command.");
         if (!known) return refuse_command(name, unknown_command(words[0], commands), commands);

@@ -24,18 +24,25 @@ using UsageError = ops::ArgumentError;
 // nothing is given. They must live until the command has run.
 class Options {
 public:
-    // `words`: the command line, from the command's name on.
-    Options(CLI::App& command, std::vector<std::string> words) : command_(command), words_(std::move(words)) {}
+    // `words`: the command line, from the command's name on. `brief_help`: it asks for the help, without the advanced
+    // arguments.
+    Options(CLI::App& command, std::vector<std::string> words, bool brief_help)
+        : command_(command), words_(std::move(words)), brief_help_(brief_help)
+    {
+    }
 
     // `names` between commas: "-q,--quiet". Sets the variable to true.
     void flag(const std::string& names, bool& variable, const std::string& help);
     // An argument of the table of operations, which gets its value.
     void argument(ops::Argument& argument);
     const std::vector<std::string>& words() const { return words_; }
+    int left_out_of_help() const { return left_out_of_help_; }
 
 private:
     CLI::App& command_;
     std::vector<std::string> words_;
+    bool brief_help_;
+    int left_out_of_help_ = 0;
 };
 
 // What a command does once its command line is parsed; returns the exit code.
@@ -53,8 +60,9 @@ inline constexpr int done_with_warnings = 3;
 
 // The main function of a program with commands. Parses, runs the command, and reports errors on stderr. Exit codes: 0
 // success; 1 failure; 2 usage error; 3 done, but with a warning on stderr (done_with_warnings); 130 cancelled. A file
-// that grows beyond the limit of the system (RLIMIT_FSIZE) is an error and does not end the process. "help COMMAND" and
-// --version are accepted too, and where no command or an unknown one is given, the commands are listed.
+// that grows beyond the limit of the system (RLIMIT_FSIZE) is an error and does not end the process. "help COMMAND",
+// which is "COMMAND --help-all", and --version are accepted too, and where no command or an unknown one is given, the
+// commands are listed.
 int run_program(const char* name, const char* help, const std::vector<Command>& commands, int argc, char** argv);
 
 }  // namespace pcm::cli

@@ -27,6 +27,8 @@ int main(int argc, char** argv)
 {
     if (argc == 2 && std::strcmp(argv[1], "manual") == 0) return pcm::cli::show_manual();
     if (const auto code = print_usage(argc, argv)) return *code;
-    return pcm::cli::run_program("pcmlab", "Out-of-core point clouds; 'pcmlab manual' opens the manual",
-                                 pcm::cli::commands(), argc, argv);
+    return pcm::cli::run_program(
+        "pcmlab",
+        "Point clouds larger than memory. Begin with 'pcmlab build SCAN.laz'; 'pcmlab manual' opens the manual",
+        pcm::cli::commands(), argc, argv);
 }

@@ -64,6 +64,10 @@ bool crosses_in_plan(const std::vector<Vec3d>& polygon)
     return flat.size() < 3 || find_crossing(in_plan(flat)).has_value();
 }
 
+// Cosine of the slope from which a polygon is more of a wall than of ground: 60 degrees. The first value is what lists
+// show.
+constexpr double steep = 0.5;
+
 double off_plane(const std::vector<Vec3d>& polygon, const Vec3d& normal)
 {
     Vec3d mean{};
@@ -89,7 +93,8 @@ std::vector<MeasureValue> area_values(const Measure& measure)
     if (find_crossing(seen_along(polygon, normal))) refuse_crossing();
     std::vector<MeasureValue> values;
     if (!crosses_in_plan(polygon)) values.push_back(plan_area_value(points, area));
-    values.push_back({"true area", size, area_uncertainty(points, normal), "^2"});
+    const MeasureValue true_area{"true area", size, area_uncertainty(points, normal), "^2"};
+    values.insert(std::fabs(normal[2]) < steep ? values.begin() : values.end(), true_area);
     values.push_back({"perimeter", edge.value, propagated(points, edge.gradient, edge.variance_apart), ""});
     if (polygon.size() > 3) values.push_back({"off plane", off_plane(polygon, normal), 0, ""});
     return values;

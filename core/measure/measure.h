@@ -33,8 +33,9 @@ enum class MeasureKind : std::uint8_t {
     // A polygon of three or more points. Its vector area is A = 1/2 sum(p[i] x p[i + 1]) (Newell), and its fitted plane
     // the one with the normal n = A / |A| for which the squares of the points' distances to it are least: through their
     // mean. "true area" = |A|, of the polygon seen along n (no direction shows more of it); "plan area" = |A . z|, as
-    // seen from above, absent where the polygon crosses itself seen so; "perimeter" along the edges; and, of more than
-    // three points, "off plane", the largest distance of a point to the fitted plane.
+    // seen from above, absent where the polygon crosses itself seen so, and behind the true area where the plane is
+    // steeper than 60 degrees, as on facades; "perimeter" along the edges; and, of more than three points, "off plane",
+    // the largest distance of a point to the fitted plane.
     area,
     // Four or more points: "distance" of the first one to the plane through the others (least squares of more than
     // three, which then give "residual", the root mean square of theirs), never negative.

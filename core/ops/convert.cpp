@@ -106,12 +106,14 @@ private:
             .help("LAS, LAZ: coordinate step")
             .without("the source's, or the coarsest that is exact");
         arguments_.add("scale", scale_)
+            .advanced()
             .count(3)
             .positive()
             .group(group)
             .label("Scale")
             .help("LAS, LAZ: steps x y z: --scale 0.01 0.01 0.001");
         arguments_.add("offset", offset_)
+            .advanced()
             .count(3)
             .group(group)
             .label("Offset")
@@ -123,24 +125,28 @@ private:
         const char* const group = "Output";
         WriteOptions& write = options_.write;
         arguments_.add("decimals", write.decimals)
+            .advanced()
             .group(group)
             .label("Decimals")
             .help("Text: digits after the decimal point")
             .without("as many as exact positions need");
         arguments_.add("ascii", write.ascii).group(group).label("Text").help("PLY, PCD: text instead of binary");
         arguments_.add("las_version", las_version_)
+            .advanced()
             .one_of({{"1.0", "1.0"}, {"1.1", "1.1"}, {"1.2", "1.2"}, {"1.3", "1.3"}, {"1.4", "1.4"}})
             .group(group)
             .label("LAS version")
             .help("LAS, LAZ: version")
             .without("the source's, or the lowest that holds everything");
         arguments_.add("colour_bits", colour_bits_)
+            .advanced()
             .one_of({{"8", "8"}, {"16", "16"}})
             .group(group)
             .label("Bits of colours")
             .help("PLY, PCD: colours of 8 bits, rounded if need be, or 16")
             .without("8, and the exact ones too where 8 do not hold them");
         arguments_.add("float_positions", write.float_positions)
+            .advanced()
             .group(group)
             .label("Positions as floats")
             .help("PCD: positions as floats relative to a whole-numbered shift in VIEWPOINT, for PCL and Open3D");

@@ -138,6 +138,7 @@ private:
             .help("Neighbourhood of a place: all points within this distance")
             .automatic("a number of points");
         arguments_.add("count", options_.count)
+            .advanced()
             .group(group)
             .label("Points of the neighbourhood")
             .help("Neighbourhood of a place: its nearest points")
@@ -164,6 +165,7 @@ private:
     {
         const char* const group = "Estimator";
         arguments_.choice("estimator", options_.fit.estimator, estimator_choices())
+            .advanced()
             .group(group)
             .label("Estimator")
             .help(
@@ -247,6 +249,7 @@ private:
                 "All connected points of the cloud on the surface belong to the shape, which is fitted to them again; "
                 "off: only points of the neighbourhood");
         arguments_.add("step", options_.step)
+            .advanced()
             .positive()
             .unit("source units")
             .group(group)
@@ -261,6 +264,7 @@ private:
                 "Maximum number of rounds of growing and fitting to all points reached; 0: the shape of the first fit")
             .advanced();
         arguments_.add("outline", outline_)
+            .advanced()
             .as(ValueKind::choice)
             .one_of({{"rectangle", "Rectangle"}, {"convex", "Convex"}, {"concave", "Concave"}, {"box", "Cloud's box"}})
             .group(group)

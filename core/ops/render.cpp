@@ -52,6 +52,7 @@ public:
         declare_picture();
         declare_detail();
         arguments_.add("threads", request_.threads)
+            .advanced()
             .letter('t')
             .between(1, 256)
             .help("Number of threads that load chunks")
@@ -98,6 +99,7 @@ private:
             .group(look)
             .help("What points are drawn as; not with --discs");
         arguments_.add("discs", discs_)
+            .advanced()
             .group(look)
             .help(
                 "Points with normals and radii are drawn as their discs, each pixel at its own depth: as --splats "
@@ -108,6 +110,7 @@ private:
             .group(look)
             .help("Constant splats: side of the square");
         arguments_.add("radius_scale", request_.style.radius_scale)
+            .advanced()
             .between(1e-6, 1e6)
             .group(look)
             .label("Factor on radii")
@@ -135,14 +138,17 @@ private:
             .group(look)
             .help("Write into the picture what its colours mean: values of the ramp, or classes");
         arguments_.add("uniform_colour", request_.uniform_colour)
+            .advanced()
             .also("uniform-color")
             .group(look)
             .help("One colour for all points, #rrggbb or R,G,B: --uniform-colour 255,128,0");
         arguments_.add("brightness", request_.style.brightness)
+            .advanced()
             .between(0.01, 100)
             .group(look)
             .help("Factor on the clouds' own colours (--colour rgb), for dark scans, such as 1.5");
         arguments_.add("gamma", request_.style.gamma)
+            .advanced()
             .between(0.1, 10)
             .group(look)
             .help(
@@ -154,11 +160,13 @@ private:
     {
         RenderOptions& options = request_.options;
         arguments_.add("samples", options.samples)
+            .advanced()
             .between(1, 8)
             .group(look)
             .label("Samples per pixel")
             .help("Samples per pixel, which smooth edges: --samples 4");
         arguments_.add("converge", options.smooth_frames)
+            .advanced()
             .between(1, most_smooth_frames)
             .group(look)
             .label("Frames of the mean")
@@ -180,6 +188,7 @@ private:
     {
         const char* const group = "Level of detail";
         arguments_.add("until", request_.until)
+            .advanced()
             .as(ValueKind::choice)
             .one_of({{"full", "Every point in view"}, {"target", "The target"}})
             .group(group)
@@ -188,27 +197,32 @@ private:
                 "full: every point in view; target: until --target-px is reached, or as many points as the budgets "
                 "allow in a frame");
         arguments_.add("target_px", request_.options.target_spacing_px)
+            .advanced()
             .between(0.01, 1e6)
             .unit("pixels")
             .group(group)
             .label("Target spacing")
             .help("Largest distance between points on screen");
         arguments_.add("frame_budget", request_.frame_budget_ms)
+            .advanced()
             .positive()
             .unit("milliseconds")
             .group(group)
             .help("Time limit per frame")
             .without("none");
         arguments_.add("point_budget", request_.options.point_budget)
+            .advanced()
             .positive()
             .group(group)
             .help("Maximum number of points per frame");
         arguments_.add("l1", request_.l1)
+            .advanced()
             .as(ValueKind::bytes)
             .group(group)
             .label("Video memory")
             .help("Video memory for chunks, at least 1M, such as 256M");
         arguments_.add("l2", request_.l2)
+            .advanced()
             .as(ValueKind::bytes)
             .group(group)
             .label("Memory")

@@ -3,7 +3,7 @@
 
     build.py --bin BUILD/bin --out FOLDER     runs the commands of the pages, in order, for the pictures that they show
 
-A command that fails, or that selects no point, ends the build, as does a link or a picture that leads nowhere. Needs the Python package
+Pictures of MeshLab's window lie next to the pages: window_pictures makes them. A command that fails, or that selects no point, ends the build, as does a link or a picture that leads nowhere. Needs the Python package
 markdown (Debian: python3-markdown). The pages are read without a network: FOLDER/index.html.
 """
 import argparse
@@ -21,8 +21,8 @@ import markdown
 
 HERE = pathlib.Path(__file__).resolve().parent
 # The order of the pages, under headings.
-CONTENTS = [("", ["index", "install", "window"]), ("From start to end", ["drawing", "measuring", "epochs", "tile", "python"]),
-            ("Reference", ["operations", "formats", "trust", "messages", "library", "glossary"])]
+CONTENTS = [("", ["index", "install", "window"]), ("From start to end", ["drawing", "facade", "measuring", "epochs", "tile", "notebook"]),
+            ("Reference", ["operations", "formats", "trust", "messages", "python", "library", "glossary"])]
 REPOSITORY = "../../"  # links to files that are not part of the manual begin so
 
 
@@ -154,6 +154,15 @@ def html_of(pages, name):
             f"<nav>\n{navigation(pages, name)}\n</nav>\n<main>\n{body}\n</main>\n</body>\n</html>\n")
 
 
+def copy_pictures(name, text, folder, out):
+    """The pictures of a page: those that its commands made in the folder, or that lie next to the page."""
+    for picture in pictures(text):
+        made = [path for path in (pathlib.Path(folder) / picture, HERE / "pages" / picture) if path.is_file()]
+        if not made:
+            raise Failure(f"{name}: no command makes the picture {picture}")
+        shutil.copy(made[0], out / picture)
+
+
 def build(programs, out, keep=None):
     """Makes the manual in the folder `out`. What a page's commands wrote is moved to keep/PAGE, where a folder is given."""
     pages = read_pages(programs)
@@ -162,15 +171,10 @@ def build(programs, out, keep=None):
     out.mkdir(parents=True)
     for name, text in pages.items():
         (out / f"{name}.html").write_text(html_of(pages, name), encoding="utf-8")
-        if not commands(text):
-            continue
         with tempfile.TemporaryDirectory() as folder:
             run_page(name, text, programs, folder)
-            for picture in pictures(text):
-                if not (pathlib.Path(folder) / picture).is_file():
-                    raise Failure(f"{name}: no command makes the picture {picture}")
-                shutil.copy(pathlib.Path(folder) / picture, out / picture)
-            if keep:
+            copy_pictures(name, text, folder, out)
+            if keep and commands(text):
                 shutil.copytree(folder, keep / name)
     shutil.copy(HERE / "style.css", out)
 

@@ -3,6 +3,7 @@
 #include "pcm/cloud/region.h"
 #include "tests/cli/command.h"
 
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -112,6 +113,7 @@ TEST_F(CliTest, TheHelpListsTheCommandsAndEachHasItsOwn)
         const Result own = pcmlab(name + " --help");
         EXPECT_EQ(own.code, 0) << name;
         EXPECT_NE(own.out.find("Usage: pcmlab " + name), std::string::npos) << own.out;
+        EXPECT_LE(std::count(own.out.begin(), own.out.end(), '\n'), 50) << own.out;  // a screen
     }
     for (const char* expected : {"build", "convert", "info", "verify", "append", "compact", "delete", "repair", "query",
                                  "set", "transform", "align", "render", "generate"})

@@ -26,6 +26,7 @@ struct Given {
     std::uint32_t threads = 0;
     std::uint64_t memory = 7, points = 3;
     std::optional<std::uint16_t> level;
+    std::optional<std::uint32_t> rare;
     std::optional<std::uint32_t> decimals;
     std::optional<std::uint64_t> lines;
     std::optional<double> angle;
@@ -57,6 +58,7 @@ Run add_all(Options& options)
     all.add("angle", given.angle).help("Angle");
     all.add("mode", given.mode).as(ValueKind::choice).one_of({{"fast", "Fast"}, {"even", "Even"}}).help("Mode");
     all.add("overwrite", given.overwrite).help("Overwrite");
+    all.add("rare", given.rare).between(1, 4).advanced().help("For few");
     all.add("hidden", given.overwrite).shown(false).help("Not in the help");
     for (ops::Argument& argument : all.list()) options.argument(argument);
     given.words = options.words();
@@ -321,6 +323,20 @@ TEST(CommandLine, HelpShowsOptionsTheirGroupsAndDefaults)
     EXPECT_EQ(one({"w", "--hidden"}).code, 0);
 }
 
+TEST(CommandLine, HelpLeavesOutWhatFewNeedAndTellsWhereItIs)
+{
+    const std::string footer = "1 more option: many all --help-all";
+    const std::string brief = many({"all", "--help"}).out, whole = many({"all", "--help-all"}).out;
+    EXPECT_EQ(brief.find("--rare"), std::string::npos) << brief;
+    EXPECT_NE(brief.find("\n\n" + footer), std::string::npos) << brief;
+    EXPECT_NE(whole.find("--rare"), std::string::npos) << whole;
+    EXPECT_EQ(whole.find("more option"), std::string::npos) << whole;
+    for (const std::string& text : {brief, whole}) EXPECT_EQ(text.find("\n\n\n"), std::string::npos) << text;
+    EXPECT_EQ(many({"all", "w", "--rare", "2"}).code, 0);
+    EXPECT_EQ(given.rare, 2u);
+    EXPECT_NE(many({"all", "w", "--rare", "9"}).err.find("--rare"), std::string::npos);
+}
+
 TEST(CommandLine, CommandsOfAProgram)
 {
     EXPECT_EQ(many({"all", "w"}).code, 0);
@@ -337,7 +353,7 @@ TEST(CommandLine, CommandsOfAProgram)
 
 TEST(CommandLine, HelpOfACommandInBothSpellings)
 {
-    EXPECT_EQ(many({"help", "all"}).out, many({"all", "--help"}).out);
+    EXPECT_EQ(many({"help", "all"}).out, many({"all", "--help-all"}).out);
     EXPECT_EQ(many({"help", "all"}).code, 0);
     for (const std::vector<std::string>& words :
          {std::vector<std::string>{"help"}, {"help", "--help"}, {"help", "help"}}) {
@@ -353,7 +369,7 @@ TEST(CommandLine, WithoutAKnownCommandTheCommandsAreListed)
         "\n\nCommands:\n  all    Every kind of option\n  other  Another command\n\n"
         "'many help COMMAND' shows the options of a command.\n";
     const std::vector<std::pair<std::vector<std::string>, std::string>> mistakes = {
-        {{}, "many: a command is missing"},
+        {{}, "many: a command is missing\nMany things"},
         {{""}, "many: there is no command ''"},
         {{"unknown"}, "many: there is no command 'unknown'"},
         {{"ohter", "w"}, "many: there is no command 'ohter'; perhaps other"},

@@ -220,6 +220,23 @@ TEST(Measure, AreasAreThoseOfLongDouble)
     }
 }
 
+TEST(Measure, TheTrueAreaComesFirstOnSteepPlanes)
+{
+    for (const bool downwards : {false, true}) {
+        // A leaning wall of 3 x 4, whose upper edge is `in` farther in plan: steeper than 60 degrees for in < 2.
+        const auto first = [&](double in) {
+            const double up = std::sqrt(16 - in * in);
+            std::vector<Vec3d> wall{{0, 0, 0}, {3, 0, 0}, {3, in, up}, {0, in, up}};
+            if (downwards) std::reverse(wall.begin(), wall.end());
+            return values_of(measure_at(MeasureKind::area, wall))[0];
+        };
+        EXPECT_EQ(first(1.99).name, "true area");
+        EXPECT_NEAR(first(1.99).value, 12, 1e-12);
+        EXPECT_EQ(first(2.01).name, "plan area");
+        EXPECT_NEAR(first(2.01).value, 3 * 2.01, 1e-12);
+    }
+}
+
 TEST(Measure, AreaOfAWallHasNoPlanArea)
 {
     const std::vector<Vec3d> wall{{0, 0, 0}, {3, 4, 0}, {3, 4, 2}, {0, 0, 2}};

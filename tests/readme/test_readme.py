@@ -118,7 +118,11 @@ class Manual(Python):
             self.assertIn("at least 1; at most 1024", text_of(out / "operation-outliers.html"))
             self.assertTrue((kept / "tile" / "tour0002.png").is_file())
             self.check_drawing(kept / "drawing")
+            self.check_facade(kept / "facade")
             self.assertIn("Remove or label points", self.run_blocks(text_of(PAGES / "python.md"), kept / "python"))
+            cells = "".join(python_blocks(text_of(PAGES / "notebook.md"))).replace("\ncloud\n", "\nprint(cloud._repr_html_())\n")
+            shown = self.run_blocks(f"```python\n{cells}```\n", kept / "notebook")
+            self.assertRegex(shown, r"(?s)^<img src=.*100,000 points.* m +\d+ #.*Cylinder: good.*\(400, 640, 3\) uint8")
 
     def test_every_operation_is_shown(self):
         shown = " ".join(text_of(page) for page in PAGES.glob("*.md"))
@@ -162,6 +166,19 @@ class Manual(Python):
             self.assertIn(f"; {name}\n", script)
         self.assertEqual((script.count("_.CYLINDER"), script.count("_.SPHERE")), (2, 1))
 
+    def check_facade(self, folder):
+        """The wall and the width of the house are those that were generated."""
+        walls = [one for one in json.loads(text_of(folder / "town.truth.json"))["primitives"] if one["id"] in (1, 2, 4)]
+        gap = [a - b for a, b in zip(walls[0]["point"], walls[1]["point"])]
+        width = abs(sum(a * b for a, b in zip(gap, walls[0]["direction"])))
+        measures = {one["name"]: one for one in json.loads(text_of(folder / "facade-measures.json"))["measures"]}
+        self.assertEqual(list(measures), ["Width", "Ridge", "Window"])
+        ends = [point["position"] for point in measures["Width"]["points"]]
+        self.assertAlmostEqual(math.dist(*ends), width, delta=0.06)  # the nearest points lie up to 4 cm from the corners
+        south = json.loads(text_of(folder / "facade.json"))["primitives"][0]
+        off = sum(n * (a - b) for n, a, b in zip(walls[2]["direction"], south["point"], walls[2]["point"]))
+        self.assertLess(abs(off), 0.001)
+
     def test_faults_of_a_page_are_noticed(self):
         with tempfile.TemporaryDirectory() as folder:
             for line in ("pcmlab build none.las", "pcmlab generate -q --points 5000 scan.las; pcmlab build -q scan.las -o site.pct; pcmlab query site.pct --sphere 0 0 0 1"):
@@ -171,6 +188,8 @@ class Manual(Python):
         for link in ("none.md", "../../none.md", "pages/index.md"):
             with self.assertRaises(manual.Failure):
                 manual.check_links({"index": f"[a page]({link})"})
+        with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(manual.Failure, "none.png"):
+            manual.copy_pictures("page", "![A picture](none.png)", folder, pathlib.Path(folder))
         manual.check_links({"index": "[itself](index.md), [a file](../../README.md)"})
 
 

@@ -105,6 +105,7 @@ void PointSetActions::declare(Arguments& arguments, const std::string& group)
         .help("Set their class, a number or a name of LAS: --classify 6, --classify building");
     arguments.add("class_attribute", classes_)
         .only(Face::command)
+        .advanced()
         .group(group)
         .help("The integer attribute that --classify sets; made when absent");
     arguments.add("output", target_.output)

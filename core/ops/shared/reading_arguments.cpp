@@ -40,10 +40,12 @@ void ReadingArguments::declare(Arguments& arguments, std::optional<Face> only)
     add("skip_bad_lines", skip_bad_lines_)
         .group(faults)
         .label("Skip bad lines")
+        .advanced()
         .help("Text, PTS, PTX: skip and count lines that are not points instead of refusing the file");
     add("skip_bad_files", skip_bad_files_)
         .group(faults)
         .label("Skip bad files")
+        .advanced()
         .help("Skip and count files that cannot be opened; of those that fail later keep what was read");
     const char* const text = "Text files (detected by default)";
     add("columns", columns_)
@@ -74,6 +76,7 @@ void ReadingArguments::declare(Arguments& arguments, std::optional<Face> only)
     add("largest_coordinate", largest_coordinate_)
         .positive()
         .label("Largest coordinate")
+        .advanced()
         .help(
             "Leave out points with a coordinate beyond this, such as no-data values of 3.4e38, which would leave no "
             "precision for the others; the number left out is reported")

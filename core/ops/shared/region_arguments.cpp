@@ -10,27 +10,28 @@ struct RegionShape {
     const char* name;  // in texts of regions
     const char* label;
     std::size_t least, most;  // numbers
+    bool is_common;           // else in --help-all
     const char* help;
 };
 
 constexpr RegionShape region_shapes[] = {
-    {"sphere", "sphere", "Sphere", 4, 4, "Points in the sphere cx cy cz radius: --sphere 1 2 3 0.5"},
-    {"oriented_box", "oriented-box", "Oriented box", 7, 12,
+    {"sphere", "sphere", "Sphere", 4, 4, true, "Points in the sphere cx cy cz radius: --sphere 1 2 3 0.5"},
+    {"oriented_box", "oriented-box", "Oriented box", 7, 12, false,
      "Points in the box with centre cx cy cz and half sizes hx hy hz, rotated about z by an angle in degrees, or along "
      "the axes ux uy uz vx vy vz"},
-    {"ray", "ray", "Ray", 7, 8,
+    {"ray", "ray", "Ray", 7, 8, false,
      "Points in the cylinder from ox oy oz along dx dy dz with a radius and, optionally, a length: --ray 0 0 9 0 0 -1 "
      "0.2"},
-    {"cone", "cone", "Cone", 7, 8,
+    {"cone", "cone", "Cone", 7, 8, false,
      "Points in the cone from ax ay az along dx dy dz with a half angle in degrees and, optionally, a length: --cone 0 "
      "0 9 0 0 -1 15"},
-    {"frustum", "frustum", "Frustum", 10, 13,
+    {"frustum", "frustum", "Frustum", 10, 13, false,
      "Points seen from ex ey ez towards tx ty tz, with the vertical angle of view in degrees, width over height, near "
      "and far distance, and optionally the direction that is up, 0 0 1 where it is left out"},
-    {"planes", "planes", "Planes", 7, 259,
+    {"planes", "planes", "Planes", 7, 259, false,
      "Points on the inner side of planes: a centre cx cy cz, then nx ny nz offset for each plane, where "
      "n.(p-c)+offset>=0 is inside: --planes 5 5 0 0 0 1 2 (above z = -2)"},
-    {"polygon", "polygon", "Polygon", 6, 2000000,
+    {"polygon", "polygon", "Polygon", 6, 2000000, true,
      "Points in the polygon with the corners x0 y0 x1 y1 x2 y2 ... in plan, at any height; concave ones are fine, and "
      "a part that the border goes around twice is outside"},
 };
@@ -44,14 +45,16 @@ void RegionArguments::declare(Arguments& arguments, const std::string& group)
         .group(group)
         .label("Box")
         .help("Points in the box x0 y0 z0 x1 y1 z1, source coordinates, faces included: 0 0 0 9 9 9");
-    for (const RegionShape& shape : region_shapes)
-        arguments.add(shape.key, shapes_[shape.name])
-            .as(ValueKind::numbers)
-            .count(shape.least, shape.most)
-            .only(Face::command)
-            .group(group)
-            .label(shape.label)
-            .help(shape.help);
+    for (const RegionShape& shape : region_shapes) {
+        Argument& argument = arguments.add(shape.key, shapes_[shape.name])
+                                 .as(ValueKind::numbers)
+                                 .count(shape.least, shape.most)
+                                 .only(Face::command)
+                                 .group(group)
+                                 .label(shape.label)
+                                 .help(shape.help);
+        if (!shape.is_common) argument.advanced();
+    }
     arguments.add("region", region_)
         .group(group)
         .label("Region")

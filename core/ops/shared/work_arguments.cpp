@@ -25,6 +25,7 @@ void WorkArguments::declare_threads(Arguments& arguments)
         .letter('t')
         .between(0, most_build_threads)
         .label("Threads")
+        .advanced()
         .help("Number of threads; 0: one per processor")
         .without("one per processor");
 }

@@ -114,13 +114,22 @@ class Cloud:
         "xyz" is float64, (n, 3); attributes have the file's own type, (n,) or (n, components). `scaled`: attributes are
         float64 in their own unit. `ids`: also "node" and "number" (uint32), which together name a point of this tree.
         Memory: that of the arrays, and of some chunks.
+
+        >>> points = open("scan.pct").query(where="classification=2", attributes=["classification"])
+        >>> sorted(points), set(points["classification"].tolist())
+        (['classification', 'xyz'], {2})
         """
         wanted = _wanted(box, sphere, polygon, region, level, where, attributes)
         return self._cloud.query(wanted, ids, scaled, callback(progress))
 
     def chunks(self, box=None, *, sphere=None, polygon=None, region=None, level=None, where=(), attributes=None, ids=False,
                scaled=False, progress=None) -> typing.Iterator[typing.Dict[str, numpy.ndarray]]:
-        """The same points chunk by chunk, some ten thousand each, in bounded memory."""
+        """The same points chunk by chunk, some ten thousand each, in bounded memory.
+
+        >>> cloud = open("scan.pct")
+        >>> sum(len(chunk["xyz"]) for chunk in cloud.chunks(attributes=[])) == cloud.points
+        True
+        """
         wanted = _wanted(box, sphere, polygon, region, level, where, attributes)
         return self._cloud.chunks(wanted, ids, scaled, callback(progress))
 
@@ -135,6 +144,11 @@ class Cloud:
         places: (3,) or (m, 3). Returns "xyz" (m, k, 3), "distance" (m, k), "node" and "number" (m, k), without the
         first axis for a single place. Where the cloud has no k points within max_distance: distance inf and xyz nan.
         "error": by how much a point of the whole cloud may be nearer, in source units; 0 without a level.
+
+        >>> cloud = open("scan.pct")
+        >>> found = cloud.nearest(cloud.query(level=0)["xyz"], k=3)
+        >>> found["xyz"].shape[1:], bool((found["distance"][:, 0] == 0).all())
+        ((3, 3), True)
         """
         places = numpy.asarray(places, dtype=float)
         found = self._cloud.nearest(numpy.atleast_2d(places), k, level, max_distance, threads, callback(progress))
@@ -242,10 +256,12 @@ def edit(path, *, cache_bytes=0):
     """Opens a tree to change attributes of its points. At the end of the block all changes become part of the tree, at
     once; after an exception none.
 
-        with pcmlab.edit("scan.pct") as cloud:
-            cloud.add_attribute("height", "f4")
-            for chunk in cloud.changes(attributes=["height"]):
-                chunk["height"] = chunk["xyz"][:, 2] - 92
+    >>> with edit("scan.pct") as cloud:
+    ...     cloud.add_attribute("height", "f4")
+    ...     for chunk in cloud.changes(attributes=["height"]):
+    ...         chunk["height"] = chunk["xyz"][:, 2] - 92
+    >>> bool((open("scan.pct").query()["height"] > 0).any())
+    True
     """
     cloud = _pcmlab.open(os.fspath(path), True, cache_bytes)
     try:
@@ -262,6 +278,10 @@ def from_arrays(path, xyz, attributes=None, *, overwrite=False, progress=None, *
     xyz: (n, 3), float64 or float32. Attributes, in a dict or by name: (n,) or (n, components), integers of 8 to 64 bits,
     float32 or float64; they come back bit for bit. Positions come back bit for bit where they are float32, or have a
     fixed number of decimals; others are rounded by at most the error that info() states.
+
+    >>> cloud = from_arrays("made.pct", [[0, 0, 0], [1, 0.5, 2]], weight=[3, 4])
+    >>> cloud.points, cloud.bounds.tolist(), sorted(cloud.query()["weight"].tolist())
+    (2, [[0.0, 0.0, 0.0], [1.0, 0.5, 2.0]], [3, 4])
     """
     values = {**(attributes or {}), **more}
     arrays = [(name, numpy.asarray(array)) for name, array in values.items()]
