@@ -488,21 +488,4 @@ TEST(Measure, ComputedNumbersComeFirst)
     EXPECT_EQ(value_of(measure_at(MeasureKind::profile, {{0, 0, 0}, {3, 4, 9}, {3, 5, 1}}), "length").value, 6);
 }
 
-TEST(Measure, Labels)
-{
-    const auto text = [](double value, double uncertainty, const char* unit, const char* length) {
-        return text_of({"", value, uncertainty, unit}, length);
-    };
-    EXPECT_EQ(text(12.34567, 0.0023, "", "m"), "12.346 ± 0.002 m");
-    EXPECT_EQ(text(12.34567, 0.00149, "", "m"), "12.3457 ± 0.0015 m");
-    EXPECT_EQ(text(12.34567, 0.00999, "", ""), "12.346 ± 0.010");
-    EXPECT_EQ(text(1234567, 2345, "^3", "m"), "1235000 ± 2000 m³");
-    EXPECT_EQ(text(-12.5, 0, "^2", "ft"), "-12.5 ft²");
-    EXPECT_EQ(text(44.96, 0.3, "deg", "m"), "45.0 ± 0.3°");
-    EXPECT_EQ(text(3.2, 0, "%", "m"), "3.2 %");
-    EXPECT_EQ(text(3.2, 0, "^2", ""), "3.2");
-    EXPECT_EQ(label_of(measure_at(MeasureKind::distance, {{0, 0, 0}, {3, 4, 0}}), "m"), "5 m");
-    EXPECT_NE(label_of(measure_at(MeasureKind::distance, {{0, 0, 0}}), "m").find("takes 2"), std::string::npos);
-}
-
 }  // namespace

@@ -100,14 +100,16 @@ int TestDriver::frame() const { return area() ? area()->property("pcm_state").to
 
 QString TestDriver::log() const
 {
-    QString text;
+    QStringList lines, taken;
     if (MeshDocument* md = document())
-        for (const auto& line : md->Log.logStringList()) text += line.second + "\n";
+        for (const auto& line : md->Log.logStringList()) lines += line.second.split('\n');
     // MeshLab 2025.07 takes the lines out of the log when it shows them.
     if (window())
         for (const QWidget* panel : window()->findChildren<QWidget*>("logPlainTextEdit"))
-            text += panel->property("plainText").toString() + "\n";
-    return text;
+            taken += panel->property("plainText").toString().split('\n');
+    taken.removeAll(QString());
+    for (const QString& line : lines) taken.removeOne(line);
+    return (taken + lines).join('\n') + '\n';
 }
 
 Done TestDriver::until(bool condition, const QString& what)
