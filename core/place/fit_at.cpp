@@ -179,7 +179,8 @@ private:
         options.first_threshold = first_threshold;
         options.progress = part_of(whole_progress_, 0, 0.3);
         LocalFit wide = fit_locally(cloud_, places_, options);
-        if (!at_places_ && options_.grow) keep(wide);
+        const bool is_needed = options_.found_at_place || options_.fit.seconds > 0;
+        if (is_needed && options_.grow && !at_places_) keep(wide);
         options.progress = part_of(whole_progress_, 0.3, 0.4);
         std::optional<LocalFit> narrow = fit_narrowly(cloud_, places_, options, wide);
         const Way way = narrow ? Way::uneven : Way::even;
