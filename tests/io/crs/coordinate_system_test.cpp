@@ -141,6 +141,14 @@ TEST(CoordinateSystem, WktOfVersionTwo)
     EXPECT_EQ(three.vertical.unit.name, "foot");
 }
 
+TEST(CoordinateSystem, AVerticalSystemAloneHasItsName)
+{
+    const auto heights = decode_wkt(R"(VERT_CS["NAVD88 height",VERT_DATUM["NAVD88",2005],UNIT["metre",1]])");
+    ASSERT_TRUE(heights);
+    EXPECT_EQ(heights->name, "NAVD88 height");
+    EXPECT_EQ(heights->vertical.unit.name, "metre");
+}
+
 TEST(CoordinateSystem, TextThatIsNoWktIsRefused)
 {
     const std::string whole = wkt_utm(32);
