@@ -176,10 +176,15 @@ source $script"""
         self.assertEqual(set(re.search(r"^MimeType=(.*);$", entry, re.MULTILINE)[1].split(";")), types)
         self.assertEqual(len(types), 4)
         for tool, file in (("desktop-file-validate", "pcmlab-meshlab.desktop"), ("xmllint", "pcmlab.xml"),
-                           ("xmllint", "pcmlab-meshlab.metainfo.xml"), ("appstreamcli", "pcmlab-meshlab.metainfo.xml")):
+                           ("xmllint", "pcmlab-meshlab.metainfo.xml")):
             if shutil.which(tool):
-                options = {"xmllint": ["--noout"], "appstreamcli": ["validate", "--no-net"]}.get(tool, [])
-                run(tool, *options, folder / file)
+                run(tool, *(["--noout"] if tool == "xmllint" else []), folder / file)
+        if shutil.which("appstreamcli"):
+            found = subprocess.run(["appstreamcli", "validate", "--no-net", folder / "pcmlab-meshlab.metainfo.xml"],
+                                   capture_output=True, text=True)
+            # AppStream 1.0 wants a homepage, which the project has not.
+            faults = [line for line in found.stdout.splitlines() if re.match("[EW]:", line) and "url-homepage-missing" not in line]
+            self.assertEqual(faults, [], found.stdout)
 
     def test_the_changelog_has_the_version(self):
         version = re.search(r"^project\(pcm VERSION (\S+)", (ARGUMENTS.source / "CMakeLists.txt").read_text(), re.MULTILINE)[1]
