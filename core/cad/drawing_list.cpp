@@ -30,6 +30,12 @@ std::string counted(std::size_t count, const std::string& word, const std::strin
 
 }  // namespace
 
+void DrawingList::note_unit(CadUnit unit, const std::string& file)
+{
+    if (unit == CadUnit::none)
+        notes.push_back(file + " has a unit, and none is given: its lengths are taken for metres");
+}
+
 std::vector<std::string> DrawingList::names() const
 {
     std::vector<std::string> names;

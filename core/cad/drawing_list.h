@@ -15,6 +15,8 @@ struct DrawingList {
     std::vector<std::string> notes;  // what is left out, and why
 
     std::vector<std::string> names() const;  // names of the primitives
+    // `file`: "a STEP file", which always has a unit: what is assumed is noted where none is known.
+    void note_unit(CadUnit unit, const std::string& file);
 };
 
 // Without hidden ones and, `bounded`, those whose bounds are not known. Throws Error(invalid_argument) where nothing is

@@ -350,8 +350,7 @@ void write_ifc(const std::filesystem::path& file, DrawingList& list, const CadOp
     project.end();
     output.append("ENDSEC;\nEND-ISO-10303-21;\n");
     output.finish();
-    if (options.unit == CadUnit::none)
-        list.notes.emplace_back("an IFC file has a unit, and none is given: its lengths are taken for metres");
+    list.note_unit(options.unit, "an IFC file");
     if (!parts.empty())
         list.notes.emplace_back(std::to_string(parts.size()) + " primitives are in the pipe runs, as parts of them");
 }

@@ -156,8 +156,7 @@ void write_step(const std::filesystem::path& file, DrawingList& list, const CadO
         shapes.begin(*primitive);
         traits_of(primitive->fit.shape.kind).solid(primitive->fit.shape, primitive->bounds, shapes);
     }
-    if (options.unit == CadUnit::none)
-        list.notes.emplace_back("a STEP file has a unit, and none is given: its lengths are taken for metres");
+    list.note_unit(options.unit, "a STEP file");
     const StepUnit unit = step_unit(options.unit);
     OutputFile output(file);
     Sink sink{output, {}, {}};

@@ -1,6 +1,7 @@
 // Pictures of a small scene, as they are kept in frozen/ at a quarter of their size: a change of how points look fails
 // here. Where the change is wanted, run this test with PCM_FREEZE=1 in the environment, look at the
 // pictures, and commit them with it.
+#include "tests/frozen_files.h"
 #include "tests/offscreen_support.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
@@ -16,7 +17,6 @@
 #include <cmath>
 #include <cstdlib>
 #include <memory>
-#include <set>
 
 namespace {
 
@@ -188,7 +188,7 @@ TEST_P(FrozenPictures, PCM_NOT_UNDER_SANITIZERS(LookAsBefore))
     if (!gl_is_software()) GTEST_SKIP() << "pictures are kept of the software renderer";
     const Image now = quartered(draw(*screen, GetParam()));
     const fs::path file = fs::path(PCM_FROZEN_PICTURES) / (GetParam().name + ".png");
-    if (std::getenv("PCM_FREEZE")) {
+    if (test::is_freezing()) {
         write_png(file, now, false);
         GTEST_SKIP() << "written: " << file;
     }
@@ -212,14 +212,11 @@ INSTANTIATE_TEST_SUITE_P(Of, FrozenPictures, testing::ValuesIn(frozen_pictures()
     return name;
 });
 
-// A picture that nothing draws any more is to be removed.
 TEST(FrozenPictureFiles, AreThoseThatAreDrawn)
 {
-    std::set<std::string> names;
-    for (const FrozenPicture& picture : frozen_pictures())
-        EXPECT_TRUE(names.insert(picture.name).second) << picture.name << " is there twice";
-    for (const fs::directory_entry& entry : fs::directory_iterator(PCM_FROZEN_PICTURES))
-        EXPECT_TRUE(names.count(entry.path().stem().string())) << entry.path();
+    std::vector<std::string> names;
+    for (const FrozenPicture& picture : frozen_pictures()) names.push_back(picture.name);
+    test::expect_files_of(names, PCM_FROZEN_PICTURES);
 }
 
 }  // namespace

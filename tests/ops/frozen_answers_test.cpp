@@ -2,6 +2,7 @@
 // fails here. Where the change is wanted, run this test with PCM_FREEZE=1 in the environment, look
 // at what `git diff` shows of the files, and commit them with it.
 #include "tests/ops/frozen_answers.h"
+#include "tests/frozen_files.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
 
@@ -11,7 +12,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <fstream>
 #include <memory>
 #include <set>
@@ -149,7 +149,7 @@ TEST_P(FrozenAnswers, PCM_NOT_UNDER_SANITIZERS(AreThoseOfBefore))
     now["written"] = written(out);
     now = pcm::test::frozen(now, folder_->path());
     const fs::path file = fs::path(PCM_FROZEN_ANSWERS) / (call.name + ".json");
-    if (std::getenv("PCM_FREEZE")) {
+    if (pcm::test::is_freezing()) {
         std::ofstream(file) << pcm::test::kept_text(now) << "\n";
         GTEST_SKIP() << "written: " << file;
     }
@@ -160,14 +160,11 @@ TEST_P(FrozenAnswers, PCM_NOT_UNDER_SANITIZERS(AreThoseOfBefore))
 INSTANTIATE_TEST_SUITE_P(Of, FrozenAnswers, testing::ValuesIn(frozen_calls()),
                          [](const auto& info) { return info.param.name; });
 
-// A file that no call names any more is to be removed.
 TEST(FrozenFiles, AreThoseOfTheCalls)
 {
-    std::set<std::string> names;
-    for (const FrozenCall& call : frozen_calls())
-        EXPECT_TRUE(names.insert(call.name).second) << call.name << " is there twice";
-    for (const fs::directory_entry& entry : fs::directory_iterator(PCM_FROZEN_ANSWERS))
-        EXPECT_TRUE(names.count(entry.path().stem().string())) << entry.path();
+    std::vector<std::string> names;
+    for (const FrozenCall& call : frozen_calls()) names.push_back(call.name);
+    pcm::test::expect_files_of(names, PCM_FROZEN_ANSWERS);
 }
 
 // What is kept notices what it should: a digit, an order, a key more, a letter of a text.
