@@ -163,8 +163,6 @@ private:
             piece.offset = end;
             piece.bytes = in_.get<std::uint32_t>();
             piece.checksum = in_.get<std::uint64_t>();
-            if (piece.bytes > header_.total_bytes || end > header_.total_bytes - piece.bytes)
-                refuse("a column lies outside its chunk");
             if (!can_be_packed(piece.bytes, sequences, header_.segments[s].count, word_bytes))
                 refuse("a segment of " + std::to_string(piece.bytes) + " bytes cannot hold its " +
                        std::to_string(header_.segments[s].count) + " points");

@@ -247,6 +247,20 @@ TEST(GpuRadii, OfWidePositions)
     compute_and_check(tree, 8);
 }
 
+// Squares of distances are beyond what float holds.
+TEST(GpuRadii, InUnitsFarFromOne)
+{
+    PCM_REQUIRE_COMPUTE
+    for (const double step : {1e-25, 1e25}) {
+        SCOPED_TRACE(step);
+        const TemporaryFolder folder;
+        write_las(folder / "cloud.las", records(Shape::surface, 1000, 6), Grid{{step, step, step}, {0, 0, 0}});
+        const auto tree = build(folder, "cloud.pct", {folder / "cloud.las"}, 1000);
+        compute(tree, 8);
+        check(read(tree), 8);
+    }
+}
+
 // Distances from the middle that differ by less than float can say: the wrong neighbours have another radius.
 TEST(GpuRadii, NeighboursAreThoseThatDoublesGive)
 {
