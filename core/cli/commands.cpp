@@ -3,7 +3,6 @@
 #include "pcm/cli/opengl_program.h"
 #include "pcm/cli/operation_command.h"
 
-#include <stdexcept>
 #include <string>
 
 namespace pcm::cli {
@@ -15,24 +14,14 @@ void start_program_for_opengl(ops::Context& context, const std::vector<std::stri
     context.render = [words](const ops::RenderRequest&) -> ops::Result { start_opengl_program(words); };
 }
 
-// Operations that are filters of MeshLab alone are not in the list.
-constexpr const char* names[] = {
-    "build", "convert",   "run",    "info",    "verify",  "append",  "compact",    "delete",    "repair",   "query",
-    "pick",  "select",    "fit",    "set",     "radii",   "normals", "outliers",   "transform", "align",    "merge",
-    "voxel", "subsample", "detect", "measure", "profile", "volume",  "primitives", "render",    "generate",
-};
-
 }  // namespace
 
 const std::vector<Command>& commands()
 {
     static const std::vector<Command> table = [] {
         std::vector<Command> commands;
-        for (const char* name : names) {
-            const ops::Row* const row = ops::find_operation(name);
-            if (!row) throw std::logic_error(std::string("there is no operation ") + name);
-            commands.push_back(operation_command(*row, start_program_for_opengl));
-        }
+        for (const ops::Row& row : ops::operations())
+            if (!row.window_only) commands.push_back(operation_command(row, start_program_for_opengl));
         return commands;
     }();
     return table;

@@ -134,9 +134,10 @@ struct Row {
     // Arguments that a step of a chain (shared/step.h) gives without their names, in this order; empty: it is not a
     // step.
     std::vector<std::string> step{};
+    bool window_only = false;  // works on what the window has selected: a filter, but no command
 };
 
-// In the order of the help.
+// In the order of the help and of MeshLab's menus.
 const std::vector<Row>& operations();
 const Row* find_operation(const std::string& name);  // null: there is none
 // Single rows, for a program that is not to contain the code of all: pcmlab-render.

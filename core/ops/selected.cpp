@@ -183,7 +183,7 @@ Row save_selected_row()
             menu::select | menu::points,
             "-selected.pct",
             with_done_keys({}),
-            make<SaveSelected>};
+            make<SaveSelected>, {}, true};
 }
 
 Row extract_selected_row()
@@ -200,7 +200,7 @@ Row extract_selected_row()
             menu::select | menu::layers | menu::points,
             "-part.pct",
             with_done_keys({}),
-            make<ExtractSelected>};
+            make<ExtractSelected>, {}, true};
 }
 
 Row classify_selected_row()
@@ -212,7 +212,7 @@ Row classify_selected_row()
         about_selections;
     return {"classify_selected", "Selected Points: Classify", "Set the class of the selected points",
             details.c_str(),     menu::select | menu::points, "-classified.pct",
-            with_done_keys({}),  make<ClassifySelected>};
+            with_done_keys({}),  make<ClassifySelected>, {}, true};
 }
 
 Row delete_selected_row()
@@ -224,7 +224,7 @@ Row delete_selected_row()
         about_selections;
     return {"delete_selected",  "Selected Points: Delete",   "Delete the selected points",
             details.c_str(),    menu::select | menu::points, "-without.pct",
-            with_done_keys({}), make<DeleteSelected>};
+            with_done_keys({}), make<DeleteSelected>, {}, true};
 }
 
 }  // namespace pcm::ops

@@ -3,40 +3,49 @@
 #include "plugin/filter/operation_filter.h"
 #include "plugin/filter/window_hooks.h"
 
+#include <map>
+#include <string>
+
 namespace pcm::host {
 
-// Each is defined in the file of its name.
-Filter set_clip_box();
+Filter set_clip_box();  // in the file of its name
+
+namespace {
+
+// Of operations that use what else the window has.
+const std::map<std::string, OperationHooks>& hooks()
+{
+    static const std::map<std::string, OperationHooks> table{
+        {"merge", shown_as_merged()},
+        {"transform", shown_as_moved()},
+        {"align", shown_as_moved()},
+        {"select", on_selection()},
+        {"save_selected", on_selection()},
+        {"extract_selected", on_selection()},
+        {"classify_selected", on_selection()},
+        {"delete_selected", on_selection()},
+        {"measure", at_points_of_layer()},
+        {"fit", fitting_primitives()},
+        {"detect", finding_primitives()},
+        {"primitives", exporting_primitives()},
+    };
+    return table;
+}
+
+}  // namespace
 
 const std::vector<Filter>& filters()
 {
-    static const std::vector<Filter> table{
-        operation_filter("build"),
-        operation_filter("append"),
-        operation_filter("delete"),
-        operation_filter("compact"),
-        operation_filter("voxel"),
-        operation_filter("subsample"),
-        operation_filter("merge", shown_as_merged()),
-        operation_filter("transform", shown_as_moved()),
-        operation_filter("align", shown_as_moved()),
-        operation_filter("radii"),
-        operation_filter("normals"),
-        operation_filter("outliers"),
-        operation_filter("select", on_selection()),
-        operation_filter("save_selected", on_selection()),
-        operation_filter("extract_selected", on_selection()),
-        operation_filter("classify_selected", on_selection()),
-        operation_filter("delete_selected", on_selection()),
-        operation_filter("measure", at_points_of_layer()),
-        operation_filter("profile"),
-        operation_filter("volume"),
-        operation_filter("fit", fitting_primitives()),
-        operation_filter("detect", finding_primitives()),
-        operation_filter("primitives", exporting_primitives()),
-        set_clip_box(),
-        operation_filter("info"),
-    };
+    static const std::vector<Filter> table = [] {
+        std::vector<Filter> filters;
+        for (const ops::Row& row : ops::operations()) {
+            if (!row.title) continue;
+            const auto used = hooks().find(row.name);
+            filters.push_back(operation_filter(row, used == hooks().end() ? OperationHooks{} : used->second));
+        }
+        filters.push_back(set_clip_box());
+        return filters;
+    }();
     return table;
 }
 

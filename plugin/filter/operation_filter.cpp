@@ -84,19 +84,17 @@ void show_made(const FilterRun& run, const ops::Result& result)
     });
 }
 
-Filter operation_filter(const std::string& name, OperationHooks hooks)
+Filter operation_filter(const ops::Row& row, OperationHooks hooks)
 {
-    const ops::Row* const row = ops::find_operation(name);
-    if (!row || !row->title) throw std::logic_error("there is no operation " + name + " with a title");
-    return {row->title,
-            QString(row->details) + " Esc cancels it.",
-            row->menus,
-            [row](Parameters& parameters) {
-                const auto operation = row->make();
+    return {row.title,
+            QString(row.details) + " Esc cancels it.",
+            row.menus,
+            [&row](Parameters& parameters) {
+                const auto operation = row.make();
                 add_parameters(operation->arguments(), parameters);
             },
-            [row, hooks = std::move(hooks)](const FilterRun& run) { run_operation(*row, hooks, run); },
-            row->ending};
+            [&row, hooks = std::move(hooks)](const FilterRun& run) { run_operation(row, hooks, run); },
+            row.ending};
 }
 
 }  // namespace pcm::host

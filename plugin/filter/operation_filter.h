@@ -22,7 +22,7 @@ void show_made(const FilterRun& run, const ops::Result& result);
 // Runs `show`, which returns lines for the log, after the filter has changed a tree: what fails then is a warning.
 void show_afterwards(const FilterRun& run, const std::function<std::vector<std::string>()>& show);
 
-// Throws std::logic_error where the table has no such operation.
-Filter operation_filter(const std::string& name, OperationHooks hooks = {});
+// `row` has a title, and is one of the table's.
+Filter operation_filter(const ops::Row& row, OperationHooks hooks);
 
 }  // namespace pcm::host

@@ -1,6 +1,7 @@
 // The lines before the first row of a text file, missing values, columns of words, and lines that are skipped: no row
 // is lost without a count and an example.
 #include "pcm/io/text/text_fields.h"
+#include "pcm/io/text/text_reader.h"
 
 #include "tests/io/text/read_text.h"
 
@@ -103,6 +104,19 @@ TEST(TextHead, NamesThatAreNotUnderstoodAreRefused)
         layout.columns = std::string(text)[0] == 'P' ? parse_columns("- x y z -") : parse_columns("x y z");
         EXPECT_GE(read_text(text, "a.csv", layout).points.size, 1u) << text;
     }
+}
+
+// In a folder of inputs. Most fields of a row may be words, if names say which columns are coordinates.
+TEST(TextHead, PointsAreKnownFromOtherTables)
+{
+    const TemporaryFolder folder;
+    const auto looks = [&](const std::string& text) {
+        return looks_like_points(write_file(folder / "a.csv", text));
+    };
+    EXPECT_TRUE(looks("1,2,3\n4,5,6\n"));
+    EXPECT_TRUE(looks("x,y,z,a,b,c,d\n1,2,3,oak,old,tall,wet\n4,5,6,elm,new,low,dry\n"));
+    EXPECT_FALSE(looks("1,2,3,oak,old,tall,wet\n4,5,6,elm,new,low,dry\n"));
+    EXPECT_FALSE(looks("1,oak\n2,elm\n"));
 }
 
 TEST(TextHead, ColumnsOfWordsAreCounted)
