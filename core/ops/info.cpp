@@ -9,6 +9,7 @@
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/system/error.h"
+#include "pcm/system/scaled_decimal.h"
 #include "pcm/system/text.h"
 #include "pcm/tree/tree.h"
 
@@ -46,6 +47,12 @@ Json metadata_of(const std::vector<Metadata>& metadata)
 void print_vec(Result& result, const char* name, const Vec3d& v)
 {
     result.print("%-11s %s  %s  %s", name, exact(v[0]).c_str(), exact(v[1]).c_str(), exact(v[2]).c_str());
+}
+
+void print_on_grid(Result& result, const char* name, const Grid& grid, const Vec3i& q)
+{
+    const auto text = [&](std::size_t axis) { return decimal_text(q[axis], grid.scale[axis], grid.offset[axis]); };
+    result.print("%-11s %s  %s  %s", name, text(0).c_str(), text(1).c_str(), text(2).c_str());
 }
 
 void print_attributes(Result& result, const Schema& schema)
@@ -114,7 +121,6 @@ void put_tree(Result& result, const Tree& tree, const std::optional<CloudStatist
 void print_tree(Result& result, const Tree& tree, const std::optional<CloudStatistics>& statistics)
 {
     const TreeInfo& info = tree.info();
-    const Box3d bounds = info.bounds();
     const std::vector<LevelSummary> levels = tree.level_summaries();
     result.print("%s", tree.folder().string().c_str());
     print_sources(result, info.sources);
@@ -123,8 +129,8 @@ void print_tree(Result& result, const Tree& tree, const std::optional<CloudStati
         result.print("skipped     %s without a finite position or beyond a given limit",
                      grouped(info.points_skipped).c_str());
     if (info.points) {
-        print_vec(result, "min", bounds.min);
-        print_vec(result, "max", bounds.max);
+        print_on_grid(result, "min", info.grid, info.box.min);
+        print_on_grid(result, "max", info.grid, info.box.max);
     }
     print_vec(result, "scale", info.grid.scale);
     print_vec(result, "origin", info.grid.offset);

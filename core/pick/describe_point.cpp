@@ -13,23 +13,14 @@
 namespace pcm {
 namespace {
 
-// raw * scale + offset, which is `value` in double.
-std::string text_of_steps(std::int64_t raw, double scale, double offset, double value)
-{
-    char digits[ScaledDecimal::longest];
-    const char* const end = ScaledDecimal(scale, offset).write(digits, raw);
-    return end ? std::string(static_cast<const char*>(digits), end) : exact(value);
-}
-
 template <class T>
 std::string text_of(T raw, const Attribute& attribute)
 {
     if (attribute.scale != 1 || attribute.offset != 0) {
-        const double value = static_cast<double>(raw) * attribute.scale + attribute.offset;
         if constexpr (std::is_integral_v<T> && !std::is_same_v<T, std::uint64_t>)
-            return text_of_steps(raw, attribute.scale, attribute.offset, value);
+            return decimal_text(raw, attribute.scale, attribute.offset);
         else
-            return exact(value);
+            return exact(static_cast<double>(raw) * attribute.scale + attribute.offset);
     }
     if constexpr (std::is_integral_v<T>) return std::to_string(raw);
     char digits[64];
@@ -96,7 +87,7 @@ PointDescription describe_point(L2Cache& cache, const PointSizes& sizes, NodeId 
     for (std::size_t a = 0; a < 3; ++a)
         described.position_text[a] =
             described.position[a] == unrounded[a]
-                ? text_of_steps(on_grid[a], info.grid.scale[a], info.grid.offset[a], unrounded[a])
+                ? decimal_text(on_grid[a], info.grid.scale[a], info.grid.offset[a])
                 : exact(described.position[a]);
     std::vector<float> radii;
     sizes.find_radii(id, chunk, radii);

@@ -1,5 +1,7 @@
 #include "pcm/system/scaled_decimal.h"
 
+#include "pcm/system/text.h"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -101,6 +103,13 @@ char* ScaledDecimal::write(char* to, std::int64_t q) const
     const int first = std::max(whole, 0);
     std::memcpy(to, digits + first, static_cast<std::size_t>(count - first));
     return to + (count - first);
+}
+
+std::string decimal_text(std::int64_t q, double scale, double offset)
+{
+    char digits[ScaledDecimal::longest];
+    const char* const end = ScaledDecimal(scale, offset).write(digits, q);
+    return end ? std::string(static_cast<const char*>(digits), end) : exact(static_cast<double>(q) * scale + offset);
 }
 
 }  // namespace pcm

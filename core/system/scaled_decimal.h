@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 namespace pcm {
 
@@ -29,5 +30,8 @@ private:
     std::int64_t step_ = 0, shift_ = 0;
     int places_ = 0;
 };
+
+// The same as text; where write() gives null, the fewest digits that read back as q * scale + offset in double.
+std::string decimal_text(std::int64_t q, double scale, double offset);
 
 }  // namespace pcm

@@ -36,6 +36,13 @@ TEST(ScaledDecimal, IsTheNumberThatTheIntegerStandsFor)
     EXPECT_EQ(text(1, 0, -2147483648LL), "-2147483648");
 }
 
+TEST(ScaledDecimal, OtherNumbersAreTextToo)
+{
+    EXPECT_EQ(pcm::decimal_text(370338855, 0.01, 0), "3703388.55");
+    EXPECT_EQ(pcm::decimal_text(3, 0x1p-40, 0.5), "0.5000000000027285");
+    EXPECT_EQ(pcm::decimal_text(3, 1e-300, 0), "3e-300");
+}
+
 TEST(ScaledDecimal, NumbersThatPeopleDoNotWriteAreLeftToOthers)
 {
     EXPECT_EQ(text(1e-7, 0, 3), "none");           // 3e-07
