@@ -133,6 +133,7 @@ Argument& Argument::only(Face face) { return only_ = face, *this; }
 Argument& Argument::shown(bool shown) { return shown_ = shown, *this; }
 Argument& Argument::on_in_dialogs() { return in_dialogs("on"); }
 Argument& Argument::in_dialogs(const std::string& value) { return dialog_default_ = value, *this; }
+Argument& Argument::spacing_in_dialogs() { return spacing_in_dialogs_ = true, *this; }
 Argument& Argument::text_in_dialogs() { return text_in_dialogs_ = true, *this; }
 Argument& Argument::also(const std::string& option) { return also_ = option, *this; }
 Argument& Argument::off_option(const std::string& option, const std::string& help)

@@ -94,8 +94,9 @@ public:
     Argument& shown(bool shown);                     // else it is accepted and in no help or dialog
     Argument& on_in_dialogs();                       // for a flag: the better default where people see the picture
     Argument& in_dialogs(const std::string& value);  // what dialogs begin with, where the command has no default
-    Argument& text_in_dialogs();                     // for an optional number: 0 is a value, empty is none
-    Argument& also(const std::string& option);       // another name on the command line, without dashes
+    Argument& spacing_in_dialogs();  // they begin with the spacing of the cloud's finest level, where it is known
+    Argument& text_in_dialogs();     // for an optional number: 0 is a value, empty is none
+    Argument& also(const std::string& option);  // another name on the command line, without dashes
     // For a flag that is on: the option that switches it off, where it is not no-KEY, and its help.
     Argument& off_option(const std::string& option, const std::string& help);
     Argument& between(double least, double most);
@@ -120,6 +121,7 @@ public:
     bool is_automatic() const { return automatic_; }
     bool is_shown() const { return shown_; }
     const std::string& dialog_default() const { return dialog_default_; }  // empty: that of the command line
+    bool is_spacing_in_dialogs() const { return spacing_in_dialogs_; }
     bool is_text_in_dialogs() const { return text_in_dialogs_; }
     bool is_positional() const { return positional_; }
     bool is_required() const { return required_; }
@@ -159,7 +161,7 @@ private:
     char letter_ = 0;
     ValueKind kind_;
     bool positional_ = false, required_ = false, advanced_ = false, shown_ = true, text_in_dialogs_ = false,
-         given_ = false, default_on_ = false, automatic_ = false;
+         spacing_in_dialogs_ = false, given_ = false, default_on_ = false, automatic_ = false;
     std::optional<Face> only_;
     AllowedNumbers allowed_;
     std::vector<Choice> choices_;

@@ -80,6 +80,7 @@ private:
             .count(3)
             .group(group)
             .label("Scanner position")
+            .without("not known")
             .help("Normals point towards the scanner's position X Y Z, source coordinates");
         arguments_.add("scanners", scanners_)
             .group(group)
@@ -91,6 +92,7 @@ private:
             .count(3)
             .group(group)
             .label("Direction")
+            .without("none")
             .help("Normals point to the half space of a direction X Y Z, such as 0 0 1");
     }
 

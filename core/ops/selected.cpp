@@ -183,7 +183,9 @@ Row save_selected_row()
             menu::select | menu::points,
             "-selected.pct",
             with_done_keys({}),
-            make<SaveSelected>, {}, true};
+            make<SaveSelected>,
+            {},
+            true};
 }
 
 Row extract_selected_row()
@@ -200,7 +202,9 @@ Row extract_selected_row()
             menu::select | menu::layers | menu::points,
             "-part.pct",
             with_done_keys({}),
-            make<ExtractSelected>, {}, true};
+            make<ExtractSelected>,
+            {},
+            true};
 }
 
 Row classify_selected_row()
@@ -210,9 +214,16 @@ Row classify_selected_row()
             "Sets the class, or another integer attribute, of the selected points of a <b>point cloud tree</b>, in a "
             "copy of it or in place.") +
         about_selections;
-    return {"classify_selected", "Selected Points: Classify", "Set the class of the selected points",
-            details.c_str(),     menu::select | menu::points, "-classified.pct",
-            with_done_keys({}),  make<ClassifySelected>, {}, true};
+    return {"classify_selected",
+            "Selected Points: Classify",
+            "Set the class of the selected points",
+            details.c_str(),
+            menu::select | menu::points,
+            "-classified.pct",
+            with_done_keys({}),
+            make<ClassifySelected>,
+            {},
+            true};
 }
 
 Row delete_selected_row()
@@ -222,9 +233,16 @@ Row delete_selected_row()
             "Deletes the selected points of a <b>point cloud tree</b>, from a copy of it or in place. Only chunks that "
             "lose points are rewritten.") +
         about_selections;
-    return {"delete_selected",  "Selected Points: Delete",   "Delete the selected points",
-            details.c_str(),    menu::select | menu::points, "-without.pct",
-            with_done_keys({}), make<DeleteSelected>, {}, true};
+    return {"delete_selected",
+            "Selected Points: Delete",
+            "Delete the selected points",
+            details.c_str(),
+            menu::select | menu::points,
+            "-without.pct",
+            with_done_keys({}),
+            make<DeleteSelected>,
+            {},
+            true};
 }
 
 }  // namespace pcm::ops

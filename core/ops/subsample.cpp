@@ -23,6 +23,7 @@ public:
         arguments_.add("spacing", options_.spacing)
             .letter('s')
             .in_dialogs("0.1")
+            .spacing_in_dialogs()
             .unit("source units")
             .label("Spacing")
             .help(

@@ -18,6 +18,7 @@ public:
             .script("VoxelSize")
             .required()
             .in_dialogs("0.1")
+            .spacing_in_dialogs()
             .unit("source units")
             .label("Voxel size")
             .help("Edge of a voxel");

@@ -16,18 +16,12 @@ namespace {
 const std::map<std::string, OperationHooks>& hooks()
 {
     static const std::map<std::string, OperationHooks> table{
-        {"merge", shown_as_merged()},
-        {"transform", shown_as_moved()},
-        {"align", shown_as_moved()},
-        {"select", on_selection()},
-        {"save_selected", on_selection()},
-        {"extract_selected", on_selection()},
-        {"classify_selected", on_selection()},
-        {"delete_selected", on_selection()},
-        {"measure", at_points_of_layer()},
-        {"fit", fitting_primitives()},
-        {"detect", finding_primitives()},
-        {"primitives", exporting_primitives()},
+        {"merge", shown_as_merged()},          {"transform", shown_as_moved()},
+        {"align", shown_as_moved()},           {"select", on_selection()},
+        {"save_selected", on_selection()},     {"extract_selected", on_selection()},
+        {"classify_selected", on_selection()}, {"delete_selected", on_selection()},
+        {"measure", at_points_of_layer()},     {"fit", fitting_primitives()},
+        {"detect", finding_primitives()},      {"primitives", exporting_primitives()},
     };
     return table;
 }

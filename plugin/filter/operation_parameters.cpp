@@ -43,6 +43,9 @@ bool has_none_value(const Argument& argument)
 QString quoted_default(const Argument& argument)
 {
     if (is_tree(argument)) return "Empty, the default: the tree that the current layer shows.";
+    if (argument.is_spacing_in_dialogs())
+        return "Default: that of the finest level of detail of the current layer's cloud, rounded; " +
+               dialog_value(argument) + " where there is none.";
     const QString value = dialog_value(argument);
     if (!argument.without().empty() && value.isEmpty())
         return "Default: " + QString::fromStdString(argument.without()) + ".";
@@ -84,13 +87,19 @@ int megabytes_of(const std::string& size)
     return static_cast<int>(std::stoull(word) >> megabyte_bits);
 }
 
+// What an empty field of text means.
+QString meaning_of_empty(const Argument& argument)
+{
+    return is_tree(argument) ? QString("the current layer") : QString::fromStdString(argument.without());
+}
+
 void add_parameter(const Argument& argument, Parameters& parameters)
 {
     const QString name = QString::fromStdString(argument.script_name()),
                   label = QString::fromStdString(label_of(argument)), tip = tooltip_of(argument),
                   value = dialog_value(argument);
     if (argument.is_text_in_dialogs()) {
-        parameters.add({name, value, label, tip});
+        parameters.add({name, value, label, tip, {}, meaning_of_empty(argument)});
         return;
     }
     switch (argument.kind()) {
@@ -101,7 +110,13 @@ void add_parameter(const Argument& argument, Parameters& parameters)
             parameters.add({name, has_none_value(argument) ? none_value(argument) : value.toInt(), label, tip});
             return;
         case ValueKind::real:
-            parameters.add({name, has_none_value(argument) ? 0.0f : value.toFloat(), label, tip});
+            parameters.add({name,
+                            has_none_value(argument) ? 0.0f : value.toFloat(),
+                            label,
+                            tip,
+                            {},
+                            {},
+                            argument.is_spacing_in_dialogs()});
             return;
         case ValueKind::bytes:
             parameters.add({name, megabytes_of(argument.default_text()), label, tip});
@@ -117,7 +132,7 @@ void add_parameter(const Argument& argument, Parameters& parameters)
             return;
         }
         default:
-            parameters.add({name, value, label, tip});
+            parameters.add({name, value, label, tip, {}, meaning_of_empty(argument)});
     }
 }
 

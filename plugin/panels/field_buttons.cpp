@@ -225,6 +225,18 @@ void add_buttons(QLineEdit& field, const std::vector<Button>& buttons)
 
 }  // namespace
 
+void show_meanings_of_empty(const Parameters& parameters)
+{
+    std::map<QString, QString> by_label;
+    for (const Parameter& parameter : parameters)
+        if (!parameter.empty.isEmpty()) by_label[parameter.label] = parameter.empty;
+    if (by_label.empty() || QApplication::topLevelWidgets().isEmpty()) return;
+    when_form_is_shown(*qApp, [by_label](const QGridLayout& rows) {
+        for (const auto& [label, meaning] : by_label)
+            if (QLineEdit* const field = field_in(rows, label)) field->setPlaceholderText(meaning);
+    });
+}
+
 void add_field_buttons(const Parameters& parameters, Scene* scene)
 {
     if (QApplication::topLevelWidgets().isEmpty()) return;

@@ -15,4 +15,7 @@ namespace pcm::host {
 // layer; null: there are no buttons for boxes.
 void add_field_buttons(const Parameters& parameters, Scene* scene);
 
+// Fields that are empty say in grey what that means (Parameter::empty). Called like the other one.
+void show_meanings_of_empty(const Parameters& parameters);
+
 }  // namespace pcm::host

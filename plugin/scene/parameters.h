@@ -18,6 +18,8 @@ struct Parameter {
     QString label = {};        // in dialogs
     QString help = {};         // HTML
     QStringList choices = {};  // what the numbers from 0 on mean; empty: a number is a number
+    QString empty = {};        // what an empty text means; shown in the empty field
+    bool is_spacing = false;   // dialogs propose the current cloud's (filter/proposed_spacing.h)
 };
 
 class Parameters {

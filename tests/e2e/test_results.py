@@ -28,9 +28,11 @@ class Results(MeshLabTest):
                    ("Subsample Point Cloud Tree", "Subsample of", "site-normals-radii-clean-thinned"),
                    ("Voxel Grid of Point Cloud Tree", "Voxel grid of", "site-normals-radii-clean-thinned-voxels"),
                    ("Merge Point Cloud Trees", "Merge of", "site-normals-radii-clean-thinned-voxels-merged")]
+        lengths = {"Subsample Point Cloud Tree": "print-field Spacing", "Voxel Grid of Point Cloud Tree": "print-field Voxel size"}
         script = "".join(f"""
             trigger {name}
             print-field Output folder
+            {lengths.get(name, "")}
             press Apply
             wait-layers {number + 2}
             wait-log Applied filter {name}
@@ -39,7 +41,12 @@ class Results(MeshLabTest):
             """ for number, (name, _, _) in enumerate(filters))
         run = self.gui(f"wait-view\nopen {tree}\nwait-layers 1\nwait-status complete\n{script}\nwait-status complete")
         self.assertDriven(run)
-        self.assertEqual(run.fields(), [str(tree.parent / f"{name}.pct") for _, _, name in filters])
+        paths = [field for field in run.fields() if field.endswith(".pct")]
+        self.assertEqual(paths, [str(tree.parent / f"{name}.pct") for _, _, name in filters])
+        for proposed, of in zip([float(field) for field in run.fields() if field not in paths], ("clean", "clean-thinned"), strict=True):
+            levels = pcmlab("info", tree.parent / f"site-normals-radii-{of}.pct")["level"]
+            finest = min(level["spacing"] for level in levels if level["spacing"] > 0)
+            self.assertTrue(0.6 < proposed / finest < 1.6, (proposed, finest))
         layers, first = run.layers(), 0
         for number, (_, _, name) in enumerate(filters):
             self.assertEqual(pcmlab("verify", tree.parent / f"{name}.pct")["faults"], [])

@@ -1,6 +1,8 @@
 // The filters on a scene of lists, and the parameters through which dialogs and scripts give their arguments.
 #include "plugin/filter/filter.h"
 
+#include "pcm/system/round_number.h"
+#include "plugin/filter/proposed_spacing.h"
 #include "plugin/scene/scene_state.h"
 #include "tests/scene/fake_scene.h"
 
@@ -85,6 +87,25 @@ TEST(Filters, EachHasParametersWithLabelsHelpAndValues)
             EXPECT_TRUE(p.value.isValid()) << filter.name << ": " << p.name.toStdString();
             if (!p.choices.isEmpty()) EXPECT_EQ(p.value.userType(), QMetaType::Int) << p.name.toStdString();
         }
+    }
+}
+
+TEST(Filters, ProposeTheSpacingOfTheCurrentCloud)
+{
+    const test::TemporaryFolder folder;
+    for (const char* name : {"Subsample Point Cloud Tree", "Voxel Grid of Point Cloud Tree"}) {
+        FakeScene scene;
+        Call call(scene, name);
+        const char* const spacing = call.parameters.has("Spacing") ? "Spacing" : "VoxelSize";
+        propose_spacing(call.parameters, scene);
+        EXPECT_EQ(call.parameters.real(spacing), 0.1f) << name;
+        const FakeLayer& layer = scene.add("city", make_tree(folder, std::string(name).substr(0, 5), 30000));
+        propose_spacing(call.parameters, scene);
+        std::vector<double> spacings = layer.cloud->cloud->info().spacings;
+        spacings.erase(std::remove(spacings.begin(), spacings.end(), 0.0), spacings.end());
+        ASSERT_FALSE(spacings.empty());
+        EXPECT_EQ(call.parameters.real(spacing), static_cast<float>(round_number(spacings.back()))) << name;
+        EXPECT_EQ(call.parameters.find("Tree")->empty, QString("the current layer")) << name;
     }
 }
 

@@ -44,6 +44,7 @@ void RegionArguments::declare(Arguments& arguments, const std::string& group)
         .count(6)
         .group(group)
         .label("Box")
+        .without("no limit")
         .help("Points in the box x0 y0 z0 x1 y1 z1, source coordinates, faces included: 0 0 0 9 9 9");
     for (const RegionShape& shape : region_shapes) {
         Argument& argument = arguments.add(shape.key, shapes_[shape.name])
@@ -58,6 +59,7 @@ void RegionArguments::declare(Arguments& arguments, const std::string& group)
     arguments.add("region", region_)
         .group(group)
         .label("Region")
+        .without("no limit")
         .help(
             "Points in a region in words, such as \"sphere 1 2 3 0.5\": box, sphere, oriented-box, ray, cone, frustum, "
             "planes or polygon with its numbers");
@@ -70,6 +72,7 @@ void RegionArguments::declare_limits(Arguments& arguments, const std::string& gr
         .as(ValueKind::texts)
         .group(group)
         .label("Clip")
+        .without("no limit")
         .advanced()
         .help(
             "Only points in this region, such as \"box 0 0 0 9 9 9\" or \"sphere 1 2 3 0.5\"; of several clips, all "
@@ -78,12 +81,14 @@ void RegionArguments::declare_limits(Arguments& arguments, const std::string& gr
         .as(ValueKind::texts)
         .group(group)
         .label("Clip outside")
+        .without("no limit")
         .advanced()
         .help("Only points that are not in this region; may be given several times");
     arguments.add("where", where_)
         .as(ValueKind::texts)
         .group(group)
         .label("Where")
+        .without("no limit")
         .help(
             "Points that satisfy a condition, such as classification=2,6 or \"intensity>=100\" or z=100.. or "
             "gps_time=100..200 or rgb[0]!=0; of several conditions, all");

@@ -5,6 +5,7 @@
 #include "plugin/filter/filter.h"
 #include "plugin/filter/filter_paths.h"
 #include "plugin/filter/proposed_output.h"
+#include "plugin/filter/proposed_spacing.h"
 #include "plugin/filter/server_script.h"
 #include "plugin/meshlab/document_scene.h"
 #include "plugin/meshlab/filter/numbers.h"
@@ -98,7 +99,9 @@ RichParameterList PointCloudFilters::parameters_for(PluginAction* action, const 
     Parameters asked;
     filter.add_parameters(asked);
     if (filter.output) propose_output(asked, scene, filter.output);
+    if (!is_server()) propose_spacing(asked, scene);
     add_field_buttons(asked, &scene);
+    show_meanings_of_empty(asked);
     keep_those_of_script(filter.name, asked);
     RichParameterList parameters;
     add_to(parameters, asked);
