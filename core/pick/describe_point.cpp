@@ -85,10 +85,9 @@ PointDescription describe_point(L2Cache& cache, const PointSizes& sizes, NodeId 
     const Vec3d unrounded = info.grid.to_source(on_grid);
     described.position = SourceRounding(info)(unrounded);
     for (std::size_t a = 0; a < 3; ++a)
-        described.position_text[a] =
-            described.position[a] == unrounded[a]
-                ? decimal_text(on_grid[a], info.grid.scale[a], info.grid.offset[a])
-                : exact(described.position[a]);
+        described.position_text[a] = described.position[a] == unrounded[a]
+                                         ? decimal_text(on_grid[a], info.grid.scale[a], info.grid.offset[a])
+                                         : exact(described.position[a]);
     std::vector<float> radii;
     sizes.find_radii(id, chunk, radii);
     described.spacing = static_cast<double>(radii[place]);

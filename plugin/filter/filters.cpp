@@ -12,7 +12,7 @@ Filter set_clip_box();  // in the file of its name
 
 namespace {
 
-// Of operations that use what else the window has.
+// What else of the window some operations use.
 const std::map<std::string, OperationHooks>& hooks()
 {
     static const std::map<std::string, OperationHooks> table{

@@ -110,9 +110,7 @@ TEST(TextHead, NamesThatAreNotUnderstoodAreRefused)
 TEST(TextHead, PointsAreKnownFromOtherTables)
 {
     const TemporaryFolder folder;
-    const auto looks = [&](const std::string& text) {
-        return looks_like_points(write_file(folder / "a.csv", text));
-    };
+    const auto looks = [&](const std::string& text) { return looks_like_points(write_file(folder / "a.csv", text)); };
     EXPECT_TRUE(looks("1,2,3\n4,5,6\n"));
     EXPECT_TRUE(looks("x,y,z,a,b,c,d\n1,2,3,oak,old,tall,wet\n4,5,6,elm,new,low,dry\n"));
     EXPECT_FALSE(looks("1,2,3,oak,old,tall,wet\n4,5,6,elm,new,low,dry\n"));
