@@ -30,7 +30,7 @@ const PointSet& selected_points(const Context& context)
 // A change of the selected points' tree.
 class SelectedChange : public Operation {
 public:
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const PointSet& set = selected_points(context);
         target_.tree = set.tree().folder().string();
@@ -44,6 +44,7 @@ public:
         Result result;
         result.input = {target_.tree};
         result.outcome = done.outcome;
+        result.accuracy = exact_answer();
         result.outcome.warnings.clear();  // put_done() has them
         put_done(result, done);
         return result;
@@ -140,7 +141,7 @@ public:
         work_.declare(arguments_, usual_memory, "writing");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         if (output_.empty()) throw ArgumentError("no output is given: name the tree or file to write");
         const PointSet& set = selected_points(context);
@@ -155,6 +156,7 @@ public:
         Result result;
         result.input = {set.tree().folder().string()};
         result.outcome = done.outcome;
+        result.accuracy = exact_answer();
         result.outcome.warnings.clear();  // put_done() has them
         put_done(result, done);
         if (!add_layer_ && result.makes == Makes::cloud) result.makes = Makes::file;
@@ -183,7 +185,9 @@ Row save_selected_row()
             menu::select | menu::points,
             "-selected.pct",
             with_done_keys({}),
-            make<SaveSelected>};
+            make<SaveSelected>,
+            {},
+            always_exact};
 }
 
 Row extract_selected_row()
@@ -200,7 +204,9 @@ Row extract_selected_row()
             menu::select | menu::layers | menu::points,
             "-part.pct",
             with_done_keys({}),
-            make<ExtractSelected>};
+            make<ExtractSelected>,
+            {},
+            always_exact};
 }
 
 Row classify_selected_row()
@@ -212,7 +218,8 @@ Row classify_selected_row()
         about_selections;
     return {"classify_selected", "Selected Points: Classify", "Set the class of the selected points",
             details.c_str(),     menu::select | menu::points, "-classified.pct",
-            with_done_keys({}),  make<ClassifySelected>};
+            with_done_keys({}),  make<ClassifySelected>,      {},
+            always_exact};
 }
 
 Row delete_selected_row()
@@ -224,7 +231,8 @@ Row delete_selected_row()
         about_selections;
     return {"delete_selected",  "Selected Points: Delete",   "Delete the selected points",
             details.c_str(),    menu::select | menu::points, "-without.pct",
-            with_done_keys({}), make<DeleteSelected>};
+            with_done_keys({}), make<DeleteSelected>,        {},
+            always_exact};
 }
 
 }  // namespace pcm::ops
