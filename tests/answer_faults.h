@@ -22,17 +22,28 @@ inline bool has_type(const ops::Json& value, std::string type)
     return type == "object" && value.is_object();
 }
 
+// What an answer says of its error contradicts itself; empty: it does not.
+inline std::string faults_of_accuracy(const ops::Json& answer)
+{
+    const std::string kind = answer.value("error_kind", "");
+    if (kind == "exact")
+        return answer["error"] == 0 && answer["error_unit"] == "" && answer["error_of"] == ""
+                   ? ""
+                   : "exact, with an error; ";
+    if (kind != "bound" && kind != "95 %" && kind != "estimated") return "error_kind is '" + kind + "'; ";
+    if (answer["error_of"] == "") return "an error of nothing; ";
+    if (answer["error"].is_null()) return "";
+    if (!(answer["error"] > 0)) return "an error of 0 that is not exact; ";
+    return answer["error_unit"] == "" ? "an error without a unit; " : "";
+}
+
 // Keys of the head and the row that are missing or have another type, and keys that neither has; empty: none.
 inline std::string faults_of_answer(const ops::Row& row, const ops::Json& answer)
 {
-    std::map<std::string, std::string> types{{"command", "text"},        {"version", "text"},
-                                             {"input", "list"},          {"output", "text?"},
-                                             {"points", "count"},        {"seconds", "number"},
-                                             {"warnings", "list"},       {"notes", "list"},
-                                             {"points_in", "count"},     {"points_per_second", "number"},
-                                             {"peak_rss_bytes", "count"}};
-    for (const ops::ResultKey& key : row.results) types.emplace(key.key, key.type);
-    std::string faults;
+    std::map<std::string, std::string> types;
+    for (const std::vector<ops::ResultKey>& keys : {ops::head_keys(), row.results})
+        for (const ops::ResultKey& key : keys) types.emplace(key.key, key.type);
+    std::string faults = faults_of_accuracy(answer);
     for (const auto& [key, type] : types) {
         if (!answer.contains(key))
             faults += key + " is missing; ";

@@ -312,11 +312,12 @@ std::vector<std::string> words_of(int argc, char** argv)
 }
 
 // What the help of a command left out, and where it is.
-std::string footer_of(const std::string& command, const Options& options)
+std::string footer_of(const std::string& program, const Command& command, const Options& options)
 {
     const int count = options.left_out_of_help();
-    if (count == 0) return "";
-    return std::to_string(count) + (count == 1 ? " more option: " : " more options: ") + command + " " + help_all;
+    if (count == 0) return command.limits;
+    return std::to_string(count) + (count == 1 ? " more option: " : " more options: ") + program + " " + command.name +
+           " " + help_all;
 }
 
 // Groups of options with one empty line between them.
@@ -358,7 +359,7 @@ int run_program(const char* name, const char* help, const std::vector<Command>& 
             CLI::App* const subcommand = app.add_subcommand(command.name, command.help);
             Options options(*subcommand, words_from(command.name, words), brief_help);
             runnable.push_back({subcommand, command.add(options)});
-            subcommand->footer(footer_of(std::string(name) + " " + command.name, options));
+            subcommand->footer(footer_of(name, command, options));
         }
         app.footer(std::string("'") + name + " help COMMAND' shows the options of a command.");
         if (!known) return refuse_command(name, unknown_command(words[0], commands), commands);

@@ -53,6 +53,7 @@ struct Command {
     std::string help;  // one line
     // Declares the options and returns what is to be done with them.
     std::function<Run(Options& options)> add;
+    std::string limits{};  // below all of its options: what it does not take, and why; may be empty
 };
 
 // The exit code of a command whose result is in place, but a later step failed: it must not be repeated.

@@ -27,7 +27,7 @@ int run(const ops::Row& row, Arguments& arguments, const OpenGLSetup& set_up_ope
         print_json(ops::json_of(row.name, result));
     } else {
         for (const std::string& note : result.notes) std::printf("note: %s\n", note.c_str());
-        for (const std::string& line : result.lines) std::printf("%s\n", line.c_str());
+        for (const std::string& line : ops::all_lines(result)) std::printf("%s\n", line.c_str());
     }
     const int code = finished(result.outcome);
     return result.good ? code : 1;
@@ -37,7 +37,8 @@ int run(const ops::Row& row, Arguments& arguments, const OpenGLSetup& set_up_ope
 
 Command operation_command(const ops::Row& row, const OpenGLSetup& set_up_opengl)
 {
-    return {row.name, row.help, [&row, set_up_opengl](Options& options) -> Run {
+    return {row.name, row.help,
+            [&row, set_up_opengl](Options& options) -> Run {
                 auto arguments = std::make_shared<Arguments>(row);
                 for (ops::Argument& argument : arguments->operation->arguments().list())
                     if (argument.is_in(ops::Face::command)) options.argument(argument);
@@ -45,7 +46,8 @@ Command operation_command(const ops::Row& row, const OpenGLSetup& set_up_opengl)
                 return [&row, arguments, set_up_opengl, words = options.words()] {
                     return run(row, *arguments, set_up_opengl, words);
                 };
-            }};
+            },
+            row.limits ? row.limits : ""};
 }
 
 }  // namespace pcm::cli

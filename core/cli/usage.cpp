@@ -25,7 +25,9 @@ std::string roff(const std::string& text)
 {
     std::string out;
     bool in_tag = false;
-    for (const char c : text) {
+    for (std::size_t i = 0; i < text.size(); ++i) {
+        const char c = text[i];
+        if (text.compare(i, 4, "<br>") == 0) out += ' ';
         if (c == '<') in_tag = true;
         if (!in_tag) {
             if (c == '\\' || c == '-') out += '\\';
@@ -62,7 +64,7 @@ std::string manual_page(const Command& command)
     const auto& arguments = operation->arguments().list();
     for (const ops::Argument& argument : arguments)
         if (argument.is_positional()) page += " " + option_of(argument);
-    page += "\n.SH DESCRIPTION\n" + roff(row.details) + "\n.SH OPTIONS\n";
+    page += "\n.SH DESCRIPTION\n" + roff(ops::description_of(row)) + "\n.SH OPTIONS\n";
     for (const ops::Argument& argument : arguments) {
         if (!argument.is_in(ops::Face::command) || !argument.is_shown()) continue;
         page += ".TP\n" + option_of(argument) + "\n" + roff(argument.command_help()) + ".\n";
@@ -70,10 +72,11 @@ std::string manual_page(const Command& command)
     page +=
         ".TP\n\\fB\\-\\-json\\fR\nPrint one JSON object instead of text.\n.TP\n\\fB\\-q\\fR, \\fB\\-\\-quiet\\fR\nShow "
         "no "
-        "progress.\n.SH JSON\nIn addition to command, version, input, output, points, seconds, warnings and notes:\n";
-    for (const ops::ResultKey& key : row.results)
-        page += ".TP\n\\fB" + roff(key.key) + "\\fR (" + roff(key.type) + (*key.unit ? ", " + roff(key.unit) : "") +
-                ")\n" + roff(key.help) + ".\n";
+        "progress.\n.SH JSON\n";
+    for (const std::vector<ops::ResultKey>& keys : {row.results, ops::head_keys()})
+        for (const ops::ResultKey& key : keys)
+            page += ".TP\n\\fB" + roff(key.key) + "\\fR (" + roff(key.type) + (*key.unit ? ", " + roff(key.unit) : "") +
+                    ")\n" + roff(key.help) + ".\n";
     return page + exit_status;
 }
 

@@ -3,6 +3,7 @@
 #include "pcm/io/file_text.h"
 #include "pcm/io/formats.h"
 #include "pcm/io/pipe/limited_reader.h"
+#include "pcm/system/work_done.h"
 
 #include <string_view>
 #include <utility>
@@ -65,6 +66,26 @@ std::unique_ptr<PointReader> open_all_points(const std::filesystem::path& path, 
                 readable_hint());
 }
 
+// Points count as read when they are decoded (system/work_done.h), those that are left out among them.
+class CountingReader final : public PointReader {
+public:
+    explicit CountingReader(std::unique_ptr<PointReader> file) : file_(std::move(file)) {}
+
+    const FileInfo& info() const override { return file_->info(); }
+    bool read(PointBatch& batch, std::size_t max_points) override
+    {
+        const bool more = file_->read(batch, max_points);
+        count_points_read(batch.size);
+        return more;
+    }
+    bool seekable() const override { return file_->seekable(); }
+    void seek(std::uint64_t index) override { file_->seek(index); }
+    double fraction_read() const override { return file_->fraction_read(); }
+
+private:
+    const std::unique_ptr<PointReader> file_;
+};
+
 }  // namespace
 
 void PointReader::seek(std::uint64_t)
@@ -74,7 +95,7 @@ void PointReader::seek(std::uint64_t)
 
 std::unique_ptr<PointReader> open_reader(const std::filesystem::path& path, const ReadOptions& options)
 {
-    std::unique_ptr<PointReader> reader = open_all_points(path, options);
+    std::unique_ptr<PointReader> reader = std::make_unique<CountingReader>(open_all_points(path, options));
     if (!options.largest_coordinate) return reader;
     return std::make_unique<LimitedReader>(std::move(reader), *options.largest_coordinate);
 }

@@ -140,7 +140,7 @@ public:
         to_.declare_work(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         if (context.face == Face::dialog && to_.output.empty() && !set_matrix_)
             throw ArgumentError("no output folder is given: name the tree to write by " + called(context, "output") +
@@ -166,6 +166,7 @@ public:
             report = write_moved(moving->tree(), {found.fit.motion}, to_.output, options);
         }
         put_moved(result, to_.output, report);
+        result.accuracy = from_deviation(found.largest_error, "source units", "the moved cloud's places");
         if (!report && context.face == Face::command)
             result.line("nothing was written; -o NAME.pct writes the moved cloud");
         return result;
@@ -322,7 +323,10 @@ Row align_row()
              {"fixed_crs", "text?", "", "coordinate system of the fixed tree; null: none was named"},
              {"position_error", "number?", "source units", "largest position error; null: nothing was written"},
              {"bytes", "count?", "bytes", "size of the result; null: nothing was written"}},
-            make<Align>};
+            make<Align>,
+            {},
+            "It takes neither a time limit nor an error target: the error follows from the pairs, and more of them "
+            "make it smaller."};
 }
 
 }  // namespace pcm::ops

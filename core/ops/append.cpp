@@ -7,7 +7,6 @@
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/system/error.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
 
 namespace pcm::ops {
@@ -36,7 +35,7 @@ public:
         reading_.declare_ignore_crs(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         CloudOptions reading;
         reading.read = reading_.get(work_.threads);
@@ -66,6 +65,7 @@ private:
     static void describe(Result& result, const AppendReport& report)
     {
         result.outcome = report.outcome;
+        result.accuracy = rounded_positions(report.outcome.error);
         result.values["points_added"] = report.points_added;
         result.values["points_skipped"] = report.points_skipped;
         result.values["nodes_added"] = report.nodes_added;
@@ -79,8 +79,6 @@ private:
             report.outcome.seconds > 0 ? static_cast<double>(report.points_added) / report.outcome.seconds / 1e6 : 0.0,
             grouped(report.nodes_added).c_str(), bytes_text(report.bytes_written).c_str(),
             grouped(report.outcome.points_out).c_str(), report.parts);
-        result.print("largest position error %s source units, peak memory %s", exact(report.outcome.error).c_str(),
-                     bytes_text(peak_memory_bytes()).c_str());
     }
 
     TargetArguments target_;
@@ -109,7 +107,9 @@ Row append_row()
                  {"bytes_written", "count", "bytes", "their size"},
                  {"parts", "count", "", "parts of the tree afterwards"},
                  {"position_error", "number", "source units", "largest position error of the tree"}}),
-            make<Append>};
+            make<Append>,
+            {},
+            only_rounds};
 }
 
 }  // namespace pcm::ops

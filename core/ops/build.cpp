@@ -4,7 +4,6 @@
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
 
 namespace pcm::ops {
@@ -63,7 +62,7 @@ public:
             .help("Add a layer that shows the new tree");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const std::filesystem::path output = place();
         options_.memory_bytes = work_.memory;
@@ -121,6 +120,7 @@ private:
     static void describe(Result& result, const BuildReport& report)
     {
         const Outcome& outcome = result.outcome = report.outcome;
+        result.accuracy = rounded_positions(outcome.error);
         result.notes = report.notes;
         result.values["points_skipped"] = report.points_skipped;
         put_skipped(result, report.skipped);
@@ -135,9 +135,7 @@ private:
             points_per_second(outcome) / 1e6, static_cast<unsigned long long>(report.nodes), report.levels,
             bytes_text(report.bytes).c_str(),
             outcome.points_out ? static_cast<double>(report.bytes) / static_cast<double>(outcome.points_out) : 0.0);
-        result.print("largest position error %s source units, peak memory %s, scratch at most %s",
-                     exact(outcome.error).c_str(), bytes_text(peak_memory_bytes()).c_str(),
-                     bytes_text(report.scratch_bytes).c_str());
+        result.print("scratch files at most %s", bytes_text(report.scratch_bytes).c_str());
     }
 
     static void add_normals(Result& result, const WantedValues& wanted, const NeighbourAttributeReport& computed)
@@ -181,7 +179,11 @@ Row build_row()
                  {"nodes", "count", "", "chunks"},
                  {"levels", "count", "", "levels of detail"},
                  {"normals", "object?", "", "what the operation normals answers; null: none were computed"}}),
-            make<Build>};
+            make<Build>,
+            {},
+            "It takes neither a time limit nor an error target: every point is read and written, and only coordinates "
+            "are rounded, by the grid. --fast samples the levels on a grid: they are less even, and every point of the "
+            "cloud still has one of a level nearer than its spacing."};
 }
 
 }  // namespace pcm::ops

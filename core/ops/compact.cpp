@@ -29,7 +29,7 @@ public:
         chunk_points_argument(arguments_, options_.chunk_points);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         options_.output = target_.output;
         options_.memory_bytes = work_.memory;
@@ -39,6 +39,7 @@ public:
         Result result;
         target_.describe(result, target_.output.empty() ? target_.tree : target_.output);
         result.outcome = report.build.outcome;
+        result.accuracy = exact_answer();
         result.values["bytes_before"] = report.bytes_before;
         result.values["bytes"] = report.build.bytes;
         result.values["nodes"] = report.build.nodes;
@@ -73,7 +74,9 @@ Row compact_row()
              {"bytes", "count", "bytes", "size of the result"},
              {"nodes", "count", "", "chunks of the result"},
              {"levels", "count", "", "levels of detail of the result"}},
-            make<Compact>};
+            make<Compact>,
+            {},
+            always_exact};
 }
 
 }  // namespace pcm::ops

@@ -2,14 +2,18 @@
 #include "pcm/convert/convert.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/ops/shared/level_arguments.h"
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/region_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
+#include "pcm/query/nearest.h"
 #include "pcm/system/error.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
+#include "pcm/system/tree_folder.h"
 #include "pcm/tree/tree.h"
+
+#include <algorithm>
 
 namespace pcm::ops {
 namespace {
@@ -45,7 +49,7 @@ public:
         reading_.declare_ignore_crs(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         Result result;
         result.input = paths_;
@@ -65,7 +69,10 @@ public:
         if (!las_version_.empty()) options_.write.las_version = static_cast<unsigned>(las_version_.back() - '0');
         if (!colour_bits_.empty()) options_.write.colour_bits = colour_bits_ == "8" ? 8 : 16;
         options_.progress = context.progress;
-        describe(result, pcm::convert({result.input.begin(), result.input.end()}, result.output, options_));
+        const double left_out = choose_level(result.input);
+        const ConvertReport report = pcm::convert({result.input.begin(), result.input.end()}, result.output, options_);
+        result.accuracy = without_finer_levels(left_out, report.outcome.error);
+        describe(result, report);
         return result;
     }
 
@@ -74,10 +81,7 @@ private:
     {
         const char* const group = "Selection";
         CloudOptions& cloud = options_.cloud;
-        arguments_.add("level", cloud.level)
-            .group(group)
-            .label("Level")
-            .help("Trees: only the points up to this level");
+        level_.declare(arguments_, "Trees: only the points up to this level", group);
         arguments_.add("max_points", cloud.max_points)
             .group(group)
             .label("Maximum number of points")
@@ -172,6 +176,25 @@ private:
         }
     }
 
+    // Sets the level. Returns the largest spacing of the trees at it (query/nearest.h); 0: all points are taken.
+    double choose_level(const std::vector<std::string>& inputs)
+    {
+        CloudOptions& cloud = options_.cloud;
+        if (!level_.given() && !cloud.max_points) return 0;
+        if (level_.error_target && inputs.size() > 1)
+            throw ArgumentError("an error target chooses the level of a single tree; several inputs were given");
+        cloud.level = level_.level;
+        double spacing = 0;
+        for (const std::string& input : inputs) {
+            if (!is_tree(input) && !is_tree_folder(tree_folder_of(input))) continue;  // refused by convert()
+            const auto tree = Tree::open(input);
+            if (level_.error_target) cloud.level = level_.of(*tree);
+            const auto level = cloud.max_points ? tree->level_with_at_most(*cloud.max_points) : cloud.level;
+            if (level) spacing = std::max(spacing, level_spacing(*tree, *level));
+        }
+        return spacing;
+    }
+
     static void describe(Result& result, const ConvertReport& report)
     {
         result.outcome = report.outcome;
@@ -188,13 +211,12 @@ private:
                      points_per_second(report.outcome) / 1e6, bytes_text(report.bytes).c_str());
         if (report.grid)
             result.line("grid chosen: scale " + exact(report.grid->scale) + ", offset " + exact(report.grid->offset));
-        result.line("largest position error " + exact(report.outcome.error) + " source units, peak memory " +
-                    bytes_text(peak_memory_bytes()));
     }
 
     std::vector<std::string> paths_;  // inputs; then the output, where `output_` is empty
     std::string output_;
     RegionArguments region_;
+    LevelArguments level_;
     std::optional<double> step_;
     std::vector<double> scale_, offset_;
     std::string las_version_, colour_bits_;
@@ -221,7 +243,9 @@ Row convert_row()
                  {"position_error", "number", "source units", "largest position error"},
                  {"grid", "object?", "source units",
                   "scale and offset that were chosen for a cloud of doubles; null: none was"}}),
-            make<Convert>};
+            make<Convert>,
+            {},
+            follows_from_points_read};
 }
 
 }  // namespace pcm::ops

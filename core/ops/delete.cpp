@@ -25,7 +25,7 @@ public:
         work_.declare_threads(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const Selection selection = region_.get();
         if (!selection.chooses_points())
@@ -57,6 +57,7 @@ private:
     void describe(Result& result, const EraseReport& report, const Box3d& cloud) const
     {
         result.outcome = report.outcome;
+        result.accuracy = exact_answer();
         result.values["points_deleted"] = report.points_deleted;
         result.values["done"] = !options_.count_only;
         result.values["nodes_rewritten"] = report.nodes_rewritten;
@@ -103,7 +104,8 @@ Row delete_row()
              {"tree_bounds", "object?", "source units", "min and max of the tree before; null: it had no points"},
              {"levels_as_even_as_before", "flag", "", "false: coarse levels have gaps"}},
             make<Delete>,
-            {"where"}};
+            {"where"},
+            always_exact};
 }
 
 }  // namespace pcm::ops

@@ -12,7 +12,6 @@
 #include "pcm/ops/table.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_group.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/rounded_text.h"
 #include "pcm/system/text.h"
 
@@ -57,7 +56,7 @@ public:
         work_.declare(arguments_, options_.memory_bytes, "the search");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const bool has_target = !target_.output.empty() || target_.in_place;
         if (context.face == Face::dialog) label_ = labelled_ ? attribute_ : "";
@@ -255,6 +254,7 @@ private:
         }
         result.input = {target_.tree};
         result.outcome = found.outcome;
+        result.accuracy = bounded(found.outcome.error, "distances of points from their primitives");
         Json& json = result.values;
         json["threshold"] = found.threshold;
         json["step"] = found.step;
@@ -280,9 +280,6 @@ private:
                     grouped(found.outcome.points_out) + " of " + grouped(found.outcome.points_in) +
                     " points; threshold " + brief(found.threshold) + ", cloud's noise " + brief(found.noise) +
                     ", spacing " + brief(found.spacing));
-        char seconds[32];
-        std::snprintf(seconds, sizeof seconds, "%.1f", found.outcome.seconds);
-        result.line(std::string(seconds) + " s, peak memory " + bytes_text(peak_memory_bytes()));
     }
 
     TargetArguments target_;
@@ -320,7 +317,10 @@ Row detect_row()
              {"list", "text?", "", "file of the primitives"},
              {"labelled_tree", "text?", "", "tree that has the labels"},
              {"points_changed", "count", "points", "points whose label was changed"}},
-            make<Detect>};
+            make<Detect>,
+            {},
+            "It takes neither a time limit nor an error target: a part of the shapes is no answer. --min-points and "
+            "--threshold decide how long it takes."};
 }
 
 }  // namespace pcm::ops

@@ -11,10 +11,8 @@
 #include "pcm/place/fit_at.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
 
-#include <chrono>
 #include <utility>
 
 namespace pcm::ops {
@@ -46,6 +44,7 @@ public:
             .help("Tree folder, or any file of it");
         declare_shape();
         declare_estimator();
+        declare_limit();
         declare_registration();
         declare_growth();
         region_.declare(arguments_, "Points to look at (default: all)");
@@ -74,9 +73,8 @@ public:
         work_.declare(arguments_, options_.memory_bytes, "growing and writing");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
-        const auto start = std::chrono::steady_clock::now();
         check(context);
         set_options(context);
         if (!list_.empty()) check_list(list_);
@@ -103,7 +101,9 @@ public:
             done = do_with_points(context, fitted);
         }
         result.outcome.points_in = result.outcome.points_out = fitted.points.size();
-        result.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        result.accuracy = exact_answer();
+        if (found)
+            result.accuracy = from_deviation(fitted.primitive.fit.errors.position, "source units", "the shape's place");
         describe(result, fitted, done);
         result.good = found;
         return result;
@@ -201,14 +201,6 @@ private:
             .label("Probability")
             .help("Probability, below 1, that a sample without outliers was drawn, which ends the search")
             .advanced();
-        arguments_.add("seconds", options_.fit.seconds)
-            .positive()
-            .unit("s")
-            .group(group)
-            .label("Time limit")
-            .help("Time limit: the search then keeps the best shape so far, which is not followed any farther")
-            .automatic("no limit")
-            .advanced();
         arguments_.add("seed", options_.fit.seed)
             .group(group)
             .label("Seed")
@@ -219,6 +211,20 @@ private:
             .label("Computed by")
             .help("own, or pcl: the Point Cloud Library, for comparison")
             .shown(has_pcl())
+            .advanced();
+    }
+
+    void declare_limit()
+    {
+        arguments_.add("time_limit", options_.fit.seconds)
+            .also("seconds")
+            .script("Seconds")
+            .positive()
+            .unit("s")
+            .group("Estimator")
+            .label("Time limit")
+            .help("Time limit: the search then keeps the best shape so far, which is not followed any farther")
+            .automatic("no limit")
             .advanced();
     }
 
@@ -371,7 +377,6 @@ private:
                         (fitted.primitive.fit.verdict == FitVerdict::doubtful ? ", as doubtful" : ""));
         if (!out_.empty() && found) result.line(out_ + ": 1 primitive");
         put_done(result, done);
-        result.print("%.2f s, peak memory %s", result.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
     }
 
     static std::vector<std::string> contained_in_errors(const Primitive& primitive)
@@ -432,7 +437,10 @@ Row fit_row()
                         {"neighbourhood", "object", "", "points, found, radius, spacing and inliers of the first fit"},
                         {"growth", "object?", "", "step, rounds, converged, left_surface"},
                         {"list", "text?", "", "list that it was added to"}}),
-        make<Fit>};
+        make<Fit>,
+        {},
+        "An error target is not taken: the error follows from the noise and the number of the points, not from the "
+        "search."};
 }
 
 }  // namespace pcm::ops

@@ -36,7 +36,7 @@ public:
         arguments_.add("overwrite", options_.overwrite).label("Overwrite").help("Replace existing files");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         options_.origin = {origin_[0], origin_[1], origin_[2]};
         options_.progress = context.progress;
@@ -50,6 +50,7 @@ public:
         result.output = output_;
         result.makes = Makes::file;
         result.outcome = report.outcome;
+        result.accuracy = rounded_positions(options_.scale / 2);
         result.notes = report.notes;
         result.values["planes"] = planes;
         result.values["cylinders"] = cylinders;
@@ -81,7 +82,9 @@ Row generate_row()
             {{"planes", "count", "", "planes of the scene"},
              {"cylinders", "count", "", "cylinders of the scene"},
              {"spheres", "count", "", "spheres of the scene"}},
-            make<Generate>};
+            make<Generate>,
+            {},
+            only_rounds};
 }
 
 }  // namespace pcm::ops

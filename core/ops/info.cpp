@@ -90,6 +90,7 @@ void put_tree(Result& result, const Tree& tree, const std::optional<CloudStatist
     const TreeInfo& info = tree.info();
     Json& json = result.values;
     result.input = {tree.folder().string()};
+    result.accuracy = exact_answer();
     result.outcome.points_out = info.points;
     json["points_skipped"] = info.points_skipped;
     json["bounds"] = box_of(info.points ? info.bounds() : Box3d());
@@ -203,6 +204,10 @@ void put_files(Result& result, const MergedReader& cloud, const std::optional<Sc
     const FileInfo& info = cloud.info();
     Json& json = result.values;
     result.outcome.points_out = info.points;
+    result.accuracy = exact_answer();
+    if (!info.points_known && !scanned)  // guessed from the size of the file
+        result.accuracy = {ErrorKind::estimated, std::numeric_limits<double>::infinity(), "points",
+                           "the number of points"};
     result.notes = info.notes;
     json["files"] = Json::array();
     for (const MergedReader::Source& source : cloud.sources()) json["files"].push_back(source.path.string());
@@ -296,7 +301,7 @@ public:
         reading_.declare(arguments_, Face::command);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         Result result;
         for (const ResultKey& key : keys) result.values[key.key] = nullptr;
@@ -376,7 +381,9 @@ Row info_row()
             menu::measure,
             nullptr,
             Info::keys,
-            make<Info>};
+            make<Info>,
+            {},
+            always_exact};
 }
 
 }  // namespace pcm::ops

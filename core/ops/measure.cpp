@@ -78,7 +78,7 @@ public:
         files_.declare(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         check(context);
         std::shared_ptr<PointCloud> cloud;
@@ -98,6 +98,7 @@ public:
             values["measures"].push_back(json_of(list[i], unit));
             put_lines(result, list[i], unit);
         }
+        result.accuracy = list.size() > 0 ? accuracy_of(list[list.size() - 1], unit) : exact_answer();
         values["largest_move"] = cloud ? Json(moved) : Json();
         values["unit"] = unit;
         if (cloud) result.line("places were moved to the nearest points, at most " + brief(moved));
@@ -196,7 +197,9 @@ Row measure_row()
               "largest distance by which a place was moved to a point of the tree"},
              {"unit", "text", "", "unit of lengths, as the tree states it; empty: not known"},
              {"files", "list", "", "files that were written"}},
-            make<MeasurePoints>};
+            make<MeasurePoints>,
+            {},
+            "It takes neither a time limit nor an error target: the error follows from the points that are measured."};
 }
 
 }  // namespace pcm::ops

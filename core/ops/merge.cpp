@@ -4,7 +4,6 @@
 #include "pcm/ops/shared/result_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/system/error.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
 
 namespace pcm::ops {
@@ -51,7 +50,7 @@ public:
         chunk_points_argument(arguments_, to_.chunk_points);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         Result result;
         const std::vector<MergeInput> inputs = inputs_of(context, result);
@@ -64,6 +63,7 @@ public:
         result.output = output_;
         result.makes = Makes::cloud;
         result.outcome = report.build.outcome;
+        result.accuracy = rounded_positions(report.rounding);
         result.notes.insert(result.notes.end(), report.build.notes.begin(), report.build.notes.end());
         result.values["trees"] = report.trees;
         result.values["grid"] =
@@ -99,10 +99,9 @@ private:
     static void write_lines(Result& result, const MergeReport& report)
     {
         const Outcome& outcome = result.outcome;
-        result.print("%s: %s points of %zu trees in %.1f s (%.2f M points/s), %s, peak memory %s",
-                     result.output.c_str(), grouped(outcome.points_out).c_str(), report.trees.size(), outcome.seconds,
-                     points_per_second(outcome) / 1e6, bytes_text(report.build.bytes).c_str(),
-                     bytes_text(peak_memory_bytes()).c_str());
+        result.print("%s: %s points of %zu trees in %.1f s (%.2f M points/s), %s", result.output.c_str(),
+                     grouped(outcome.points_out).c_str(), report.trees.size(), outcome.seconds,
+                     points_per_second(outcome) / 1e6, bytes_text(report.build.bytes).c_str());
         if (report.grid)
             result.print("grid: steps %s, offset %s; coordinates changed by at most %s source units",
                          exact(report.grid->scale).c_str(), exact(report.grid->offset).c_str(),
@@ -137,7 +136,9 @@ Row merge_row()
              {"largest_rounding", "number", "source units", "largest change of a coordinate"},
              {"crs", "text?", "", "coordinate system of the result; null: none is stated"},
              {"bytes", "count", "bytes", "size of the result"}},
-            make<Merge>};
+            make<Merge>,
+            {},
+            only_rounds};
 }
 
 }  // namespace pcm::ops

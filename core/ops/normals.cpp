@@ -39,7 +39,7 @@ public:
         neighbours_.declare(arguments_, "to which a plane is fitted");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         if (int(!viewpoint_.empty()) + int(!direction_.empty()) + int(scanners_) > 1)
             throw ArgumentError(called(context, "viewpoint") + ", " + called(context, "direction") + " and " +

@@ -1,6 +1,7 @@
 #include "pcm/ops/operation.h"
 
 #include "pcm/point_cloud.h"
+#include "pcm/system/seconds.h"
 
 namespace pcm::ops {
 
@@ -16,6 +17,21 @@ std::shared_ptr<PointCloud> Context::open(const std::string& tree) const
     return window.open ? window.open(tree) : PointCloud::open(tree);
 }
 
+void Meter::put_into(Result& result) const
+{
+    result.outcome.seconds = seconds_since(start_);
+    result.work = work_done() - before_;
+}
+
+Result Operation::run(const Context& context)
+{
+    const Meter meter;
+    Result result = answer(context);
+    if (!result.accuracy) throw std::logic_error("an operation does not say how exact its answer is");
+    meter.put_into(result);
+    return result;
+}
+
 std::string Operation::called(const Context& context, const std::string& key) const
 {
     const Argument* const argument = arguments_.find(key);
@@ -24,6 +40,14 @@ std::string Operation::called(const Context& context, const std::string& key) co
 }
 
 namespace {
+
+Json usage_of(const std::vector<ResultKey>& keys)
+{
+    Json json = Json::array();
+    for (const ResultKey& key : keys)
+        json.push_back({{"key", key.key}, {"type", key.type}, {"unit", key.unit}, {"help", key.help}});
+    return json;
+}
 
 Json usage_of(const Argument& argument)
 {
@@ -51,19 +75,24 @@ Json usage_of(const Argument& argument)
 
 }  // namespace
 
+std::string description_of(const Row& row)
+{
+    return row.limits ? std::string(row.details) + "<br>" + row.limits : row.details;
+}
+
 Json usage_of(const Row& row, std::optional<Face> face)
 {
     Json json{{"name", row.name}};
     json["title"] = row.title ? Json(row.title) : Json();
     json["help"] = row.help;
     json["details"] = row.details;
+    json["limits"] = row.limits ? Json(row.limits) : Json();
     json["arguments"] = Json::array();
     const auto operation = row.make();
     for (const Argument& argument : operation->arguments().list())
         if (!face || (argument.is_in(*face) && argument.is_shown())) json["arguments"].push_back(usage_of(argument));
-    json["results"] = Json::array();
-    for (const ResultKey& key : row.results)
-        json["results"].push_back({{"key", key.key}, {"type", key.type}, {"unit", key.unit}, {"help", key.help}});
+    json["head"] = usage_of(head_keys());
+    json["results"] = usage_of(row.results);
     json["step"] = row.step;
     return json;
 }

@@ -10,8 +10,10 @@
 #include "pcm/ops/argument.h"
 #include "pcm/ops/result.h"
 #include "pcm/system/progress.h"
+#include "pcm/system/work_done.h"
 #include "pcm/update/target.h"
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -97,10 +99,12 @@ public:
     Arguments& arguments() { return arguments_; }
     const Arguments& arguments() const { return arguments_; }
     // Throws ArgumentError for arguments that contradict each other, and what the library's function throws.
-    virtual Result run(const Context& context) = 0;
+    Result run(const Context& context);
 
 protected:
     Operation() = default;
+    // The answer and its accuracy; run() adds what it took.
+    virtual Result answer(const Context& context) = 0;
     // "--radius" or 'Radius'. Throws std::logic_error for an argument that is not declared.
     std::string called(const Context& context, const std::string& key) const;
 
@@ -108,12 +112,14 @@ protected:
 };
 std::string called(Face face, const Argument& argument);
 
-// A key of an operation's answer besides the head of all.
-struct ResultKey {
-    const char* key;
-    const char* type;  // "count", "number", "text", "flag", "list", "object"; "number?" may be null
-    const char* unit;  // "source units", "bytes"; empty: none
-    const char* help;
+// Times a piece of work and counts what it reads, from construction to put_into().
+class Meter {
+public:
+    void put_into(Result& result) const;
+
+private:
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    const WorkDone before_ = work_done();
 };
 
 // The menus of MeshLab's filters, bits.
@@ -128,14 +134,29 @@ struct Row {
     const char* help;     // one line
     const char* details;  // for dialogs and manual pages; HTML's <b> and <i> may occur
     unsigned menus;
-    const char* ending;  // names proposed for results end so: "-clean.pct"; null: none is proposed
-    std::vector<ResultKey> results;
+    const char* ending;              // names proposed for results end so: "-clean.pct"; null: none is proposed
+    std::vector<ResultKey> results;  // besides head_keys()
     std::unique_ptr<Operation> (*make)();
     // Arguments that a step of a chain (shared/step.h) gives without their names, in this order; empty: it is not a
     // step.
     std::vector<std::string> step{};
-    bool window_only = false;  // works on what the window has selected: a filter, but no command
+    // Why it takes no argument time_limit or error_target, for people; null: it takes both.
+    const char* limits = nullptr;
+    bool window_only = false;  // works on what the window has selected: a filter, but not a command
 };
+
+// For an operation that has nothing to trade.
+inline constexpr const char* always_exact =
+    "It is exact: there is no time limit and no error target that it could trade for.";
+inline constexpr const char* only_rounds =
+    "It takes neither a time limit nor an error target: every point is read and written, and only coordinates are "
+    "rounded, by the grid.";
+// For an operation with LevelArguments.
+inline constexpr const char* follows_from_points_read =
+    "A time limit is not taken: the time is that of the points read, whose number query --estimate predicts; "
+    "--error-target chooses fewer.";
+// Its details and limits, with <b>, <i> and <br>.
+std::string description_of(const Row& row);
 
 // In the order of the help and of MeshLab's menus.
 const std::vector<Row>& operations();
@@ -144,9 +165,10 @@ const Row* find_operation(const std::string& name);  // null: there is none
 Row radii_row();
 Row render_row();
 
-// All that a row says, for programs: name, title, help, arguments (key, option, script, label, help, unit, type,
-// default, least, most, choices, required, advanced, positional, list, on: whether it is a flag that is on by default),
-// results, step. Made from a new operation, so defaults are the real ones. `face`: only the arguments that it shows.
+// All that a row says, for programs: name, title, help, details, limits, arguments (key, option, script, label, help,
+// unit, type, default, least, most, choices, required, advanced, positional, list, on: whether it is a flag that is on
+// by default), head and results (key, type, unit, help), step. Made from a new operation, so defaults are the real
+// ones. `face`: only the arguments that it shows.
 Json usage_of(const Row& row, std::optional<Face> face = {});
 
 }  // namespace pcm::ops

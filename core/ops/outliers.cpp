@@ -50,7 +50,7 @@ public:
         flann_argument(arguments_, flann_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const bool by_radius = options_.method == OutlierMethod::radius;
         if (by_radius && !radius_)
@@ -101,8 +101,7 @@ private:
     {
         const char* const done = options_.count_only ? "would be removed" : options_.label ? "labelled" : "removed";
         result.line((result.output.empty() ? target_.tree : result.output) + ": " + grouped(report.outliers) + " of " +
-                    grouped(report.outcome.points_in) + " points " + done + " in " + tenths(report.outcome.seconds) +
-                    " s, peak memory " + bytes_text(report.peak_memory_bytes));
+                    grouped(report.outcome.points_in) + " points " + done);
         if (options_.method != OutlierMethod::radius)
             result.line("mean distance to " + std::to_string(options_.neighbours) +
                         " neighbours: " + (options_.method == OutlierMethod::robust ? "median " : "mean ") +
@@ -138,7 +137,8 @@ Row outliers_row()
                           {"threshold", "number", "source units", "mean distance above which a point is an outlier"},
                           {"levels_as_even_as_before", "flag", "", "false: coarse levels have gaps"}}),
         make<Outliers>,
-        {"neighbours", "factor"}};
+        {"neighbours", "factor"},
+        always_exact};
 }
 
 }  // namespace pcm::ops

@@ -31,6 +31,7 @@ Json json_of_text(const std::string& text)
 void put_point(Result& result, const PickResult& found, const PointDescription* point, const PointCloud& cloud)
 {
     result.outcome = found.outcome;
+    result.accuracy = exact_answer();
     Json& json = result.values;
     json["points_compared"] = found.outcome.points_in;
     json["chunks"] = found.chunks;
@@ -108,7 +109,7 @@ public:
         limits_.declare_limits(arguments_, group);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const auto cloud = PointCloud::open(tree_);
         PickOptions options = options_;
@@ -176,7 +177,9 @@ Row pick_row()
              {"chunks", "count", "", "chunks that were read"},
              {"point", "object?", "",
               "node, index, position, along, beside, depth, level, spacing, grid_step, attributes"}},
-            make<Pick>};
+            make<Pick>,
+            {},
+            always_exact};
 }
 
 }  // namespace pcm::ops

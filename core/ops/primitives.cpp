@@ -83,7 +83,7 @@ public:
         arguments_.add("overwrite", drawing_.overwrite).label("Overwrite").help("Replace existing files");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         if (context.face == Face::dialog && outputs_.empty())
             throw ArgumentError("no output file is given: name the file to write");
@@ -166,6 +166,7 @@ private:
             result.output = outputs_.front();
             result.makes = Makes::file;
         }
+        result.accuracy = exact_answer();
         result.values = Json::parse(pcm::json_of(primitives));
         result.values.erase("version");  // the version of the list's format; the program's is in the head
         result.values["unit"] = name_of(options_.unit);
@@ -214,7 +215,9 @@ Row primitives_row()
          {"unit", "text", "", "unit of the coordinates; empty: not known"},
          {"runs", "list", "", pipe_runs_help},
          {"files", "list", "", "for each file that was written: file, and its numbers of primitives and pipe runs"}},
-        make<Primitives>};
+        make<Primitives>,
+        {},
+        always_exact};
 }
 
 }  // namespace pcm::ops

@@ -2,6 +2,7 @@
 #include "pcm/measure/profile.h"
 
 #include "pcm/cad/dxf_file.h"
+#include "pcm/ops/shared/level_arguments.h"
 #include "pcm/ops/shared/measure_report.h"
 #include "pcm/ops/shared/region_arguments.h"
 #include "pcm/ops/table.h"
@@ -45,11 +46,9 @@ public:
             .count(2)
             .label("Heights")
             .help("Only points with z from LOW to HIGH, both included: 98 105");
-        arguments_.add("level", options_.level)
-            .letter('l')
-            .label("Level")
-            .help("Only the cloud at this level of detail: quicker, with the error that the answer states")
-            .without("all points");
+        level_.declare(arguments_,
+                       "Only the cloud at this level of detail: quicker, with the error that the answer states");
+        arguments_.find("level")->letter('l');
         limits_.declare_limits(arguments_, "Which points");
         arguments_.add("attribute", options_.attributes)
             .letter('a')
@@ -59,10 +58,10 @@ public:
         declare_file();
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const auto cloud = context.open(tree_);
-        check_level(*cloud, options_.level);
+        options_.level = level_.of(*cloud->tree());
         options_.line =
             plan_points_of(line_, called(context, "line"), cloud->info().points ? cloud->info().bounds().min[2] : 0);
         if (!heights_.empty()) {
@@ -111,8 +110,8 @@ private:
     void put(Result& result, double length, const Extent& extent) const
     {
         const Outcome& outcome = result.outcome;
+        result.accuracy = without_finer_levels(outcome.error);
         Json& values = result.values;
-        values["points_read"] = outcome.points_in;
         values["length"] = length;
         values["spacing"] = std::isfinite(outcome.error) ? Json(outcome.error) : Json();
         values["stations"] = extent.range(0);
@@ -134,6 +133,7 @@ private:
     std::string tree_, output_;
     std::vector<double> line_, heights_;
     RegionArguments limits_;
+    LevelArguments level_;
     ProfileOptions options_;
     ProfileFileOptions file_;
 };
@@ -150,13 +150,14 @@ Row profile_row()
             "heights over stations. It takes clouds of any size in bounded memory.",
             menu::measure,
             nullptr,
-            {{"points_read", "count", "points", "points that were read to find those of the profile"},
-             {"length", "number", "source units", "length of the line in plan"},
+            {{"length", "number", "source units", "length of the line in plan"},
              {"spacing", "number?", "source units", "every point of the cloud is nearer to one of the level"},
              {"stations", "list?", "source units", "the least and the largest; null: a file was written, or no points"},
              {"offsets", "list?", "source units", "likewise"},
              {"heights", "list?", "source units", "likewise"}},
-            make<Profile>};
+            make<Profile>,
+            {},
+            follows_from_points_read};
 }
 
 }  // namespace pcm::ops

@@ -1,12 +1,13 @@
 // Points in a region, nearest neighbours, the first hit of a ray, and what a query would cost.
 #include "pcm/ops/shared/cache_report.h"
+#include "pcm/ops/shared/level_arguments.h"
 #include "pcm/ops/shared/region_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
-#include <chrono>
+#include <algorithm>
 #include <cmath>
 
 namespace pcm::ops {
@@ -37,19 +38,17 @@ std::vector<ResultKey> query_keys()
     return {{"bounds", "object?", "source units", "--count: min and max of the points; null: there are none"},
             {"tree_bounds", "object?", "source units", "--count: min and max of the tree"},
             {"chunks", "count?", "", "--count, --estimate: chunks that were or would be read"},
-            {"points_read", "count?", "points", "--count, --estimate: examined"},
-            {"bytes_read", "count?", "bytes", "--count"},
             {"spacing", "number?", "source units", "--count: every point of the cloud is nearer to one of the level"},
             {"points_least", "count?", "points", "--estimate"},
             {"points_expected", "number?", "points", "--estimate"},
             {"points_most", "count?", "points", "--estimate"},
             {"conditions_reckoned_with", "flag?", "", "--estimate: false: numbers are before the conditions"},
+            {"points_to_read", "count?", "points", "--estimate: to be examined, at most"},
             {"bytes", "count?", "bytes", "--estimate: to be read"},
             {"seconds_expected", "number?", "s", "--estimate: null: nothing was read from this tree yet"},
             {"neighbours", "list?", "", "--nearest: of each distance, position, node and index"},
             {"least_distance", "number?", "source units", "--nearest: no point of the cloud is nearer"},
             {"points_compared", "count?", "points", "--nearest"},
-            {"error", "number?", "source units", "--nearest, --first-hit: 0 is exact"},
             {"hit", "object?", "", "--first-hit: along, position, node and index"},
             {"cache", "object?", "", "--statistics: of the cache of chunks"}};
 }
@@ -65,7 +64,7 @@ public:
             .help("Tree folder, or any file of it");
         declare_questions();
         const char* const group = "Points";
-        arguments_.add("level", level_).group(group).help("Only the points up to this level").without("all levels");
+        level_.declare(arguments_, "Only the points up to this level", group);
         region_.declare(arguments_, group);
         arguments_.add("reads", reads_).between(1, 64).help("Chunks read concurrently; use more on slow file systems");
         arguments_.add("cache", cache_.capacity_bytes)
@@ -74,7 +73,7 @@ public:
         arguments_.add("statistics", statistics_).help("Print cache statistics");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const auto cloud = PointCloud::open(tree_, cache_);
         const Query query = make_query(context, *cloud);
@@ -130,12 +129,7 @@ private:
     Query make_query(const Context& context, const PointCloud& cloud) const
     {
         Query query;
-        query.level = level_;
-        const std::uint16_t levels = cloud.info().levels;
-        if (query.level && levels > 0 && *query.level >= levels)
-            refuse_query("there is no level " + std::to_string(*query.level) + "; this tree has levels 0 to " +
-                             std::to_string(levels - 1),
-                         "");
+        query.level = level_.of(*cloud.tree());
         if (arguments_.given("neighbours") && nearest_.empty()) throw ArgumentError("-k requires --nearest");
         query.choose(region_.get());
         query.reads_in_flight = reads_;
@@ -151,14 +145,17 @@ private:
         const Estimate e = cloud.estimate(query, headers_ ? EstimatePrecision::headers : EstimatePrecision::index);
         const auto expected = static_cast<std::uint64_t>(std::llround(e.points_expected));
         result.outcome.points_out = expected;
-        result.outcome.seconds = e.own_seconds;
+        const double off = std::max(e.points_expected - static_cast<double>(e.points_least),
+                                    static_cast<double>(e.points_most) - e.points_expected);
+        result.accuracy = exact_answer();
+        if (off > 0) result.accuracy = {ErrorKind::bound, off, "points", "the number of points"};
         Json& json = result.values;
         json["points_least"] = e.points_least;
         json["points_expected"] = e.points_expected;
         json["points_most"] = e.points_most;
         json["conditions_reckoned_with"] = !e.conditions;
         json["chunks"] = e.chunks;
-        json["points_read"] = e.points_read;
+        json["points_to_read"] = e.points_read;
         json["bytes"] = e.bytes;
         json["seconds_expected"] = e.seconds ? Json(*e.seconds) : Json();
         result.line("points      about " + grouped(expected) + (e.conditions ? " before the conditions" : "") +
@@ -174,26 +171,23 @@ private:
 
     void count(PointCloud& cloud, const Query& query, Result& result) const
     {
-        const auto start = std::chrono::steady_clock::now();
         Outcome& outcome = result.outcome;
         Box3i box;
         PointCursor cursor = cloud.points(query);
         for (PointView view; cursor.getNextData(view); outcome.points_out += view.size())
             for (std::size_t i = 0; i < view.size(); ++i) box.extend(view.grid_position(i));
         const Box3d found = cloud.info().grid.to_source(box);
-        outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         const CursorStatistics statistics = cursor.statistics();
         outcome.points_in = statistics.points_read;
         if (query.level) outcome.error = level_spacing(*cloud.tree(), *query.level);
+        result.accuracy = without_finer_levels(outcome.error);
         Json& json = result.values;
         json["bounds"] = json_of(found);
         json["tree_bounds"] = json_of(cloud.info().bounds());
         json["chunks"] = statistics.chunks;
-        json["points_read"] = statistics.points_read;
-        json["bytes_read"] = statistics.bytes_read;
         json["spacing"] = finite(outcome.error);
-        result.line(grouped(outcome.points_out) + " points in " + time_text(outcome.seconds) + "; " +
-                    grouped(statistics.points_read) + " points of " + grouped(statistics.chunks) + " chunks examined");
+        result.line(grouped(outcome.points_out) + " points; " + grouped(statistics.points_read) + " points of " +
+                    grouped(statistics.chunks) + " chunks examined");
         if (found.empty()) {
             put_extent(cloud, result);
         } else {
@@ -214,6 +208,7 @@ private:
         if (max_distance_) options.max_distance = *max_distance_;
         const NearestResult found = cloud.nearest({nearest_[0], nearest_[1], nearest_[2]}, k_, options);
         const Outcome& outcome = result.outcome = found.outcome;
+        result.accuracy = bounded(outcome.error, "the distance of the nearest point");
         Json points = Json::array();
         for (const Neighbour& n : found.points) {
             points.push_back(
@@ -223,7 +218,6 @@ private:
         Json& json = result.values;
         json["neighbours"] = std::move(points);
         json["least_distance"] = finite(found.least_distance);
-        json["error"] = finite(outcome.error);
         json["points_compared"] = outcome.points_in;
         if (found.points.empty()) put_extent(cloud, result);
         const std::string precision =
@@ -244,6 +238,7 @@ private:
         const HitResult found = cloud.first_hit(*query.region, query.level);
         result.outcome = found.outcome;
         const double error = found.outcome.error;
+        result.accuracy = without_finer_levels(error);
         Json& json = result.values;
         json["hit"] = Json();
         std::string text = "no hit, in ";
@@ -254,7 +249,6 @@ private:
                            {"index", found.hit->index}};
             text = exact(found.hit->position) + ", " + brief(found.hit->along) + " along, in ";
         }
-        json["error"] = finite(error);
         result.line(text + time_text(found.outcome.seconds) +
                     (error == 0 ? "; exact" : "; " + level_text(*query.level, error)));
         if (!found.hit) put_extent(cloud, result);
@@ -263,7 +257,7 @@ private:
     std::string tree_;
     RegionArguments region_;
     std::vector<double> nearest_;
-    std::optional<std::uint16_t> level_;
+    LevelArguments level_;
     bool estimate_ = false, headers_ = false, count_ = false, first_hit_ = false, statistics_ = false;
     std::uint64_t k_ = 1;
     std::optional<double> max_distance_;
@@ -283,7 +277,9 @@ Row query_row()
             0,
             nullptr,
             query_keys(),
-            make<QueryPoints>};
+            make<QueryPoints>,
+            {},
+            follows_from_points_read};
 }
 
 }  // namespace pcm::ops

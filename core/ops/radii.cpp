@@ -28,7 +28,7 @@ public:
                 "one or two cores");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         if (device_ == Device::gpu) return run_on_gpu(context);
         neighbours_.put_into(options_, called(context, "memory"));

@@ -59,7 +59,7 @@ public:
             .automatic("one per processor");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         if (discs_ && arguments_.given("splats"))
             throw ArgumentError("--discs and --splats were both given: give one of them");
@@ -253,7 +253,10 @@ Row render_row()
              {"pictures", "list", "",
               "for each: file, points_drawn, clouds, screen_error_px, full_resolution, pixels, ms, frames, "
               "frames_averaged, uploaded_bytes"}},
-            make<Render>};
+            make<Render>,
+            {},
+            "Its time limit is that of a frame, --frame-budget, and its error target a distance on the screen, "
+            "--target-px."};
 }
 
 }  // namespace pcm::ops

@@ -21,7 +21,7 @@ public:
         work_.declare_threads(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         options_.threads = work_.threads;
         options_.progress = context.progress;
@@ -35,6 +35,7 @@ public:
         }
         result.good = check ? report.whole() : report.verified;
         result.outcome = report.outcome;
+        result.accuracy = exact_answer();
         Json& values = result.values;
         values["generation"] = report.generation;
         values["whole"] = report.whole();
@@ -93,7 +94,9 @@ Row repair_row()
              {"faults", "list", "", "what was damaged"},
              {"restored", "list", "", "files that the index restores"},
              {"leftovers", "list", "", "files left by interrupted updates"}},
-            make<Repair>};
+            make<Repair>,
+            {},
+            always_exact};
 }
 
 }  // namespace pcm::ops

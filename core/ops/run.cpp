@@ -6,7 +6,6 @@
 #include "pcm/ops/shared/step.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
@@ -42,7 +41,7 @@ public:
         reading_.declare_ignore_crs(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         std::vector<Link> steps = links();
         ChainOptions options;
@@ -56,12 +55,14 @@ public:
         Chain chain(std::move(options), steps);
         const std::vector<Result> answers = chain.run(context);
         Result result = chain.summary();
+        std::vector<Accuracy> accuracies{*result.accuracy};
+        for (const Result& step : answers) accuracies.push_back(*step.accuracy);
+        result.accuracy = of_steps(accuracies);
         result.values["steps"] = Json::array();
         for (std::size_t i = 0; i < answers.size(); ++i)
             add_answer(steps[i].row->name, answers[i], chain.path(), result);
-        result.print("%s: %s points of %s in %s steps, %.1f s, peak memory %s", output_.c_str(),
-                     grouped(result.outcome.points_out).c_str(), grouped(result.outcome.points_in).c_str(),
-                     grouped(steps.size()).c_str(), result.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
+        result.print("%s: %s points of %s in %s steps", output_.c_str(), grouped(result.outcome.points_out).c_str(),
+                     grouped(result.outcome.points_in).c_str(), grouped(steps.size()).c_str());
         return result;
     }
 
@@ -116,15 +117,15 @@ private:
     {
         Json json{{"operation", name}};
         const Json answered = json_of(name, answer);
-        for (const char* const key : {"points", "seconds", "warnings", "notes", "points_in"}) json[key] = answered[key];
-        for (const auto& [key, value] : answer.values.items()) json[key] = value;
+        for (const auto& [key, value] : answered.items())
+            if (key != "command" && key != "version" && key != "input" && key != "output") json[key] = value;
         result.values["steps"].push_back(std::move(json));
         for (const std::string& note : answer.notes)
             if (std::find(result.notes.begin(), result.notes.end(), note) == result.notes.end())
                 result.notes.push_back(name + ": " + note);
         for (const std::string& warning : answer.outcome.warnings)
             result.outcome.warnings.push_back(name + ": " + warning);
-        for (const std::string& line : answer.lines) {
+        for (const std::string& line : all_lines(answer)) {
             std::string text = line;
             for (const std::string& start : {output + ": ", name + ": "})
                 if (text.compare(0, start.size(), start) == 0) text.erase(0, start.size());
@@ -159,9 +160,11 @@ Row run_row()
         0,
         nullptr,
         with_skipped_keys(
-            {{"steps", "list", "", "for each step: operation, points, seconds, warnings, notes, its own results"},
+            {{"steps", "list", "", "for each step: operation, and its own answer"},
              {"points_skipped", "count", "points", "without a finite position, or beyond the largest coordinate"}}),
-        make<Run>};
+        make<Run>,
+        {},
+        "Limits of time and error are those of its steps."};
 }
 
 }  // namespace pcm::ops

@@ -1,5 +1,6 @@
 // Points by region, condition, brush or connectivity: counted, saved, extracted, classified or deleted.
 #include "pcm/cloud/vector.h"
+#include "pcm/ops/shared/level_arguments.h"
 #include "pcm/ops/shared/point_set_actions.h"
 #include "pcm/ops/shared/region_arguments.h"
 #include "pcm/ops/shared/window_arguments.h"
@@ -11,11 +12,9 @@
 #include "pcm/select/grow_from.h"
 #include "pcm/select/select_points.h"
 #include "pcm/system/error.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
 #include "pcm/view/camera.h"
 
-#include <chrono>
 #include <utility>
 
 namespace pcm::ops {
@@ -69,9 +68,8 @@ public:
         work_.declare(arguments_, std::uint64_t(256) << 20, "growing and writing");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
-        const auto start = std::chrono::steady_clock::now();
         Result result;
         if (context.face == Face::dialog) {
             select_in_window(context, result);
@@ -80,7 +78,7 @@ public:
             const auto cloud = context.open(tree_);
             PointSet set = choose(context, *cloud, result);
             if (invert_) set.invert();
-            count(context, set, start, result);
+            count(context, set, result);
         }
         return result;
     }
@@ -90,12 +88,8 @@ private:
 
     void declare_brush()
     {
-        arguments_.add("level", level_)
-            .group(group)
-            .label("Level")
-            .help("Only the points up to this level")
-            .without("all levels")
-            .advanced();
+        level_.declare(arguments_, "Only the points up to this level", group);
+        for (const char* const key : {"level", "error_target"}) arguments_.find(key)->advanced();
         arguments_.add("brush", brush_)
             .points(3, 1, 100000)
             .group(group)
@@ -198,13 +192,14 @@ private:
             refuse(name("within") + ", " + name("normal_angle") + " and " + name("colour_difference") +
                    ", which compare with the seed, go with " + name("grow_from"));
         if (!front_.empty() && (grows || !brush_.empty())) refuse(name("front") + " goes with a lasso alone");
-        if (level_ && grows) refuse(name("level") + " and growing cannot be combined: steps pass through all points");
+        if (level_.given() && grows)
+            refuse(name("level") + " and growing cannot be combined: steps pass through all points");
     }
 
-    SelectOptions select_options(const Context& context) const
+    SelectOptions select_options(const Context& context, const PointCloud& cloud) const
     {
         SelectOptions options;
-        options.level = level_;
+        options.level = level_.of(*cloud.tree());
         options.threads = work_.threads;
         options.progress = context.progress;
         return options;
@@ -265,7 +260,7 @@ private:
         FrontOptions options;
         selection.region.reset();
         options.shown = std::move(selection);
-        options.select = select_options(context);
+        options.select = select_options(context, cloud);
         return front_points(cloud.tree(), camera, polygon, options);
     }
 
@@ -276,15 +271,15 @@ private:
         clip_.add_to(selection, context);
         if (!grow_from_.empty()) return grown_from_point(context, cloud, selection, result);
         if (!front_.empty()) return front_of_lasso(context, cloud, selection);
-        if (!chooses && brush_.empty() && !level_)
+        if (!chooses && brush_.empty() && !level_.given())
             throw Error(
                 ErrorCode::invalid_argument, cloud.tree()->folder(), "no points were chosen",
                 "give a region, a condition, " + called(context, "brush") + " or " + called(context, "grow_from"));
         std::vector<Vec3d> stroke;
         for (std::size_t i = 0; i < brush_.size(); i += 3) stroke.push_back({brush_[i], brush_[i + 1], brush_[i + 2]});
         PointSet set = stroke.empty()
-                           ? select_points(cloud.tree(), selection, select_options(context))
-                           : brush_points(cloud.tree(), stroke, *radius_, selection, select_options(context));
+                           ? select_points(cloud.tree(), selection, select_options(context, cloud))
+                           : brush_points(cloud.tree(), stroke, *radius_, selection, select_options(context, cloud));
         if (!grow_) return set;
         Selection limit;
         limit.clips = selection.clips;
@@ -312,6 +307,7 @@ private:
                         (found.empty() ? "; " + extent_text(info.bounds()) + "." : "."));
             set.combine(set_operation(step_), found);
         }
+        result.accuracy = LevelArguments::accuracy(*cloud.tree(), level_.of(*cloud.tree()));
         result.outcome.points_in = info.points;
         result.outcome.points_out = set.size();
         result.line(grouped(set.size()) + " of the " + grouped(info.points) + " points of " + folder +
@@ -320,8 +316,7 @@ private:
         context.window.select(std::move(set), how);
     }
 
-    void count(const Context& context, const PointSet& set, std::chrono::steady_clock::time_point start,
-               Result& result) const
+    void count(const Context& context, const PointSet& set, Result& result) const
     {
         const SetStatistics statistics = statistics_of(set, work_.threads, context.progress);
         const SetDone done = actions_.run(set, context, work_.memory, work_.threads);
@@ -329,9 +324,9 @@ private:
         if ((grow_ || !grow_from_.empty()) && !invert_)
             if (const std::string note = note_on_growth(set); !note.empty()) result.notes.push_back(note);
         const Box3d cloud = set.tree().info().bounds();
+        result.accuracy = LevelArguments::accuracy(set.tree(), level_.of(set.tree()));
         result.outcome.points_in = set.tree().info().points;
         result.outcome.points_out = statistics.points;
-        result.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         Json& json = result.values;
         json["box"] = range_of(statistics.box);
         json["classes"] = Json::object();
@@ -347,14 +342,13 @@ private:
                 result.line("  class " + std::to_string(value) + ": " + grouped(points) + " points");
         }
         put_done(result, done);
-        result.print("%.1f s, peak memory %s", result.outcome.seconds, bytes_text(peak_memory_bytes()).c_str());
     }
 
     std::string tree_;
     Step step_ = Step::replace;
     RegionArguments region_;
     ClipArgument clip_;
-    std::optional<std::uint16_t> level_;
+    LevelArguments level_;
     std::vector<double> brush_, grow_from_, front_;
     std::optional<double> radius_, distance_, within_, normal_angle_, colour_difference_;
     bool grow_ = false, invert_ = false;
@@ -382,7 +376,9 @@ Row select_row()
                         {"classes", "object", "points", "how many of each class"},
                         {"tree_bounds", "object?", "source units", "min and max of the tree"},
                         {"set_bytes", "count", "bytes", "memory of the set of points"}}),
-        make<Select>};
+        make<Select>,
+        {},
+        follows_from_points_read};
 }
 
 }  // namespace pcm::ops

@@ -30,7 +30,7 @@ const PointSet& selected_points(const Context& context)
 // A change of the selected points' tree.
 class SelectedChange : public Operation {
 public:
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const PointSet& set = selected_points(context);
         target_.tree = set.tree().folder().string();
@@ -44,6 +44,7 @@ public:
         Result result;
         result.input = {target_.tree};
         result.outcome = done.outcome;
+        result.accuracy = exact_answer();
         result.outcome.warnings.clear();  // put_done() has them
         put_done(result, done);
         return result;
@@ -140,7 +141,7 @@ public:
         work_.declare(arguments_, usual_memory, "writing");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         if (output_.empty()) throw ArgumentError("no output is given: name the tree or file to write");
         const PointSet& set = selected_points(context);
@@ -155,6 +156,7 @@ public:
         Result result;
         result.input = {set.tree().folder().string()};
         result.outcome = done.outcome;
+        result.accuracy = exact_answer();
         result.outcome.warnings.clear();  // put_done() has them
         put_done(result, done);
         if (!add_layer_ && result.makes == Makes::cloud) result.makes = Makes::file;
@@ -185,6 +187,7 @@ Row save_selected_row()
             with_done_keys({}),
             make<SaveSelected>,
             {},
+            always_exact,
             true};
 }
 
@@ -204,6 +207,7 @@ Row extract_selected_row()
             with_done_keys({}),
             make<ExtractSelected>,
             {},
+            always_exact,
             true};
 }
 
@@ -223,6 +227,7 @@ Row classify_selected_row()
             with_done_keys({}),
             make<ClassifySelected>,
             {},
+            always_exact,
             true};
 }
 
@@ -242,6 +247,7 @@ Row delete_selected_row()
             with_done_keys({}),
             make<DeleteSelected>,
             {},
+            always_exact,
             true};
 }
 

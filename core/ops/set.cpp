@@ -2,13 +2,13 @@
 #include "pcm/cloud/attribute_length.h"
 #include "pcm/cloud/attribute_names.h"
 #include "pcm/ops/shared/cache_report.h"
+#include "pcm/ops/shared/level_arguments.h"
 #include "pcm/ops/shared/region_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
-#include <chrono>
 #include <cmath>
 
 namespace pcm::ops {
@@ -191,7 +191,7 @@ public:
                 "Attribute to add first, such as height:f32 or tint:u8x3; its values are 0. height:f32:length has "
                 "lengths in source units, which grow when the cloud is scaled, area:f32:length^2 areas");
         const char* const group = "Points to change (default: all)";
-        arguments_.add("level", level_).group(group).help("Only the points up to this level").without("all levels");
+        level_.declare(arguments_, "Only the points up to this level", group);
         region_.declare(arguments_, group);
         arguments_.add("cache", cache_.capacity_bytes)
             .as(ValueKind::bytes)
@@ -199,37 +199,35 @@ public:
         arguments_.add("statistics", statistics_).help("Print cache statistics");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
-        const auto start = std::chrono::steady_clock::now();
         if (values_.empty() && attributes_.empty())
             throw ArgumentError("nothing is to be set: give NAME=VALUE, or --new NAME:TYPE");
         std::vector<Assignment> assignments;
         for (const std::string& text : values_) assignments.push_back(parse_assignment(text));
         Query query;
         query.choose(region_.get());
-        query.level = level_;
         query.progress = context.progress;
         std::vector<Attribute> added;
         for (const std::string& text : attributes_) added.push_back(parse_attribute(text));
         const auto cloud = PointCloud::open(tree_, cache_, Access::write);
+        query.level = level_.of(*cloud->tree());
         const Counts set = change(*cloud, added, assignments, query);
         Result result;
         result.input = {tree_};
         result.output = tree_;
         result.makes = Makes::changed;
         result.outcome = set.outcome;
+        result.accuracy = LevelArguments::accuracy(*cloud->tree(), query.level);
         result.outcome.points_out = set.points;
-        result.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         const L2Statistics statistics = cloud->cache().statistics();
         Json& json = result.values;
         json["points_set"] = set.points;
         json["chunks_set"] = set.chunks;
         json["chunks_written"] = statistics.written_chunks;
         json["attributes_added"] = added.size();
-        result.print("%s: %s points set in %s chunks, %s attributes added, in %.1f s", tree_.c_str(),
-                     grouped(set.points).c_str(), grouped(set.chunks).c_str(), grouped(added.size()).c_str(),
-                     result.outcome.seconds);
+        result.print("%s: %s points set in %s chunks, %s attributes added", tree_.c_str(), grouped(set.points).c_str(),
+                     grouped(set.chunks).c_str(), grouped(added.size()).c_str());
         if (set.points == 0 && !assignments.empty())
             result.line("note: no point is selected; " + extent_text(cloud->info().bounds()));
         json["cache"] = Json();
@@ -244,7 +242,7 @@ private:
     std::string tree_;
     std::vector<std::string> values_, attributes_;
     RegionArguments region_;
-    std::optional<std::uint16_t> level_;
+    LevelArguments level_;
     L2Options cache_;
     bool statistics_ = false;
 };
@@ -266,7 +264,8 @@ Row set_row()
              {"attributes_added", "count", "", "new attributes"},
              {"cache", "object?", "", "--statistics: of the cache of chunks"}},
             make<Set>,
-            {"values"}};
+            {"values"},
+            follows_from_points_read};
 }
 
 }  // namespace pcm::ops

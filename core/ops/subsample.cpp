@@ -3,8 +3,11 @@
 
 #include "pcm/ops/shared/result_arguments.h"
 #include "pcm/ops/table.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace pcm::ops {
 namespace {
@@ -47,7 +50,7 @@ public:
         to_.declare_reading(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const TargetChoice choice = to_.target.choice(context.face, arguments_);
         if (context.face == Face::dialog) {
@@ -64,20 +67,34 @@ public:
         Result result;
         sources.describe(result, report.build);
         if (!report.caveat.empty()) result.notes.push_back(report.caveat);
+        result.accuracy = accuracy_of(report);
         result.values["exact"] = options_.exact;
         result.values["level"] = report.level ? Json(report.level->level) : Json();
         result.values["spacing"] = report.level       ? Json(report.level->spacing)
                                    : options_.spacing ? Json(*options_.spacing)
                                                       : Json();
         result.values["bytes"] = report.build.bytes;
-        result.print("%s: %s points of %s (%s) in %.1f s, %s, peak memory %s", result.output.c_str(),
+        result.print("%s: %s points of %s (%s) in %.1f s, %s", result.output.c_str(),
                      grouped(result.outcome.points_out).c_str(), grouped(result.outcome.points_in).c_str(),
-                     chosen_text(report).c_str(), result.outcome.seconds, bytes_text(report.build.bytes).c_str(),
-                     bytes_text(peak_memory_bytes()).c_str());
+                     chosen_text(report).c_str(), result.outcome.seconds, bytes_text(report.build.bytes).c_str());
         return result;
     }
 
 private:
+    // By how much the level is not what was asked for.
+    Accuracy accuracy_of(const SubsampleReport& report) const
+    {
+        if (!report.level) return exact_answer();
+        const double unknown = std::numeric_limits<double>::infinity();
+        if (options_.spacing)
+            return bounded(report.caveat.empty() ? std::fabs(report.level->spacing - *options_.spacing) : unknown,
+                           "the spacing");
+        const auto asked = std::min(*options_.points, report.build.outcome.points_in);
+        const std::uint64_t made = report.level->points, off = std::max(asked, made) - std::min(asked, made);
+        if (off == 0) return exact_answer();
+        return {ErrorKind::bound, static_cast<double>(off), "points", "the number of points"};
+    }
+
     std::string chosen_text(const SubsampleReport& report) const
     {
         if (!report.level) {
@@ -110,7 +127,9 @@ Row subsample_row()
              {"spacing", "number?", "source units", "spacing of the points; null: a number of points was requested"},
              {"bytes", "count", "bytes", "size of the result"}},
             make<Subsample>,
-            {"spacing"}};
+            {"spacing"},
+            "It takes neither a time limit nor an error target: --spacing says how far points may be from the result, "
+            "and --nearest-level is the quick answer."};
 }
 
 }  // namespace pcm::ops

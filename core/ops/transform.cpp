@@ -61,7 +61,7 @@ public:
         to_.declare_work(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const auto tree = Tree::open(target_.tree);
         std::vector<Affine> maps;
@@ -163,7 +163,8 @@ Row transform_row()
             {{"position_error", "number", "source units", "largest position error"},
              {"bytes", "count", "bytes", "size of the result"}},
             make<Transform>,
-            {"translate"}};
+            {"translate"},
+            only_rounds};
 }
 
 }  // namespace pcm::ops

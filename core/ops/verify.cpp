@@ -75,7 +75,7 @@ public:
             .help("Also measure how evenly the levels are spaced: exact, but slower");
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         const ProgressFunction first = measures_levels_ ? part_of(context.progress, 0, 0.5) : context.progress;
         const VerifyReport report = verify_tree(target_.tree, work_.threads, first);
@@ -85,6 +85,7 @@ public:
         Result result;
         result.input = {target_.tree};
         result.outcome = report.outcome;
+        result.accuracy = exact_answer();
         result.notes = report.notes;
         result.good = report.faults.empty() && report.around.empty() && levels.faults.empty();
         Json& values = result.values;
@@ -130,7 +131,9 @@ Row verify_row()
          {"coverage_limit", "number?", "", "guaranteed coverage; null: none, or not requested"},
          {"faults", "list", "", "what is wrong"},
          {"around", "list", "", "what is wrong around the tree's own files"}},
-        make<Verify>};
+        make<Verify>,
+        {},
+        always_exact};
 }
 
 }  // namespace pcm::ops

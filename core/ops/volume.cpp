@@ -1,6 +1,7 @@
 // Cut and fill between a tree's surface and a height, a plane or another tree.
 #include "pcm/measure/volume.h"
 
+#include "pcm/ops/shared/level_arguments.h"
 #include "pcm/ops/shared/measure_report.h"
 #include "pcm/ops/shared/region_arguments.h"
 #include "pcm/ops/table.h"
@@ -101,12 +102,12 @@ public:
         files_.declare(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         files_.check();
         set_reference(context);
         const auto cloud = context.open(tree_);
-        check_level(*cloud, options_.level);
+        check_level(*cloud->tree(), options_.level);
         if (!polygon_.empty())
             options_.polygon = plan_points_of(polygon_, called(context, "polygon"),
                                               cloud->info().points ? cloud->info().bounds().min[2] : 0);
@@ -222,6 +223,7 @@ private:
         result.input = {tree_};
         if (!before_.empty()) result.input.push_back(before_);
         result.outcome = report.outcome;
+        result.accuracy = from_deviation(report.outcome.error, "source units^3", "the net volume");
         result.notes = report.notes();
         if (const std::string caution = caution_of(system); !caution.empty())
             result.notes.insert(result.notes.begin(), caution);
@@ -290,7 +292,10 @@ Row volume_row()
             menu::measure,
             nullptr,
             volume_keys(),
-            make<Volume>};
+            make<Volume>,
+            {},
+            "It takes neither a time limit nor an error target: the error is known after the pass over the points "
+            "alone. --level reads fewer of them."};
 }
 
 }  // namespace pcm::ops

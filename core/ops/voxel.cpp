@@ -2,11 +2,22 @@
 #include "pcm/filter/voxel_grid.h"
 #include "pcm/ops/shared/result_arguments.h"
 #include "pcm/ops/table.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
+#include "pcm/tree/tree.h"
+
+#include <cmath>
+#include <limits>
 
 namespace pcm::ops {
 namespace {
+
+// Last bit of the largest coordinate, as a double.
+double last_bit_of(const Box3d& box)
+{
+    if (box.empty()) return 0;
+    const double largest = std::max(largest_magnitude(box.min), largest_magnitude(box.max));
+    return std::nextafter(largest, std::numeric_limits<double>::infinity()) - largest;
+}
 
 class Voxel : public Operation {
 public:
@@ -53,17 +64,21 @@ public:
         to_.declare_reading(arguments_);
     }
 
-    Result run(const Context& context) override
+    Result answer(const Context& context) override
     {
         options_.voxels.size = size_;
         if (!anchor_.empty()) options_.voxels.anchor = {anchor_[0], anchor_[1], anchor_[2]};
         if (nearest_) options_.point = VoxelPoint::nearest;
         check_voxels(options_.voxels, {}, nullptr);  // before files are read
         const Sources sources(to_, to_.target.choice(context.face, arguments_), Sampling::grid, context.progress);
-        const VoxelGridReport report = sources.apply(
-            [&](const std::filesystem::path& tree, const ResultOptions& to) { return voxel_grid(tree, options_, to); });
+        double rounding = 0;  // rounding of centroids to doubles
+        const VoxelGridReport report = sources.apply([&](const std::filesystem::path& tree, const ResultOptions& to) {
+            if (options_.point == VoxelPoint::centroid) rounding = last_bit_of(Tree::open(tree)->info().bounds());
+            return voxel_grid(tree, options_, to);
+        });
         Result result;
         sources.describe(result, report.build);
+        result.accuracy = rounded_positions(report.build.outcome.error + rounding);
         result.values["voxel_size"] = size_;
         result.values["most_points_in_a_voxel"] = report.most_in_one;
         result.values["bytes"] = report.build.bytes;
@@ -72,8 +87,8 @@ public:
                      result.output.c_str(), grouped(outcome.points_out).c_str(), grouped(outcome.points_in).c_str(),
                      exact(size_).c_str(), outcome.seconds,
                      static_cast<double>(outcome.points_in) / std::max(1e-9, outcome.seconds) / 1e6);
-        result.print("at most %s points in a voxel, %s, peak memory %s", grouped(report.most_in_one).c_str(),
-                     bytes_text(report.build.bytes).c_str(), bytes_text(peak_memory_bytes()).c_str());
+        result.print("at most %s points in a voxel, %s", grouped(report.most_in_one).c_str(),
+                     bytes_text(report.build.bytes).c_str());
         return result;
     }
 
@@ -102,7 +117,9 @@ Row voxel_row()
          {"most_points_in_a_voxel", "count", "points", "points of the voxel with the most"},
          {"bytes", "count", "bytes", "size of the result"}},
         make<Voxel>,
-        {"size"}};
+        {"size"},
+        "It takes neither a time limit nor an error target: every point is read once, and centroids are rounded as "
+        "doubles are."};
 }
 
 }  // namespace pcm::ops

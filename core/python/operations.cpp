@@ -70,7 +70,7 @@ py::tuple run(const std::string& name, const std::vector<std::pair<std::string, 
     ops::Result result;
     call.run([&] { result = ops::run_on_files_too(*row, *operation, context); });
     return py::make_tuple(ops::json_of(row->name, result).dump(-1, ' ', false, ops::Json::error_handler_t::replace),
-                          result.lines, result.good);
+                          ops::all_lines(result), result.good);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "pcm/system/file.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/work_done.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -129,6 +130,7 @@ std::size_t File::read_some_at(void* to, std::size_t bytes, std::uint64_t offset
         if (got == 0) break;
         done += static_cast<std::size_t>(got);
     }
+    count_bytes_read(done);
     return done;
 }
 

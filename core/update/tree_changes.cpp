@@ -4,6 +4,7 @@
 #include "pcm/bpc/chunk_encoder.h"
 #include "pcm/cloud/attribute_names.h"
 #include "pcm/system/error.h"
+#include "pcm/system/work_done.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/tree/point_hash.h"
@@ -41,6 +42,7 @@ Chunk TreeChanges::read_now(NodeId node, const ColumnSet& columns) const
     if (!place) return tree_->read_chunk(node, columns);
     const Extent& extent = place->extent;
     Chunk chunk = read_chunk(*place->file, extent.offset, extent.bytes, extent.header_bytes, columns).chunk;
+    count_points_read(tree_->node(node).points);
     add_missing_columns(chunk, tree_->info().schema, columns);
     return chunk;
 }
@@ -59,6 +61,7 @@ ChunkPart TreeChanges::read_part(NodeId node, const ColumnSet& columns,
     for (const std::uint32_t s : decoded.kept) {
         part.first.push_back(decoded.header.segments[s].first);
         part.count.push_back(decoded.header.segments[s].count);
+        count_points_read(part.count.back());
     }
     part.chunk = std::move(decoded.chunk);
     part.bytes_read = decoded.bytes_read;

@@ -54,7 +54,7 @@ void run_operation(const ops::Row& row, const OperationHooks& hooks, const Filte
     const ops::Result result = operation->run(context);
     for (const std::string& warning : result.outcome.warnings) run.warn(warning);
     for (const std::string& note : result.notes) run.log("Note: " + note);
-    for (const std::string& line : result.lines) run.log(line);
+    for (const std::string& line : ops::all_lines(result)) run.log(line);
     if (hooks.after)
         hooks.after(run, *operation, result);
     else
@@ -87,7 +87,7 @@ void show_made(const FilterRun& run, const ops::Result& result)
 Filter operation_filter(const ops::Row& row, OperationHooks hooks)
 {
     return {row.title,
-            QString(row.details) + " Esc cancels it.",
+            QString::fromStdString(ops::description_of(row)) + " Esc cancels it.",
             row.menus,
             [&row](Parameters& parameters) {
                 const auto operation = row.make();

@@ -43,7 +43,7 @@ TEST_F(AttributesCliTest, NormalsAndRadiiInOnePass)
     EXPECT_TRUE(exact["level"].is_null());
     EXPECT_GT(exact["flipped"], 0);
     EXPECT_GT(exact["seconds"], 0.0);
-    EXPECT_GT(exact["peak_rss_bytes"], 1000000);
+    EXPECT_GT(exact["peak_memory"], 1000000);
     for (const char* name : {"normal", "radius", "curvature", "mean_distance", "normal_confidence"})
         EXPECT_TRUE(has("n.pct", name)) << name;
     EXPECT_FALSE(has("scene.pct", "normal"));

@@ -67,11 +67,12 @@ TEST_F(FitCommand, ClickOnAPipeAndGetThePipe)
     EXPECT_EQ(primitive["points"], json["points"]);
     EXPECT_EQ(json["growth"]["converged"], true);
     EXPECT_GT(json["seconds"], 0);
-    EXPECT_GT(json["peak_rss_bytes"], 0);
+    EXPECT_GT(json["peak_memory"], 0);
     EXPECT_TRUE(json["done"].is_null());
     const Result text = pcmlab("fit " + path("surface.pct") + " " + at_);
     EXPECT_EQ(text.code, 0) << text.err;
-    for (const char* part : {"Cylinder: good", "radius", " +- ", "length", "noise", "points belong to it", " s, peak"})
+    for (const char* part : {"Cylinder: good", "radius", " +- ", "length", "noise", "points belong to it",
+                             " (95 %, of the shape's place); ", "peak memory"})
         EXPECT_NE(text.out.find(part), std::string::npos) << part << text.out;
     EXPECT_FALSE(std::regex_search(text.out, std::regex("\\.[0-9]{9}"))) << text.out;
 }
@@ -124,7 +125,7 @@ TEST_F(FitCommand, OptionsAreTaken)
     const Json json =
         fit(at_ +
             "--shape cylinder --estimator ransac --threshold 0.009 --iterations 500 --probability 0.999 "
-            "--seconds 5 --seed 7 --count 800 --step 0.2 --rounds 2 --least-radius 0.1 --largest-radius 1 "
+            "--time-limit 5 --seed 7 --count 800 --step 0.2 --rounds 2 --least-radius 0.1 --largest-radius 1 "
             "--outline convex --clip 'box -3 -50 0 3 -30 20' -t 1 -m 64M");
     EXPECT_EQ(json["primitive"]["estimator"], "ransac");
     EXPECT_EQ(json["primitive"]["threshold"], 0.009);

@@ -56,7 +56,7 @@ TEST_F(SelectCommand, CountsWithBoxAndClasses)
     EXPECT_EQ(json["box"]["max"].get<Vec3d>(), box.max);
     EXPECT_EQ(json["classes"]["8"], count([&](const LasRecord& p) { return in(p) && (p.classification & 31) == 8; }));
     EXPECT_TRUE(json["done"].is_null());
-    EXPECT_GT(json["peak_rss_bytes"], 0);
+    EXPECT_GT(json["peak_memory"], 0);
     EXPECT_EQ(select(sphere_ + "--invert")["points"],
               10000 - count([&](const LasRecord& p) { return region_.contains(position(p)); }));
     const Result text = pcmlab("select " + path("in.pct") + " " + sphere_);

@@ -14,8 +14,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <map>
+#include <set>
 
 namespace {
 
@@ -71,6 +73,13 @@ Calls calls(const std::string& tree, const std::string& folder)
         {"primitives", {{"list", {folder + "/list.json"}}, {"output", {folder + "/list.csv"}}}}};
 }
 
+Result exact_result()
+{
+    Result result;
+    result.accuracy = exact_answer();
+    return result;
+}
+
 class Answers : public testing::Test {
 protected:
     Answers()
@@ -80,7 +89,9 @@ protected:
         grid.scale = {0.001, 0.001, 0.001};
         grid.offset = {512345, 4812345, 100};
         pcm::test::write_las(folder_ / "cloud.las", pcm::test::records(pcm::test::Shape::surface, 3000, 3), grid);
-        pcm::build_tree({folder_ / "cloud.las"}, tree_, {});
+        pcm::BuildOptions small;
+        small.chunk_points = pcm::least_chunk_points;  // so that there are several levels
+        pcm::build_tree({folder_ / "cloud.las"}, tree_, small);
         pcm::Primitive ball;
         ball.name = "Ball";
         ball.fit.verdict = pcm::FitVerdict::good;
@@ -129,7 +140,132 @@ TEST_F(Answers, HaveTheKeysOfTheirRows)
         const Json answer = answer_of(row, call->second);
         EXPECT_EQ(pcm::test::faults_of_answer(row, answer), "");
         EXPECT_EQ(answer["command"], row.name);
+        EXPECT_GT(answer["seconds"], 0);
+        EXPECT_GT(answer["cpu_seconds"], 0);
+        EXPECT_GT(answer["peak_memory"], 1000000);
+        // What needs no point, or has it from the index.
+        const std::set<std::string> without_points{"info", "generate", "measure", "primitives", "repair"};
+        if (!without_points.count(row.name)) EXPECT_GT(answer["points_read"], 0);
     }
+}
+
+// A row that traded something says what, in the words of accuracy.h.
+TEST_F(Answers, SayWhatTheyTraded)
+{
+    struct Case {
+        std::string operation;
+        Call call;
+        std::string kind, unit;
+    };
+    const std::string file = (folder_ / "cloud.las").string(), out = (folder_ / "out.pct").string();
+    const Call level{{"tree", {tree_}}, {"level", {"0"}}};
+    const auto with = [](Call call, const std::string& key, const std::vector<std::string>& words) {
+        call[key] = words;
+        return call;
+    };
+    const std::vector<Case> cases{
+        {"query", {{"tree", {tree_}}}, "exact", ""},
+        {"query", level, "bound", "source units"},
+        {"query", {{"tree", {tree_}}, {"error_target", {"50"}}}, "bound", "source units"},
+        {"query", {{"tree", {tree_}}, {"error_target", {"0"}}}, "exact", ""},
+        {"query", with(level, "nearest", {"512345", "4812345", "100"}), "bound", "source units"},
+        {"query",
+         {{"tree", {tree_}}, {"estimate", {"on"}}, {"region", {"sphere 512345 4812345 100 20"}}},
+         "bound",
+         "points"},
+        {"select", level, "bound", "source units"},
+        {"profile", with(level, "line", {"512300", "4812345", "512400", "4812345"}), "bound", "source units"},
+        {"set", with(level, "new", {"height:f32"}), "bound", "source units"},
+        {"convert", {{"paths", {tree_, (folder_ / "a.laz").string()}}, {"level", {"0"}}}, "bound", "source units"},
+        {"convert",
+         {{"paths", {tree_, (folder_ / "b.laz").string()}}, {"max_points", {"500"}}},
+         "bound",
+         "source units"},
+        {"convert", {{"paths", {tree_, (folder_ / "c.laz").string()}}, {"grid", {"0.3"}}}, "bound", "source units"},
+        {"convert", {{"paths", {tree_, (folder_ / "d.laz").string()}}}, "exact", ""},
+        {"radii", {{"tree", {tree_}}, {"output", {(folder_ / "r.pct").string()}}, {"level", {"0"}}}, "95 %", "%"},
+        {"normals",
+         {{"tree", {tree_}}, {"output", {(folder_ / "n.pct").string()}}, {"level", {"0"}}},
+         "95 %",
+         "degrees"},
+        {"subsample",
+         {{"input", {tree_}}, {"spacing", {"3"}}, {"exact", {"off"}}, {"output", {(folder_ / "s.pct").string()}}},
+         "bound",
+         "source units"},
+        {"subsample",
+         {{"input", {tree_}}, {"spacing", {"3"}}, {"output", {(folder_ / "t.pct").string()}}},
+         "exact",
+         ""},
+        {"subsample",
+         {{"input", {tree_}}, {"points", {"500"}}, {"exact", {"off"}}, {"output", {(folder_ / "u.pct").string()}}},
+         "bound",
+         "points"},
+        {"volume", {{"tree", {tree_}}, {"reference", {"90"}}}, "95 %", "source units^3"},
+        {"measure",
+         {{"kind", {"distance"}},
+          {"points", {"512345", "4812345", "100", "512355", "4812345", "100"}},
+          {"from", {tree_}}},
+         "95 %",
+         "source units"},
+        {"info", {{"input", {(folder_ / "cloud.xyz").string()}}}, "estimated", "points"},
+        {"run",
+         {{"input", {tree_}}, {"radii", {"8,level=0"}}, {"output", {(folder_ / "v.pct").string()}}},
+         "95 %",
+         "%"},
+        {"run",
+         {{"input", {tree_}},
+          {"radii", {"8,level=0"}},
+          {"normals", {"8,level=0"}},
+          {"output", {(folder_ / "w.pct").string()}}},
+         "estimated",
+         ""},
+    };
+    answer_of(*find_operation("convert"), {{"paths", {tree_, (folder_ / "cloud.xyz").string()}}});
+    for (const Case& one : cases) {
+        const Json answer = answer_of(*find_operation(one.operation), one.call);
+        SCOPED_TRACE(one.operation + " " + answer.dump().substr(0, 300));
+        EXPECT_EQ(pcm::test::faults_of_answer(*find_operation(one.operation), answer), "");
+        EXPECT_EQ(answer["error_kind"], one.kind);
+        EXPECT_EQ(answer["error_unit"], one.unit);
+    }
+}
+
+TEST_F(Answers, OfALevelHaveTheErrorThatWasAskedFor)
+{
+    const Row& row = *find_operation("query");
+    double before = 1e9;
+    for (const char* const target : {"50", "20", "8", "0.001"}) {
+        const Json answer = answer_of(row, {{"tree", {tree_}}, {"error_target", {target}}});
+        EXPECT_LE(answer["error"], std::stod(target));
+        EXPECT_LE(answer["error"], before);
+        before = answer["error"];
+    }
+    EXPECT_EQ(before, 0) << "all points";
+    EXPECT_THROW(answer_of(row, {{"tree", {tree_}}, {"error_target", {"1"}}, {"level", {"0"}}}), ArgumentError);
+}
+
+TEST_F(Answers, AreRefusedWithoutAWordOnTheirAccuracy)
+{
+    const auto operation = find_operation("render")->make();
+    operation->arguments().find("trees")->set({tree_}, "trees");
+    Context context;
+    context.render = [](const RenderRequest&) { return Result(); };
+    EXPECT_THROW(operation->run(context), std::logic_error);
+}
+
+TEST(Accuracy, OfAChainIsTheSumOfWhatIsAlike)
+{
+    const Accuracy a = bounded(0.5, "coordinates"), b = bounded(0.25, "coordinates"), none = exact_answer();
+    EXPECT_EQ(of_steps({none, none}).kind, ErrorKind::exact);
+    EXPECT_EQ(of_steps({none, a}).error, 0.5);
+    EXPECT_EQ(of_steps({a, none, b}).error, 0.75);
+    EXPECT_EQ(of_steps({a, b}).kind, ErrorKind::bound);
+    EXPECT_EQ(of_steps({a, from_deviation(1, "source units", "coordinates")}).kind, ErrorKind::estimated);
+    EXPECT_FALSE(std::isfinite(of_steps({a, bounded(1, "the spacing")}).error));
+    EXPECT_EQ(text_of(none), "error 0 (exact)");
+    EXPECT_EQ(text_of(a), "error 0.5 source units (bound, of coordinates)");
+    EXPECT_EQ(text_of(from_deviation(1, "degrees", "the axis")), "error 1.96 degrees (95 %, of the axis)");
+    EXPECT_EQ(text_of(bounded(INFINITY, "the spacing")), "error not known (bound, of the spacing)");
 }
 
 // Cancelled at its first report of progress; what it works on is not changed.
@@ -172,7 +308,7 @@ TEST_F(Answers, OfARenderingAreWhatDraws)
         EXPECT_EQ(request.style.splats, pcm::SplatMode::fitted);
         EXPECT_EQ(request.limits.clips.size(), 1u);
         EXPECT_EQ(request.options.smooth_frames, pcm::usual_smooth_frames);
-        Result result;
+        Result result = exact_result();
         result.input = request.trees;
         return result;
     };
@@ -180,7 +316,7 @@ TEST_F(Answers, OfARenderingAreWhatDraws)
     arguments.find("discs")->set(true);
     context.render = [](const RenderRequest& request) {
         EXPECT_EQ(request.style.splats, pcm::SplatMode::perspective);
-        return Result();
+        return exact_result();
     };
     operation->run(context);
     arguments.find("splats")->set({"constant"}, "splats");

@@ -65,7 +65,7 @@ Json run(const std::string& name, const Json& values)
     Json answer = json_of(row->name, result);
     answer["makes"] = static_cast<int>(result.makes);
     answer["good"] = result.good;
-    answer["lines"] = result.lines;
+    answer["lines"] = all_lines(result);
     return answer;
 }
 

@@ -26,7 +26,7 @@ public:
         arguments_.add("output", output).as(ValueKind::output_tree);
         arguments_.add("layer", layer).only(Face::dialog);
     }
-    Result run(const Context&) override { return {}; }
+    Result answer(const Context&) override { return {}; }
 
     std::string tree, output, layer;
     std::uint32_t count = 1;

@@ -75,11 +75,29 @@ TEST_P(EveryRow, TakesItsOwnDefaults)
     }
 }
 
+// Those that trade error for time take both limits, in the same units, or say why not.
+TEST_P(EveryRow, TakesLimitsOfTimeAndErrorOrSaysWhyNot)
+{
+    const auto operation = GetParam()->make();
+    const Argument* const time = operation->arguments().find("time_limit");
+    const Argument* const error = operation->arguments().find("error_target");
+    const std::string limits = GetParam()->limits ? GetParam()->limits : "";
+    EXPECT_EQ(limits.empty(), time && error) << limits;
+    if (time) {
+        EXPECT_EQ(time->unit(), "s");
+    }
+    if (error) {
+        EXPECT_TRUE(error->unit() == "source units" || error->unit() == "%") << error->unit();
+    }
+    EXPECT_FALSE(limits == always_exact && (time || error));
+    EXPECT_EQ(usage_of(*GetParam())["limits"].is_null(), limits.empty());
+    EXPECT_NE(description_of(*GetParam()).find(limits), std::string::npos);
+}
+
 TEST_P(EveryRow, HasAnAnswerThatIsDescribed)
 {
-    std::set<std::string> keys{"command",   "version",           "input",         "output",
-                               "points",    "seconds",           "warnings",      "notes",
-                               "points_in", "points_per_second", "peak_rss_bytes"};
+    std::set<std::string> keys;
+    for (const ResultKey& key : head_keys()) keys.insert(key.key);
     const std::set<std::string> types{"count", "count?", "number", "number?", "text",   "text?",
                                       "flag",  "flag?",  "list",   "list?",   "object", "object?"};
     for (const ResultKey& key : GetParam()->results) {

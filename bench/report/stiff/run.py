@@ -37,7 +37,6 @@ from exact import Wrong, require  # noqa: E402
 ORACLES = {**oracles_clouds.ORACLES, **oracles_points.ORACLES, **oracles_measures.ORACLES}
 SMOKE = ("plain, on a map", "0 points", "all in one place", "a coordinate nan", "a stray at 1e100", "a mirrored matrix", "collinear pairs",
          "the camera inside a point")
-HEAD = {"command": str, "version": str, "points": int, "seconds": (int, float), "warnings": list, "notes": list}
 # Ends of the places in answers that may be null, where that means none, or, of a sigma, infinite: nothing is known.
 OPTIONAL = (".level", ".radii_limited", ".left_surface", ".fixed_spacing", ".moving_spacing", ".flipped", ".least_distance",
             ".sigma.position", ".sigma.angle", ".sigma.radius", ".sigma.second", ".condition")
@@ -121,9 +120,7 @@ class Cell:
 
     def check_keys(self):
         """Head and declared keys have their types; what cannot be null is not, which is how NaN and infinity show in JSON."""
-        for key, kind in HEAD.items():
-            require(isinstance(self.answer.get(key), kind), f"{key} is {self.answer.get(key)!r}")
-        for declared in self.operation["results"]:
+        for declared in self.operation["head"] + self.operation["results"]:
             value = self.answer[declared["key"]]
             kind = TYPES[declared["type"].rstrip("?")]
             require(isinstance(value, kind) or (value is None and declared["type"].endswith("?")), f"{declared['key']} is {value!r}")

@@ -119,7 +119,7 @@ struct Summary {
     std::vector<Drawn> drawn;  // for each file
     std::set<std::string> notices;
     Outcome outcome;  // points_out: drawn in all pictures
-    double longest_ms = 0;
+    double longest_ms = 0, coarsest_px = 0;
     std::uint64_t most_points = 0, most_hidden = 0;
     unsigned least_averaged = ~0u, most_averaged = 1;  // frames of a picture
     std::size_t empty = 0;                             // pictures in which no pixel differs from the background
@@ -135,6 +135,7 @@ struct Summary {
         }
         most_hidden = std::max(most_hidden, hidden);
         longest_ms = std::max(longest_ms, picture.ms);
+        coarsest_px = std::max(coarsest_px, picture.report.screen_error_px);
         outcome.points_out += picture.report.points_drawn;
         most_points = std::max(most_points, picture.report.points_drawn);
         least_averaged = std::min(least_averaged, picture.report.frames_averaged);
@@ -227,7 +228,7 @@ void describe(Result& result, const Summary& summary, const RenderRequest& reque
         result.line(std::to_string(files.size()) + " pictures, " + files.front().string() + " to " +
                     files.back().string() + ": at most " + points + ", and " + time_text(summary.longest_ms / 1000) +
                     " each");
-    result.line("drawn with " + screen.renderer() + ", peak memory " + bytes_text(peak_memory_bytes()));
+    result.line("drawn with " + screen.renderer());
 }
 
 Result result_of(const Summary& summary, const RenderRequest& request, const Offscreen& screen)
@@ -237,6 +238,10 @@ Result result_of(const Summary& summary, const RenderRequest& request, const Off
     result.output = request.output;
     result.makes = ops::Makes::file;
     result.outcome = summary.outcome;
+    result.accuracy = ops::exact_answer();
+    if (summary.coarsest_px > 0)
+        result.accuracy = {ops::ErrorKind::bound, summary.coarsest_px, "pixels",
+                           "distances to points that are not drawn"};
     result.values["trees"] = request.trees;
     result.values["width"] = screen.width();
     result.values["height"] = screen.height();

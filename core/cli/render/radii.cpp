@@ -50,6 +50,7 @@ ops::Result radii_on_gpu(const ops::GpuRadiiRequest& request, const ProgressFunc
     result.input = {request.tree};
     result.output = target.path().string();
     result.outcome = report.outcome;
+    result.accuracy = ops::exact_answer();
     result.values["level"] = nullptr;
     result.values["points_checked"] = 0;
     result.values["errors"] = ops::Json::array();
@@ -60,8 +61,7 @@ ops::Result radii_on_gpu(const ops::GpuRadiiRequest& request, const ProgressFunc
     result.values["flipped"] = nullptr;
     result.values["computed_with"] = context.renderer();
     result.print("%s: radii: %.1f s, exact", target.path().c_str(), report.outcome.seconds);
-    result.line(grouped(report.outcome.points_out) + " points, computed with " + context.renderer() + ", peak memory " +
-                bytes_text(peak_memory_bytes()));
+    result.line(grouped(report.outcome.points_out) + " points, computed with " + context.renderer());
     if (normals) result.line("radii were measured across the normals that the tree has");
     return result;
 }

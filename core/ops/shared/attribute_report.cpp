@@ -3,13 +3,12 @@
 #include "pcm/filter/backends.h"
 #include "pcm/system/text.h"
 
-#include <cstdio>
-
 namespace pcm::ops {
 
 void put_report(Result& result, const FilterReport& report)
 {
     result.outcome = report.outcome;
+    result.accuracy = sampled(report.errors);
     result.notes.insert(result.notes.end(), report.notes.begin(), report.notes.end());
     result.values["level"] = report.level ? Json(*report.level) : Json();
     result.values["points_checked"] = report.points_checked;
@@ -57,8 +56,7 @@ void put_attribute_report(Result& result, const WantedValues& wanted, const Neig
                                                 : Json();
     values["flipped"] = wanted.normal ? Json(report.flipped) : Json();
     result.line(result.output + ": " + outcome_text(noun_of(wanted), report));
-    result.line(grouped(report.outcome.points_out) + " points, " + grouped(report.points_computed) +
-                " computed, peak memory " + bytes_text(report.peak_memory_bytes));
+    result.line(grouped(report.outcome.points_out) + " points, " + grouped(report.points_computed) + " computed");
     if (wanted.needs_shape())
         result.line("neighbours on a line: " + grouped(report.lines) + " points; in a blob: " + grouped(report.blobs) +
                     "; too few: " + grouped(report.too_few) + "; on two surfaces: " + grouped(report.two_surfaces));
@@ -74,13 +72,6 @@ void flann_argument(Arguments& arguments, bool& flann)
         .help("Search with the FLANN library, for comparison")
         .advanced()
         .shown(offers_flann());
-}
-
-std::string tenths(double seconds)
-{
-    char text[32];
-    std::snprintf(text, sizeof text, "%.1f", seconds);
-    return text;
 }
 
 }  // namespace pcm::ops

@@ -18,6 +18,4 @@ std::vector<ResultKey> attribute_keys();
 // --flann, shown where it is built.
 void flann_argument(Arguments& arguments, bool& flann);
 
-std::string tenths(double seconds);  // "3.1"
-
 }  // namespace pcm::ops

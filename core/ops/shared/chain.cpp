@@ -12,7 +12,6 @@
 #include "pcm/tree/tree.h"
 
 #include <algorithm>
-#include <chrono>
 #include <utility>
 
 namespace pcm::ops {
@@ -46,7 +45,6 @@ bool Chain::is_file() const { return is_file_output(place_); }
 
 std::vector<Result> Chain::run(const Context& context)
 {
-    const auto start = std::chrono::steady_clock::now();
     CloudSources sources({options_.inputs.begin(), options_.inputs.end()}, options_.reading);
     place_ = result_place(options_.output, options_.overwrite);
     if (sources.has(place_))
@@ -61,7 +59,6 @@ std::vector<Result> Chain::run(const Context& context)
     for (std::size_t i = 0; i < links_.size(); ++i) answers.push_back(run_link(i, context));
     if (!written_) write_file(context);
     scratch_.reset();
-    summary_.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     return answers;
 }
 
@@ -83,6 +80,7 @@ void Chain::take_inputs(CloudSources& sources, bool selected, const Context& con
     summary_.values["points_skipped"] = 0;
     put_skipped(summary_, {});
     summary_.notes = sources.notes();
+    summary_.accuracy = exact_answer();
     if (inputs.size() == 1 && is_any_tree(inputs[0]) && !selected) {
         tree_ = inputs[0];
         summary_.outcome.points_in = Tree::open(tree_)->info().points;
@@ -98,6 +96,7 @@ void Chain::take_inputs(CloudSources& sources, bool selected, const Context& con
     try {
         const BuildReport report = build_tree(*cloud, sources.names(), folder, build);
         summary_.outcome = report.outcome;
+        summary_.accuracy = rounded_positions(report.outcome.error);
         summary_.values["points_skipped"] = report.points_skipped;
         put_skipped(summary_, report.skipped);
         summary_.notes.insert(summary_.notes.end(), report.notes.begin(), report.notes.end());
@@ -212,6 +211,7 @@ void Chain::write_file(const Context& context)
         const ConvertReport report = pcm::convert({tree_}, place_, options);
         Outcome& outcome = summary_.outcome;
         outcome.points_out = report.outcome.points_out;
+        summary_.accuracy = of_steps({*summary_.accuracy, rounded_positions(report.outcome.error)});
         outcome.warnings.insert(outcome.warnings.end(), report.outcome.warnings.begin(), report.outcome.warnings.end());
         summary_.notes.insert(summary_.notes.end(), report.notes.begin(), report.notes.end());
     } catch (const Error& error) {
@@ -230,7 +230,7 @@ Result whole(Result answer, const Result& all)
     answer.notes.insert(answer.notes.begin(), all.notes.begin(), all.notes.end());
     answer.outcome.points_in = all.outcome.points_in;
     answer.outcome.points_out = all.outcome.points_out;
-    answer.outcome.seconds = all.outcome.seconds;
+    answer.accuracy = of_steps({*all.accuracy, *answer.accuracy});
     std::vector<std::string>& warnings = answer.outcome.warnings;
     warnings.insert(warnings.end(), all.outcome.warnings.begin(), all.outcome.warnings.end());
     return answer;
@@ -262,9 +262,11 @@ Result run_on_files_too(const Row& row, Operation& operation, const Context& con
     if (const Argument* const threads = arguments.find("threads"))
         options.threads = static_cast<unsigned>(threads->whole());
     if (const Argument* const overwrite = arguments.find("overwrite")) options.overwrite = overwrite->is_given();
+    const Meter meter;
     Chain chain(options, {{&row, &operation, ""}});
-    Result answer = chain.run(context).front();
-    return whole(std::move(answer), chain.summary());
+    Result answer = whole(chain.run(context).front(), chain.summary());
+    meter.put_into(answer);
+    return answer;
 }
 
 }  // namespace pcm::ops

@@ -46,7 +46,8 @@ public:
     // nothing, and what result_place(), CloudSources, build_tree(), convert() and the operations throw.
     std::vector<Result> run(const Context& context);
 
-    // After run(): the head of an answer about all of it. Values are those of the reading: points_skipped, skipped.
+    // After run(): the head of an answer about all of it. Values and accuracy are those of
+    // reading and writing: points_skipped, skipped; rounding.
     const Result& summary() const { return summary_; }
     std::string path() const { return place_.string(); }  // where the output is
 

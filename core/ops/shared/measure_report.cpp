@@ -56,6 +56,18 @@ Json json_of(const Measure& measure, const std::string& length_unit)
     return json;
 }
 
+Accuracy accuracy_of(const Measure& measure, const std::string& length_unit)
+{
+    try {
+        const MeasureValue value = values_of(measure).front();
+        const bool is_length = value.unit.empty() || value.unit[0] == '^';
+        const std::string length = length_unit.empty() ? "source units" : length_unit;
+        return from_deviation(value.uncertainty, is_length ? length + value.unit : value.unit, value.name);
+    } catch (const Error&) {  // the measure says what is wrong with it
+        return exact_answer();
+    }
+}
+
 void put_lines(Result& result, const Measure& measure, const std::string& length_unit)
 {
     result.line(measure.name + " (" + name_of(measure.kind) + ")");
@@ -112,15 +124,6 @@ void MeasureFiles::describe(Result& result, const std::string& content) const
     result.output = outputs.front();
     result.makes = Makes::file;
     for (const std::string& output : outputs) result.line(output + (content.empty() ? " written" : ": " + content));
-}
-
-void check_level(const PointCloud& cloud, const std::optional<std::uint16_t>& level)
-{
-    const std::uint16_t levels = cloud.info().levels;
-    if (level && levels > 0 && *level >= levels)
-        throw Error(ErrorCode::invalid_argument, cloud.tree()->folder(),
-                    "there is no level " + std::to_string(*level) + "; this tree has levels 0 to " +
-                        std::to_string(levels - 1));
 }
 
 }  // namespace pcm::ops

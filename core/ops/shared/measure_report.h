@@ -19,6 +19,8 @@ std::vector<Vec3d> plan_points_of(const std::vector<double>& numbers, const std:
 std::optional<CoordinateSystem> system_of(const PointCloud& cloud);
 // {"kind", "name", "values": {NAME: {"value", "uncertainty", "unit"}}}; "error" where there are none.
 Json json_of(const Measure& measure, const std::string& length_unit);
+// Accuracy of its most important number, the one of its label.
+Accuracy accuracy_of(const Measure& measure, const std::string& length_unit);
 void put_lines(Result& result, const Measure& measure, const std::string& length_unit);
 
 // output, overwrite: files that the measures are written to.
@@ -32,8 +34,5 @@ struct MeasureFiles {
     // What was written: the head's output, `files`, and a line for each.
     void describe(Result& result, const std::string& content = {}) const;
 };
-
-// Throws Error(invalid_argument) for a level that the cloud does not have.
-void check_level(const PointCloud& cloud, const std::optional<std::uint16_t>& level);
 
 }  // namespace pcm::ops

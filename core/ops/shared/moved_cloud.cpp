@@ -33,6 +33,7 @@ void put_moved(Result& result, const std::string& output, const std::optional<Bu
     result.output = output;
     result.makes = is_point_file_name(output) ? Makes::file : Makes::cloud;
     result.outcome = report->outcome;
+    result.accuracy = rounded_positions(report->outcome.error);
     result.notes.insert(result.notes.end(), report->notes.begin(), report->notes.end());
     result.print("%s: %s points in %.1f s, %s; largest position error %s source units", output.c_str(),
                  grouped(report->outcome.points_out).c_str(), report->outcome.seconds,

@@ -3,7 +3,6 @@
 #include "pcm/cloud/las_class.h"
 #include "pcm/io/las_summary.h"
 #include "pcm/system/error.h"
-#include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
 
 #include <cmath>
@@ -104,7 +103,6 @@ Json json_of_statistics(const CloudStatistics& statistics, const Schema& schema)
                           {"exact", duplicates.exact},
                           {"one_in", duplicates.one_in},
                           {"standard_error", duplicates.standard_error}};
-    json["peak_rss_bytes"] = peak_memory_bytes();
     return json;
 }
 

@@ -74,8 +74,8 @@ def _said_by(program, words, progress):
 def run(row, values, progress):
     """As _pcmlab.run(): the answer, the lines that the command prints, and whether all is well."""
     answer = _said_by(_program(), _command_line(row, values), progress)
-    if "error" in answer:
-        error = answer["error"]
+    error = answer["error"]
+    if isinstance(error, dict):  # in an answer it is a number, or null
         if error["code"] == "usage":
             raise _pcmlab.ArgumentError(error["text"])
         raise _error(error["text"], error["code"], error["path"] or "", error["hint"] or "")

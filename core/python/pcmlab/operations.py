@@ -125,8 +125,10 @@ def _document(row):
         lines.append(textwrap.fill(f"{_name(argument['key'])}: {_describe(argument)}", 110, initial_indent="    ",
                                    subsequent_indent="        "))
     lines.append("    progress: None, True (a bar), or a function of (fraction, stage) that cancels by returning False")
-    lines += ["", "Returns a dict with input, output, points, seconds, warnings, notes, and:"]
-    for result in row["results"]:
+    if row["limits"]:
+        lines += ["", textwrap.fill(row["limits"], 110)]
+    lines += ["", "Returns a dict with:"]
+    for result in row["results"] + row["head"]:
         unit = f", {result['unit']}" if result["unit"] else ""
         lines.append(textwrap.fill(f"{result['key']} ({result['type']}{unit}): {result['help']}", 110, initial_indent="    ",
                                    subsequent_indent="        "))

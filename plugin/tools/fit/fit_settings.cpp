@@ -50,7 +50,7 @@ std::vector<FitNumber> search_numbers()
          }},
         {"Probability", "probability", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.probability = number; }},
-        {"Seconds", "seconds", nullptr, false,
+        {"Seconds", "time_limit", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) { options.fit.seconds = number; }},
         {"Rounds", "rounds", nullptr, false,
          [](FitAtOptions& options, double number, const FitSettings&) {
