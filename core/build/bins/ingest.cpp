@@ -1,25 +1,28 @@
 #include "pcm/build/bins/ingest.h"
 
+#include "pcm/build/bins/strided_sample.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace pcm {
 
-std::vector<Vec3i> sample_evenly(PointReader& cloud, std::size_t count)
+std::vector<std::array<std::uint32_t, 3>> sample_evenly(PointReader& cloud)
 {
     // Runs of neighbours cost one read; a run holds few points, so that all parts of the cloud are seen.
-    constexpr std::uint64_t run = 512;
+    constexpr std::uint64_t run = 8;
     const std::uint64_t end = cloud.info().points;
-    const std::uint64_t runs = std::max<std::uint64_t>(1, count / run);
-    const std::uint64_t stride = std::max(run, end / runs);
-    std::vector<Vec3i> points;
-    points.reserve(count + run);
+    const std::uint64_t stride = run * sample_stride(end);
+    std::vector<std::array<std::uint32_t, 3>> points;
+    points.reserve(end / stride * run + run);
     PointBatch batch;
     for (std::uint64_t next = 0; next < end; next += stride) {
         cloud.seek(next);
         if (!cloud.read(batch, static_cast<std::size_t>(std::min(run, end - next)))) break;
         for (std::size_t i = 0; i < batch.size; ++i)
-            points.push_back({batch.grid_xyz[0][i], batch.grid_xyz[1][i], batch.grid_xyz[2][i]});
+            points.push_back({to_coordinate<std::uint32_t>(batch.grid_xyz[0][i]),
+                              to_coordinate<std::uint32_t>(batch.grid_xyz[1][i]),
+                              to_coordinate<std::uint32_t>(batch.grid_xyz[2][i])});
     }
     cloud.seek(0);
     return points;

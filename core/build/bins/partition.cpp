@@ -6,6 +6,7 @@
 #include "pcm/build/bins/ingest.h"
 #include "pcm/build/bins/position_grid.h"
 #include "pcm/build/bins/spool.h"
+#include "pcm/build/bins/strided_sample.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/far_points.h"
 #include "pcm/system/error.h"
@@ -37,8 +38,8 @@ public:
 private:
     bool fits_one_bin()
     {
-        const RowLayout layout(cloud_.info().schema, false);
-        return cloud_.info().points <= work_.bin_points(layout);
+        const std::uint64_t points = cloud_.info().points;
+        return points <= work_.bin_points(points);
     }
 
     // The rows of gridded points, and their statistics.
@@ -100,15 +101,13 @@ private:
         found_.layout = RowLayout(found_.schema, false);
         const RowLayout& layout = found_.layout;
         const std::uint64_t points = cloud_.info().points;
-        const std::uint64_t per_bin = work_.bin_points(layout);
+        const std::uint64_t per_bin = work_.bin_points(points);
 
         Bins<Coord> result;
         const TopTree<Coord>& top = result.top;
         std::size_t bins = 1;
         if (points > per_bin) {
-            TopPlanner<Coord>::Sample sample;
-            for (const Vec3i& p : sample_evenly(cloud_, sample_points(points, per_bin)))
-                sample.push_back({to_coordinate<Coord>(p[0]), to_coordinate<Coord>(p[1]), to_coordinate<Coord>(p[2])});
+            TopPlanner<Coord>::Sample sample = sample_evenly(cloud_);
             bins = TopPlanner<Coord>(result.top, finer_, per_bin).plan(0, sample, points, 0);
         }
         result.scratch = make_scratch(bins);
@@ -139,8 +138,7 @@ private:
         set_source_grid();
         found_.layout = RowLayout(found_.schema, false);
         Spool spool(work_.folder / "spool.tmp", found_.layout, found_.schema, false, work_.space);
-        using Coordinates = std::array<Coord, 3>;
-        StridedSample<Coordinates> sample(static_cast<std::size_t>(memory_ / 16 / sizeof(Coordinates)));
+        StridedSample<std::array<Coord, 3>> sample;
         std::vector<Observed> observed(threads_);
         std::vector<Spool::Writer> writers(threads_, Spool::Writer(spool));
         stream(
@@ -168,7 +166,7 @@ private:
         FarPoints positions;
         std::vector<std::array<DecimalCount, 3>> decimals(threads_);
         const bool count_decimals = found_.position_type == ScalarType::f64 && !like_;
-        StridedSample<Vec3d> sample(static_cast<std::size_t>(memory_ / 16 / sizeof(Vec3d)));
+        StridedSample<Vec3d> sample;
         const auto position = [](const PointBatch& batch, std::size_t i) {
             return Vec3d{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
         };
@@ -230,7 +228,7 @@ private:
         typename TopPlanner<Coord>::Sample coordinates;
         coordinates.reserve(sample.items().size());
         for (const Vec3d& p : sample.items()) coordinates.push_back(on_grid(p));
-        sample = StridedSample<Vec3d>(0);
+        sample = StridedSample<Vec3d>();
         const SourceRounding rounding(found_.decimals);
         std::vector<Observed> observed(threads_);
         std::atomic<bool> rounded{false};
@@ -262,7 +260,7 @@ private:
     template <class Coord, class Convert>
     AnyBins of_spool(Spool& spool, typename TopPlanner<Coord>::Sample& sample, const Convert& convert)
     {
-        const std::uint64_t per_bin = work_.bin_points(found_.layout);
+        const std::uint64_t per_bin = work_.bin_points(spool.rows());
         Bins<Coord> result;
         const TopTree<Coord>& top = result.top;
         std::size_t bins = 1;
@@ -279,12 +277,6 @@ private:
             });
         divide_large_bins(result, work_, finer_, per_bin);
         return result;
-    }
-
-    std::size_t sample_points(std::uint64_t points, std::uint64_t per_bin) const
-    {
-        const std::uint64_t wanted = std::max<std::uint64_t>(200000, points / per_bin * 4096);
-        return static_cast<std::size_t>(std::min({wanted, memory_ / 16 / 24, points}));
     }
 
     void set_grid(const Grid& grid)

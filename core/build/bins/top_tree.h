@@ -131,28 +131,4 @@ private:
     std::size_t next_bin_ = 0;
 };
 
-// Keeps every n-th item, and doubles n when it is full: a strided sample of a stream of unknown length.
-template <class T>
-class StridedSample {
-public:
-    explicit StridedSample(std::size_t capacity) : capacity_(std::max<std::size_t>(capacity, 64)) {}
-    void see(const T& item)
-    {
-        if (seen_++ % stride_ != 0) return;
-        if (items_.size() == capacity_) {
-            for (std::size_t i = 0; 2 * i < items_.size(); ++i) items_[i] = items_[2 * i];
-            items_.resize((items_.size() + 1) / 2);
-            stride_ *= 2;
-            if ((seen_ - 1) % stride_ != 0) return;
-        }
-        items_.push_back(item);
-    }
-    std::vector<T>& items() { return items_; }
-
-private:
-    std::size_t capacity_;
-    std::uint64_t seen_ = 0, stride_ = 1;
-    std::vector<T> items_;
-};
-
 }  // namespace pcm

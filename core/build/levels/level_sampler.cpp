@@ -17,11 +17,19 @@ namespace {
 
 // The coarsest level has at least this many points where the cloud has: spacings with fewer are not worth a level.
 constexpr std::uint64_t first_level_points = 512;
-// Sampling ends when the bins in which less than a tenth of the points is chosen hold at most a fifth of all points.
-// Surfaces have four times the points at half the spacing, so the chosen share is then between a tenth and 0.4: the
-// step to the whole cloud is like that between levels. A few points in much denser places are not waited for.
-constexpr double chosen_share = 0.1;
-constexpr double waiting_share = 0.2;
+// Sampling ends when a bin has at most ten times its chosen points, in the geometric mean over all points. Surfaces
+// have four times the points at half the spacing, so the step to the whole cloud is like that between levels. Few
+// points in much denser places are not waited for, and many are, until the step there is as small.
+constexpr double most_doublings = 3.25;  // doublings(10, 1)
+
+// How often `chosen` is doubled until it is `points`: the logarithm to base 2, linear between powers of two. Made of
+// operations that IEEE 754 defines to the last bit, because it decides the levels.
+double doublings(std::uint64_t points, std::uint64_t chosen)
+{
+    const double ratio = static_cast<double>(points) / static_cast<double>(std::max<std::uint64_t>(chosen, 1));
+    const int whole = std::ilogb(ratio);
+    return whole + (std::ldexp(ratio, -whole) - 1);
+}
 
 }  // namespace
 
@@ -146,13 +154,13 @@ int LevelSampler<Coord>::coarsest_size() const
 template <class Coord>
 bool LevelSampler<Coord>::fine_enough() const
 {
-    std::uint64_t all = 0, waiting = 0;
-    for (std::size_t b = 0; b < bins_.size(); ++b) {
-        const std::uint64_t points = points_.box(b).points;
-        all += points;
-        if (static_cast<double>(bins_[b].chosen) < chosen_share * static_cast<double>(points)) waiting += points;
-    }
-    return static_cast<double>(waiting) <= waiting_share * static_cast<double>(all);
+    double all = 0, sum = 0;
+    for (std::size_t b = 0; b < bins_.size(); ++b)
+        if (const std::uint64_t points = points_.box(b).points) {
+            all += static_cast<double>(points);
+            sum += static_cast<double>(points) * doublings(points, bins_[b].chosen);
+        }
+    return sum <= most_doublings * all;
 }
 
 template <class Coord>
