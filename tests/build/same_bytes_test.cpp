@@ -49,7 +49,7 @@ void expect_same_bytes_of_files(const fs::path& folder, const std::vector<fs::pa
     });
 }
 
-std::vector<LasRecord> cloud(Shape shape) { return records(shape, tries(many_points, 30000), 6); }
+std::vector<LasRecord> cloud(Shape shape) { return records(shape, tries<std::size_t>(many_points, 30000), 6); }
 
 // Half of the points in a ten-thousandth of the area.
 std::vector<LasRecord> with_a_clump()
@@ -115,7 +115,7 @@ TEST(SameBytes, OfAReaderThatCannotSeek)
     const TemporaryFolder folder;
     const Schema schema = schema_of({{ScalarType::u16, 1}, {ScalarType::u8, 3}});
     const MemoryCloud points =
-        random_cloud(schema, Grid{{0.001, 0.001, 0.001}, {0, 0, 0}}, tries(many_points, 30000), 9);
+        random_cloud(schema, Grid{{0.001, 0.001, 0.001}, {0, 0, 0}}, tries<std::size_t>(many_points, 30000), 9);
     expect_same_bytes(folder.path(), [&](const fs::path& output, const BuildOptions& options) {
         MemoryReader reader(points, false);
         build_tree(reader, {"memory"}, output, options);
