@@ -28,9 +28,9 @@ public:
 
     private:
         const BoxTree* tree_;
-        std::vector<std::uint32_t> place_;  // of each box in order_
-        std::vector<std::uint8_t> has_;     // by place in order_
-        std::vector<std::uint8_t> below_;   // by node: it holds any of the subset
+        std::vector<std::uint32_t> place_;  // index in order_, keyed by box
+        std::vector<std::uint8_t> has_;     // keyed by index in order_
+        std::vector<std::uint8_t> below_;   // keyed by node: it holds any of the subset
     };
 
 private:

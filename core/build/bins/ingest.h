@@ -16,6 +16,9 @@ namespace pcm {
 // next read() starts at the beginning again.
 std::vector<std::array<std::uint32_t, 3>> sample_evenly(PointReader& cloud);
 
+// The coordinates of a point of a gridded batch, as in rows.
+std::array<std::uint32_t, 3> coordinates_of(const PointBatch& batch, std::size_t i);
+
 // Copies the attributes of batch.size points to their places in as many rows; coordinates are left unchanged.
 void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte* rows);
 

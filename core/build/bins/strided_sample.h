@@ -26,12 +26,12 @@ class StridedSample {
 public:
     void see(const T& item)
     {
-        if (seen_++ % stride_ != 0) return;
+        if (seen_++ & (stride_ - 1)) return;  // a power of two
         if (items_.size() == sample_capacity && stride_ < most_sample_stride) {
             for (std::size_t i = 0; 2 * i < items_.size(); ++i) items_[i] = items_[2 * i];
             items_.resize((items_.size() + 1) / 2);
             stride_ *= 2;
-            if ((seen_ - 1) % stride_ != 0) return;
+            if ((seen_ - 1) & (stride_ - 1)) return;
         }
         items_.push_back(item);
     }

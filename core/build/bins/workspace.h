@@ -33,8 +33,8 @@ struct Workspace {
     Watch watch;
     ScratchSpace space;
 
-    // Points per bin of a cloud of `points`: four chunks, and so many that there are about 2^18 bins at most. The
-    // memory and the number of threads have no part in it, because the bins shape the tree.
+    // Points per bin of a cloud of `points`: four chunks, or more where that would make more than about 2^18 bins. The
+    // memory and the number of threads do not matter, because the bins shape the tree.
     std::uint64_t bin_points(std::uint64_t points) const
     {
         return std::max(points >> most_bins_bits, 4 * std::uint64_t(chunk_points));

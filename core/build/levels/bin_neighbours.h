@@ -60,9 +60,9 @@ private:
     Point<Coord> origin_{};             // lowest coordinates of all bins
     double rounding_ = 0;               // bound of the rounding errors in boxes_, source units
     std::vector<std::uint32_t> bins_;   // bins with points
-    std::vector<std::uint32_t> place_;  // of each bin in bins_
-    std::vector<Box3d> boxes_;          // of bins_, source units from the origin
-    BoxTree tree_;                      // of boxes_
+    std::vector<std::uint32_t> place_;  // index in bins_, by bin
+    std::vector<Box3d> boxes_;          // boxes of bins_, source units from the origin
+    BoxTree tree_;                      // holds boxes_
 };
 
 extern template class BinNeighbours<std::uint32_t>;

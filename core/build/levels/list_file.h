@@ -26,7 +26,7 @@ public:
 
     const std::filesystem::path& path() const { return file_.path(); }
     std::uint64_t bytes() const { return end_; }
-    // Of a file that was there: where it ends. Returns whether it is as long.
+    // For a file that was there: its end, in bytes. Returns whether the file is that long.
     bool reopen(std::uint64_t bytes);
     void sync() { file_.sync(); }
 
