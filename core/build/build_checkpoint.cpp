@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Incremented whenever the same files and options would make another tree, or the layout of scratch files changes.
-constexpr std::uint32_t build_version = 3;
+constexpr std::uint32_t build_version = 4;
 
 template <class T>
 void put_all(ByteWriter& out, const T& values)
@@ -135,7 +135,6 @@ std::vector<std::byte> identity_of_build(const std::vector<fs::path>& files, con
 {
     ByteWriter out;
     out.put(build_version);
-    out.put(options.memory_bytes);
     out.put(options.chunk_points);
     out.put(static_cast<std::uint8_t>(options.sampling));
     const TextLayout& text = options.read.text;

@@ -42,20 +42,18 @@ struct BuildReport {
 
 // Reads `inputs` (files, and folders as expand_inputs() expands them) as one cloud and writes the tree folder `output`.
 //
-// The same input, chunk_points and memory give the same bytes whatever the number of threads; the memory decides how
-// the cloud is partitioned and so may change the tree's shape, never its points. The tree is built in the folder
-// `output`.part and appears under its name when it is complete, so an interrupted build is never taken for a tree. A
-// build of the same files (by path, size and modification time) with the same options resumes an interrupted one at its
-// last checkpoint and makes the same tree byte for byte; any other build removes its remains and starts from the
-// beginning. The report's notes name them. Inputs that take less than checkpoint_seconds to read get no
-// checkpoints. An error or a cancel removes everything that was written; what fails after the tree has its name is a
-// warning of the outcome. A tree that is overwritten stays until the new
-// one replaces it, atomically where the system can do that (build_folder.h describes the state after a crash where it
-// cannot). Where `output` is a symbolic link, the tree that it leads to is replaced. Throws Error(exists) when `output`
-// exists (with overwrite: exists and is not a tree, or its folder has files that do not belong to the tree) or is being
-// built by another process, Error(invalid_argument) for options out of range, for a place inside a tree's folder and
-// for positions that no grid of a tree holds (bins/position_grid.h), and whatever the readers and the file system
-// throw.
+// The same input and chunk_points give the same bytes, whatever the memory and the number of threads. The tree is built
+// in the folder `output`.part and appears under its name when it is complete, so an interrupted build is never taken
+// for a tree. A build of the same files (by path, size and modification time) with the same options, but for memory and
+// threads, resumes an interrupted one at its last checkpoint and makes the same tree byte for byte; any other build
+// removes its remains and starts from the beginning. The report's notes name them. Inputs that take less than
+// checkpoint_seconds to read get no checkpoints. An error or a cancel removes everything that was written; what fails
+// after the tree has its name is a warning of the outcome. A tree that is overwritten stays until the new one replaces
+// it, atomically where the system can do that (build_folder.h describes the state after a crash where it cannot). Where
+// `output` is a symbolic link, the tree that it leads to is replaced. Throws Error(exists) when `output` exists (with
+// overwrite: exists and is not a tree, or its folder has files that do not belong to the tree) or is being built by
+// another process, Error(invalid_argument) for options out of range, for a place inside a tree's folder and for
+// positions that no grid of a tree holds (bins/position_grid.h), and whatever the readers and the file system throw.
 BuildReport build_tree(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                        const BuildOptions& options = {});
 

@@ -26,7 +26,7 @@ public:
           cloud_(cloud),
           sampling_(options.sampling),
           checkpoints_(checkpoints),
-          threads_(work.bin_threads(cloud.layout)),
+          threads_(work.bin_threads(cloud.layout, cloud.observed.points)),
           resumed_(options.resumed)
     {
         nodes_.grid = cloud.grid;

@@ -88,6 +88,11 @@ private:
 
 }  // namespace
 
+bool PointReader::read_records(RecordBatch&, std::size_t)
+{
+    throw Error(ErrorCode::unsupported, {}, "this reader has no records");
+}
+
 void PointReader::seek(std::uint64_t)
 {
     throw Error(ErrorCode::unsupported, {}, "points of this format can only be read in order");

@@ -22,6 +22,8 @@
 
 namespace pcm {
 
+struct RecordBatch;
+
 // What was left out because of ReadOptions::skip_bad_lines and skip_bad_files, up to now.
 struct Skipped {
     std::uint64_t lines = 0;
@@ -58,6 +60,10 @@ public:
     // Replaces `batch` by the next points, at most `max_points` (> 0). Returns false, with an empty batch, at the end.
     // Throws Error(truncated | bad_format | io), naming the byte or line, when the file is not as its header states.
     virtual bool read(PointBatch& batch, std::size_t max_points) = 0;
+
+    // Whether read_records() may take the place of read() at any time: it gives the same points, on a grid, undecoded.
+    virtual bool has_records() const { return false; }
+    virtual bool read_records(RecordBatch& batch, std::size_t max_points);
 
     // Whether seek() is cheap; true for uncompressed binary formats with records of a fixed size. Such files state
     // their number of points.

@@ -1,7 +1,7 @@
 #include "pcm/select/grow.h"
 
+#include "pcm/cloud/box_tree.h"
 #include "pcm/knn/unit_plan.h"
-#include "pcm/select/box_tree.h"
 #include "pcm/select/flood.h"
 #include "pcm/select/point_scan.h"
 #include "pcm/select/surroundings_test.h"

@@ -246,6 +246,7 @@ TEST_F(BuildFaults, PCM_NOT_UNDER_THREAD(AnotherBuildStartsFromTheBeginning))
     interrupt(0.9);
     BuildOptions same = options();
     same.threads = 5;
+    same.memory_bytes = 300 << 20;
     same.checkpoint_seconds = 100;
     EXPECT_TRUE(has_note(build_again(same), "was resumed"));
     EXPECT_TRUE(contents(out()) == reference_);

@@ -71,7 +71,7 @@ Partitioned partition_of(const MemoryCloud& cloud, bool seekable, unsigned threa
     MemoryReader reader(cloud, seekable);
     Partitioned result;
     const AnyBins bins = partition(reader, work, result.found, like);
-    result.bin_points = work.bin_points(result.found.layout);
+    result.bin_points = work.bin_points(cloud.points.size);
     std::visit([&](const auto& of) { read_bins(of, result.found.layout.bytes, piles, result); }, bins);
     return result;
 }

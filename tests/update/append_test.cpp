@@ -3,6 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/tree/tree_lock.h"
 #include "pcm/tree/tree_reader.h"
+#include "tests/build/build_support.h"
 #include "tests/outcome.h"
 #include "tests/sanitizers.h"
 #include "tests/update/model.h"
@@ -177,6 +178,22 @@ TEST_P(Append, CancelledAndRefusedLeaveTheTree)
     }
     EXPECT_LE(files, 5u);
     expect_tree(path_, rows_, "after all");
+}
+
+// Neither the memory nor the number of threads changes a byte of the new part.
+TEST_P(Append, SameBytesForAnyMemoryAndNumberOfThreads)
+{
+    const MemoryCloud before = surface(5000, 0, 0, 40, 64), more = surface(tries(60000, 20000), 10, 0, 40, 65);
+    Contents first;
+    for (const auto& [megabytes, threads] : {std::pair<std::uint64_t, unsigned>{64, 1}, {64, 7}, {4096, 3}}) {
+        build(before, path_, GetParam());
+        AppendOptions options = small_append(threads);
+        options.memory_bytes = megabytes << 20;
+        append(path_, more, options);
+        const Contents files = contents(path_);
+        if (first.empty()) first = files;
+        EXPECT_TRUE(files == first) << megabytes << " MiB, " << threads << " threads";
+    }
 }
 
 // Positions in double, on a grid of 64 bits.

@@ -1,7 +1,6 @@
 // Batches of points between the thread that reads and the threads that convert.
 #pragma once
 
-#include "pcm/cloud/point_batch.h"
 #include "pcm/threads/crew.h"
 
 #include <deque>
@@ -12,21 +11,22 @@
 namespace pcm {
 
 // Holds `capacity` batches, whose storage is reused. Any thread.
+template <class Batch>
 class BatchQueue {
 public:
     BatchQueue(Signal& signal, std::size_t capacity) : signal_(signal), free_(capacity) {}
 
     // The reader's side: an empty batch, or nothing when all threads are to stop.
-    std::optional<PointBatch> empty_batch()
+    std::optional<Batch> empty_batch()
     {
         std::unique_lock lock(signal_.mutex);
         signal_.wake.wait(lock, [&] { return !free_.empty() || signal_.stopped; });
         if (signal_.stopped) return std::nullopt;
-        PointBatch batch = std::move(free_.back());
+        Batch batch = std::move(free_.back());
         free_.pop_back();
         return batch;
     }
-    void push(PointBatch batch)
+    void push(Batch batch)
     {
         {
             const std::lock_guard lock(signal_.mutex);
@@ -42,16 +42,16 @@ public:
         }
         signal_.wake.notify_all();
     }
-    std::optional<PointBatch> pop()
+    std::optional<Batch> pop()
     {
         std::unique_lock lock(signal_.mutex);
         signal_.wake.wait(lock, [&] { return !full_.empty() || closed_ || signal_.stopped; });
         if (signal_.stopped || full_.empty()) return std::nullopt;
-        PointBatch batch = std::move(full_.front());
+        Batch batch = std::move(full_.front());
         full_.pop_front();
         return batch;
     }
-    void recycle(PointBatch batch)
+    void recycle(Batch batch)
     {
         {
             const std::lock_guard lock(signal_.mutex);
@@ -62,8 +62,8 @@ public:
 
 private:
     Signal& signal_;
-    std::vector<PointBatch> free_;
-    std::deque<PointBatch> full_;
+    std::vector<Batch> free_;
+    std::deque<Batch> full_;
     bool closed_ = false;
 };
 

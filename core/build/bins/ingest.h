@@ -4,15 +4,20 @@
 #include "pcm/build/bins/row.h"
 #include "pcm/io/reader.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 namespace pcm {
 
-// Grid coordinates of `count` points spread evenly over a cloud, in its order. Only for a reader that is seekable and
-// gridded and knows its number of points; the next read() starts at the beginning again.
-std::vector<Vec3i> sample_evenly(PointReader& cloud, std::size_t count);
+// Coordinates, as in rows, of points spread evenly over a cloud, in its order: all or 1/2, 1/4, ... 1/1024 of them,
+// more than 32768 where there are. Only for a reader that is seekable and gridded and knows its number of points; the
+// next read() starts at the beginning again.
+std::vector<std::array<std::uint32_t, 3>> sample_evenly(PointReader& cloud);
+
+// The coordinates of a point of a gridded batch, as in rows.
+std::array<std::uint32_t, 3> coordinates_of(const PointBatch& batch, std::size_t i);
 
 // Copies the attributes of batch.size points to their places in as many rows; coordinates are left unchanged.
 void put_attributes(const PointBatch& batch, const RowLayout& layout, std::byte* rows);

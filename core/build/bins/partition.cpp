@@ -5,7 +5,9 @@
 #include "pcm/build/bins/divide_bins.h"
 #include "pcm/build/bins/ingest.h"
 #include "pcm/build/bins/position_grid.h"
+#include "pcm/build/bins/record_rows.h"
 #include "pcm/build/bins/spool.h"
+#include "pcm/build/bins/strided_sample.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/far_points.h"
 #include "pcm/system/error.h"
@@ -37,8 +39,8 @@ public:
 private:
     bool fits_one_bin()
     {
-        const RowLayout layout(cloud_.info().schema, false);
-        return cloud_.info().points <= work_.bin_points(layout);
+        const std::uint64_t points = cloud_.info().points;
+        return points <= work_.bin_points(points);
     }
 
     // The rows of gridded points, and their statistics.
@@ -56,13 +58,21 @@ private:
         observed.hash += hash_rows(rows.data(), batch.size, layout.bytes);
     }
 
+    void put_gridded_rows(const RecordBatch& batch, std::vector<std::byte>& rows, Observed& observed) const
+    {
+        put_record_rows(batch, found_.layout, rows, observed);
+    }
+
+    bool read_next(PointBatch& batch) { return cloud_.read(batch, default_batch_points); }
+    bool read_next(RecordBatch& batch) { return cloud_.read_records(batch, default_batch_points); }
+
     // Reads the cloud on this thread, calling look(batch), and passes the batches to `take(thread, batch, rows)` on all
     // threads; `rows` is the thread's own work space. Each thread calls `end(thread)` after the last batch.
-    template <class Look, class Take, class End>
+    template <class Batch, class Look, class Take, class End>
     void stream(double share, const Look& look, const Take& take, const End& end)
     {
         Signal signal;
-        BatchQueue queue(signal, threads_ + 2);
+        BatchQueue<Batch> queue(signal, threads_ + 2);
         Crew crew(signal);
         for (unsigned t = 0; t < threads_; ++t)
             crew.add([&, t] {
@@ -74,7 +84,7 @@ private:
                 if (!signal.stopped) end(t);
             });
         while (auto batch = queue.empty_batch()) {
-            if (!cloud_.read(*batch, default_batch_points)) break;
+            if (!read_next(*batch)) break;
             found_.points_in += batch->size;
             look(*batch);
             queue.push(std::move(*batch));
@@ -98,38 +108,43 @@ private:
         using Coord = std::uint32_t;
         set_source_grid();
         found_.layout = RowLayout(found_.schema, false);
-        const RowLayout& layout = found_.layout;
         const std::uint64_t points = cloud_.info().points;
-        const std::uint64_t per_bin = work_.bin_points(layout);
+        const std::uint64_t per_bin = work_.bin_points(points);
 
         Bins<Coord> result;
-        const TopTree<Coord>& top = result.top;
         std::size_t bins = 1;
         if (points > per_bin) {
-            TopPlanner<Coord>::Sample sample;
-            for (const Vec3i& p : sample_evenly(cloud_, sample_points(points, per_bin)))
-                sample.push_back({to_coordinate<Coord>(p[0]), to_coordinate<Coord>(p[1]), to_coordinate<Coord>(p[2])});
+            TopPlanner<Coord>::Sample sample = sample_evenly(cloud_);
             bins = TopPlanner<Coord>(result.top, finer_, per_bin).plan(0, sample, points, 0);
         }
         result.scratch = make_scratch(bins);
+        if (cloud_.has_records())
+            distribute_batches<RecordBatch>(result, bins);
+        else
+            distribute_batches<PointBatch>(result, bins);
+        divide_large_bins(result, work_, finer_, per_bin);
+        return result;
+    }
+
+    template <class Batch>
+    void distribute_batches(const Bins<std::uint32_t>& to, std::size_t bins)
+    {
         std::vector<Observed> observed(threads_);
         std::vector<std::unique_ptr<Scratch::Writer>> writers;
         for (unsigned t = 0; t < threads_; ++t)
-            writers.push_back(std::make_unique<Scratch::Writer>(*result.scratch, 0, bins, memory_ / 4 / threads_));
-        stream(
-            0.4, [](const PointBatch&) {},
-            [&](unsigned t, const PointBatch& batch, std::vector<std::byte>& rows) {
+            writers.push_back(std::make_unique<Scratch::Writer>(*to.scratch, 0, bins, memory_ / 4 / threads_));
+        stream<Batch>(
+            0.4, [](const Batch&) {},
+            [&](unsigned t, const Batch& batch, std::vector<std::byte>& rows) {
                 put_gridded_rows(batch, rows, observed[t]);
+                const std::size_t row_bytes = found_.layout.bytes;
                 for (std::size_t i = 0; i < batch.size; ++i) {
-                    const std::byte* row = rows.data() + i * layout.bytes;
-                    writers[t]->add(top.bin_of(coordinates_of<Coord>(row)), row);
+                    const std::byte* row = rows.data() + i * row_bytes;
+                    writers[t]->add(to.top.bin_of(coordinates_of<std::uint32_t>(row)), row);
                 }
             },
             [&](unsigned t) { writers[t]->flush(); });
-        writers.clear();
         for (const Observed& o : observed) found_.observed.merge(o);
-        divide_large_bins(result, work_, finer_, per_bin);
-        return result;
     }
 
     // Gridded input that can only be read in order: one parse into a spool of rows, which are then distributed.
@@ -139,24 +154,30 @@ private:
         set_source_grid();
         found_.layout = RowLayout(found_.schema, false);
         Spool spool(work_.folder / "spool.tmp", found_.layout, found_.schema, false, work_.space);
-        using Coordinates = std::array<Coord, 3>;
-        StridedSample<Coordinates> sample(static_cast<std::size_t>(memory_ / 16 / sizeof(Coordinates)));
+        StridedSample<std::array<Coord, 3>> sample;
+        if (cloud_.has_records())
+            spool_batches<RecordBatch>(spool, sample);
+        else
+            spool_batches<PointBatch>(spool, sample);
+        return of_spool<Coord>(spool, sample.items(), [](unsigned, std::byte* row) { return row; });
+    }
+
+    template <class Batch>
+    void spool_batches(Spool& spool, StridedSample<std::array<std::uint32_t, 3>>& sample)
+    {
         std::vector<Observed> observed(threads_);
         std::vector<Spool::Writer> writers(threads_, Spool::Writer(spool));
-        stream(
+        stream<Batch>(
             0.25,
-            [&](const PointBatch& batch) {
-                for (std::size_t i = 0; i < batch.size; ++i)
-                    sample.see({to_coordinate<Coord>(batch.grid_xyz[0][i]), to_coordinate<Coord>(batch.grid_xyz[1][i]),
-                                to_coordinate<Coord>(batch.grid_xyz[2][i])});
+            [&](const Batch& batch) {
+                for (std::size_t i = 0; i < batch.size; ++i) sample.see(coordinates_of(batch, i));
             },
-            [&](unsigned t, const PointBatch& batch, std::vector<std::byte>& rows) {
+            [&](unsigned t, const Batch& batch, std::vector<std::byte>& rows) {
                 put_gridded_rows(batch, rows, observed[t]);
                 writers[t].append(rows.data(), batch.size);
             },
             [](unsigned) {});
         for (const Observed& o : observed) found_.observed.merge(o);
-        return of_spool<Coord>(spool, sample.items(), [](unsigned, std::byte* row) { return row; });
     }
 
     // Anything else: one parse into a spool of rows with positions in double, which finds the largest coordinates; then
@@ -168,12 +189,12 @@ private:
         FarPoints positions;
         std::vector<std::array<DecimalCount, 3>> decimals(threads_);
         const bool count_decimals = found_.position_type == ScalarType::f64 && !like_;
-        StridedSample<Vec3d> sample(static_cast<std::size_t>(memory_ / 16 / sizeof(Vec3d)));
+        StridedSample<Vec3d> sample;
         const auto position = [](const PointBatch& batch, std::size_t i) {
             return Vec3d{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
         };
         std::vector<Spool::Writer> writers(threads_, Spool::Writer(spool));
-        stream(
+        stream<PointBatch>(
             0.25,
             [&](const PointBatch& batch) {
                 for (std::size_t i = 0; i < batch.size; ++i) {
@@ -230,7 +251,7 @@ private:
         typename TopPlanner<Coord>::Sample coordinates;
         coordinates.reserve(sample.items().size());
         for (const Vec3d& p : sample.items()) coordinates.push_back(on_grid(p));
-        sample = StridedSample<Vec3d>(0);
+        sample = StridedSample<Vec3d>();
         const SourceRounding rounding(found_.decimals);
         std::vector<Observed> observed(threads_);
         std::atomic<bool> rounded{false};
@@ -262,7 +283,7 @@ private:
     template <class Coord, class Convert>
     AnyBins of_spool(Spool& spool, typename TopPlanner<Coord>::Sample& sample, const Convert& convert)
     {
-        const std::uint64_t per_bin = work_.bin_points(found_.layout);
+        const std::uint64_t per_bin = work_.bin_points(spool.rows());
         Bins<Coord> result;
         const TopTree<Coord>& top = result.top;
         std::size_t bins = 1;
@@ -279,12 +300,6 @@ private:
             });
         divide_large_bins(result, work_, finer_, per_bin);
         return result;
-    }
-
-    std::size_t sample_points(std::uint64_t points, std::uint64_t per_bin) const
-    {
-        const std::uint64_t wanted = std::max<std::uint64_t>(200000, points / per_bin * 4096);
-        return static_cast<std::size_t>(std::min({wanted, memory_ / 16 / 24, points}));
     }
 
     void set_grid(const Grid& grid)

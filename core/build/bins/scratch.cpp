@@ -212,7 +212,7 @@ void Scratch::forget(std::size_t bin) { bins_[bin] = Bin(); }
 Scratch::Writer::Writer(Scratch& scratch, std::size_t first_bin, std::size_t bins, std::size_t buffer_bytes)
     : scratch_(scratch),
       first_bin_(first_bin),
-      rows_each_(std::clamp<std::size_t>(buffer_bytes / (bins * scratch.row_bytes_), 16, 32768)),
+      rows_each_(std::clamp<std::size_t>(buffer_bytes / (bins * scratch.row_bytes_), 16, 4096)),
       buffer_(bins * rows_each_ * scratch.row_bytes_),
       filled_(bins, 0)
 {

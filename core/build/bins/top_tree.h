@@ -23,49 +23,43 @@ struct TopTree {
     std::vector<Node> nodes{Node()};  // the root; one bin until it is divided
 
     // Where bin_of() begins, so that it passes fewer nodes: for each cell of a grid, the deepest node that contains it.
-    // Cells at the sides of the grid extend without limit. Empty: begin at the root.
-    static constexpr int grid_bits = 5;
-    static constexpr std::uint64_t grid_last = (1u << grid_bits) - 1;  // 32 cells along an axis
+    // Cells are cubes on grids that are equally fine along all axes; those at the sides of the grid extend without
+    // limit. Empty: begin at the root.
+    static constexpr int grid_bits = 16;  // the number of cells is at most 2 to this power
     std::vector<std::uint32_t> starts;
     std::array<Coord, 3> grid_low{};
-    std::array<int, 3> grid_shift{};
+    std::array<int, 3> grid_shift{};           // the width of a cell along an axis is 2 to this power
+    std::array<std::uint64_t, 3> grid_last{};  // number of the last cell along an axis
+    std::array<int, 3> grid_place{};           // lowest bit of a coordinate in a cell's number
 
     // For a grid over the box from `low` to `high`.
-    void make_starts(const std::array<Coord, 3>& low, const std::array<Coord, 3>& high)
+    void make_starts(const std::array<Coord, 3>& low, const std::array<Coord, 3>& high, const AxisShift& finer)
     {
         grid_low = low;
-        for (std::size_t a = 0; a < 3; ++a)
-            for (grid_shift[a] = 0; static_cast<std::uint64_t>(high[a] - low[a]) >> grid_shift[a] > grid_last;)
-                ++grid_shift[a];
-        starts.resize(std::size_t(1) << (3 * grid_bits));
-        for (std::size_t cell = 0; cell < starts.size(); ++cell) {
-            std::array<Coord, 3> first, last;  // coordinates in the cell
+        int bits = grid_bits + 1;  // size of a cell's number
+        for (int shift = 0; bits > grid_bits; ++shift) {
+            bits = 0;
             for (std::size_t a = 0; a < 3; ++a) {
-                const std::uint64_t along = cell >> (a * grid_bits) & grid_last;
-                const std::uint64_t room = std::numeric_limits<Coord>::max() - low[a];
-                const std::uint64_t from = along << grid_shift[a], to = from + (std::uint64_t(1) << grid_shift[a]) - 1;
-                first[a] = along == 0 ? Coord(0) : static_cast<Coord>(low[a] + std::min(from, room));
-                last[a] = along == grid_last || to < from ? std::numeric_limits<Coord>::max()
-                                                          : static_cast<Coord>(low[a] + std::min(to, room));
+                grid_shift[a] = std::min(static_cast<int>(sizeof(Coord)) * 8 - 1, shift + finer[a]);
+                grid_last[a] = static_cast<std::uint64_t>(high[a] - low[a]) >> grid_shift[a];
+                grid_place[a] = bits;
+                if (grid_last[a]) bits += 64 - __builtin_clzll(grid_last[a]);
             }
-            std::uint32_t n = 0;
-            while (nodes[n].children[0]) {
-                const Node& node = nodes[n];
-                const bool left = last[node.axis] < node.value;
-                if (!left && first[node.axis] < node.value) break;
-                n = node.children[left ? 0 : 1];
-            }
-            starts[cell] = n;
         }
+        starts.assign(std::size_t(1) << bits, 0);
+        std::array<std::uint64_t, 3> cell{};
+        for (cell[2] = 0; cell[2] <= grid_last[2]; ++cell[2])
+            for (cell[1] = 0; cell[1] <= grid_last[1]; ++cell[1])
+                for (cell[0] = 0; cell[0] <= grid_last[0]; ++cell[0]) starts[number_of(cell)] = deepest_around(cell);
     }
     std::uint32_t start_of(const std::array<Coord, 3>& c) const
     {
-        std::size_t cell = 0;
+        std::array<std::uint64_t, 3> cell;
         for (std::size_t a = 0; a < 3; ++a) {
             const std::uint64_t steps = c[a] > grid_low[a] ? static_cast<std::uint64_t>(c[a] - grid_low[a]) : 0;
-            cell |= static_cast<std::size_t>(std::min(steps >> grid_shift[a], grid_last)) << (a * grid_bits);
+            cell[a] = std::min(steps >> grid_shift[a], grid_last[a]);
         }
-        return starts[cell];
+        return starts[number_of(cell)];
     }
     std::size_t bin_of(const std::array<Coord, 3>& c) const { return bin_of(c, starts.empty() ? 0 : start_of(c)); }
     std::size_t bin_of(const std::array<Coord, 3>& c, std::uint32_t from) const
@@ -73,6 +67,31 @@ struct TopTree {
         std::uint32_t n = from;
         while (nodes[n].children[0]) n = nodes[n].children[c[nodes[n].axis] < nodes[n].value ? 0 : 1];
         return nodes[n].bin;
+    }
+
+private:
+    std::size_t number_of(const std::array<std::uint64_t, 3>& cell) const
+    {
+        return static_cast<std::size_t>(cell[0] << grid_place[0] | cell[1] << grid_place[1] | cell[2] << grid_place[2]);
+    }
+    std::uint32_t deepest_around(const std::array<std::uint64_t, 3>& cell) const
+    {
+        std::array<Coord, 3> first, last;  // coordinates in the cell
+        for (std::size_t a = 0; a < 3; ++a) {
+            const std::uint64_t room = std::numeric_limits<Coord>::max() - grid_low[a];
+            const std::uint64_t from = cell[a] << grid_shift[a], to = from + (std::uint64_t(1) << grid_shift[a]) - 1;
+            first[a] = cell[a] == 0 ? Coord(0) : static_cast<Coord>(grid_low[a] + std::min(from, room));
+            last[a] = cell[a] == grid_last[a] || to < from ? std::numeric_limits<Coord>::max()
+                                                           : static_cast<Coord>(grid_low[a] + std::min(to, room));
+        }
+        std::uint32_t n = 0;
+        while (nodes[n].children[0]) {
+            const Node& node = nodes[n];
+            const bool left = last[node.axis] < node.value;
+            if (!left && first[node.axis] < node.value) break;
+            n = node.children[left ? 0 : 1];
+        }
+        return n;
     }
 };
 
@@ -97,7 +116,7 @@ public:
                     low[a] = std::min(low[a], c[a]);
                     high[a] = std::max(high[a], c[a]);
                 }
-            top_.make_starts(low, high);
+            top_.make_starts(low, high, finer_);
         }
         return next_bin_ - first_bin;
     }
@@ -129,30 +148,6 @@ private:
     const AxisShift& finer_;
     std::uint64_t bin_points_;
     std::size_t next_bin_ = 0;
-};
-
-// Keeps every n-th item, and doubles n when it is full: a strided sample of a stream of unknown length.
-template <class T>
-class StridedSample {
-public:
-    explicit StridedSample(std::size_t capacity) : capacity_(std::max<std::size_t>(capacity, 64)) {}
-    void see(const T& item)
-    {
-        if (seen_++ % stride_ != 0) return;
-        if (items_.size() == capacity_) {
-            for (std::size_t i = 0; 2 * i < items_.size(); ++i) items_[i] = items_[2 * i];
-            items_.resize((items_.size() + 1) / 2);
-            stride_ *= 2;
-            if ((seen_ - 1) % stride_ != 0) return;
-        }
-        items_.push_back(item);
-    }
-    std::vector<T>& items() { return items_; }
-
-private:
-    std::size_t capacity_;
-    std::uint64_t seen_ = 0, stride_ = 1;
-    std::vector<T> items_;
 };
 
 }  // namespace pcm

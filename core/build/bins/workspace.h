@@ -33,21 +33,22 @@ struct Workspace {
     Watch watch;
     ScratchSpace space;
 
-    // Points per bin: sixteen bins at work fill half of the memory. Independent of the number of threads, because the
-    // bins shape the tree.
-    std::uint64_t bin_points(const RowLayout& layout) const
+    // Points per bin of a cloud of `points`: four chunks, or more where that would make more than about 2^18 bins. The
+    // memory and the number of threads do not matter, because the bins shape the tree.
+    std::uint64_t bin_points(std::uint64_t points) const
     {
-        return std::max(memory_bytes / 2 / 16 / point_bytes(layout), 2 * std::uint64_t(chunk_points));
+        return std::max(points >> most_bins_bits, 4 * std::uint64_t(chunk_points));
     }
-    // How many of the threads work on bins: fewer where a bin is larger than its share of the memory, because it has
-    // two chunks at least.
-    unsigned bin_threads(const RowLayout& layout) const
+    // How many of the threads work on bins of the size that a cloud of `points` has: as many as fit in half of the
+    // memory, but one at least.
+    unsigned bin_threads(const RowLayout& layout, std::uint64_t points) const
     {
-        const std::uint64_t bin = bin_points(layout) * point_bytes(layout);
+        const std::uint64_t bin = bin_points(points) * point_bytes(layout);
         return static_cast<unsigned>(std::clamp<std::uint64_t>(memory_bytes / 2 / bin, 1, threads));
     }
 
 private:
+    static constexpr int most_bins_bits = 18;
     // Rows before and after the sort, coordinates and work space.
     static std::uint64_t point_bytes(const RowLayout& layout)
     {

@@ -1,13 +1,57 @@
 #include "pcm/build/levels/bin_neighbours.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace pcm {
 
 template <class Coord>
-BinNeighbours<Coord>::BinNeighbours(const SortedPoints<Coord>& points, const Lattice& lattice) : points_(points)
+BinNeighbours<Coord>::BinNeighbours(const SortedPoints<Coord>& points, const Lattice& lattice)
+    : points_(points), scale_(lattice.scale), place_(points.bins(), 0)
 {
-    for (std::size_t a = 0; a < 3; ++a) squared_scale_[a] = lattice.scale[a] * lattice.scale[a];
+    for (std::size_t a = 0; a < 3; ++a) squared_scale_[a] = scale_[a] * scale_[a];
+    for (std::size_t bin = 0; bin < points_.bins(); ++bin) {
+        const Box& box = points_.box(bin);
+        if (box.points == 0) continue;
+        for (std::size_t a = 0; a < 3; ++a) origin_[a] = bins_.empty() ? box.low[a] : std::min(origin_[a], box.low[a]);
+        place_[bin] = static_cast<std::uint32_t>(bins_.size());
+        bins_.push_back(static_cast<std::uint32_t>(bin));
+    }
+    Box3d around;
+    for (const std::uint32_t bin : bins_) {
+        boxes_.push_back(reach(bin, 0));
+        around.extend(boxes_.back());
+    }
+    for (std::size_t a = 0; a < 3 && !around.empty(); ++a)
+        rounding_ = std::max(rounding_, 8 * std::numeric_limits<double>::epsilon() * around.max[a]);
+    tree_ = BoxTree(boxes_);
+}
+
+// The box of a bin, larger by the spacing: boxes of bins that are nearer touch it.
+template <class Coord>
+Box3d BinNeighbours<Coord>::reach(std::size_t bin, double spacing) const
+{
+    const Box& box = points_.box(bin);
+    const double more = spacing * (1 + distance_margin) + rounding_;
+    Box3d result;
+    for (std::size_t a = 0; a < 3; ++a) {
+        result.min[a] = static_cast<double>(box.low[a] - origin_[a]) * scale_[a] - more;
+        result.max[a] = static_cast<double>(box.high[a] - origin_[a]) * scale_[a] + more;
+    }
+    return result;
+}
+
+// The bins nearer than the spacing, of those at places of bins_ that touch its reach.
+template <class Coord>
+std::vector<std::uint32_t> BinNeighbours<Coord>::near(std::size_t bin, const std::vector<std::uint32_t>& touching,
+                                                      double spacing) const
+{
+    std::vector<std::uint32_t> found;
+    for (const std::uint32_t place : touching) {
+        const std::uint32_t other = bins_[place];
+        if (other != bin && between(bin, other) * (1 - distance_margin) < spacing * spacing) found.push_back(other);
+    }
+    return found;
 }
 
 template <class Coord>
@@ -52,26 +96,28 @@ double BinNeighbours<Coord>::between(std::size_t bin, std::size_t other) const
 }
 
 template <class Coord>
-std::vector<std::size_t> BinNeighbours<Coord>::of(std::size_t bin, double spacing, std::size_t below) const
+auto BinNeighbours<Coord>::lists(double spacing) const -> std::optional<Lists>
 {
-    const double squared = spacing * spacing;
-    std::vector<std::size_t> neighbours;
-    for (std::size_t n = 0; n < below; ++n)
-        if (n != bin && points_.box(n).points && between(bin, n) * (1 - distance_margin) < squared)
-            neighbours.push_back(n);
-    return neighbours;
+    Lists lists(points_.bins());
+    std::size_t pairs = 0;
+    for (const std::uint32_t bin : bins_) {
+        lists[bin] = near(bin, tree_.touching(reach(bin, spacing)), spacing);
+        pairs += lists[bin].size();
+        if (pairs > most_near * bins_.size()) return std::nullopt;
+    }
+    return lists;
 }
 
 // Greedy colouring in the order of the bins.
 template <class Coord>
-std::vector<std::vector<std::size_t>> BinNeighbours<Coord>::apart(double spacing) const
+std::vector<std::vector<std::size_t>> BinNeighbours<Coord>::apart(const Lists& lists) const
 {
     std::vector<std::vector<std::size_t>> groups;
     std::vector<std::size_t> colour(points_.bins(), 0);
     std::vector<std::size_t> used_by;  // for each colour, the last bin that has a neighbour of it
-    for (std::size_t bin = 0; bin < points_.bins(); ++bin) {
-        if (points_.box(bin).points == 0) continue;
-        for (const std::size_t n : of(bin, spacing, bin)) used_by[colour[n]] = bin;
+    for (const std::uint32_t bin : bins_) {
+        for (const std::uint32_t n : lists[bin])
+            if (n < bin) used_by[colour[n]] = bin;
         std::size_t free = 0;
         while (free < groups.size() && used_by[free] == bin) ++free;
         colour[bin] = free;

@@ -1,10 +1,9 @@
 #include "pcm/build/levels/level_sampler.h"
 
 #include "pcm/bpc/byte_order.h"
-#include "pcm/bpc/checksum.h"
-#include "pcm/build/bins/scratch_file.h"
 #include "pcm/build/levels/grid_levels.h"
 #include "pcm/build/levels/poisson_pass.h"
+#include "pcm/build/levels/stop_rule.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/for_each_index.h"
 
@@ -17,12 +16,6 @@ namespace {
 
 // The coarsest level has at least this many points where the cloud has: spacings with fewer are not worth a level.
 constexpr std::uint64_t first_level_points = 512;
-// Sampling ends when the bins in which less than a tenth of the points is chosen hold at most a fifth of all points.
-// Surfaces have four times the points at half the spacing, so the chosen share is then between a tenth and 0.4: the
-// step to the whole cloud is like that between levels. A few points in much denser places are not waited for.
-constexpr double chosen_share = 0.1;
-constexpr double waiting_share = 0.2;
-
 }  // namespace
 
 template <class Coord>
@@ -33,16 +26,8 @@ LevelSampler<Coord>::LevelSampler(const SortedPoints<Coord>& points, const Latti
       sampling_(sampling),
       neighbours_(points, lattice),
       file_(scratch, mode),
-      remove_(mode == File::Mode::create_new),
       bins_(points.bins())
 {
-}
-
-template <class Coord>
-LevelSampler<Coord>::~LevelSampler()
-{
-    std::error_code ignored;
-    if (remove_) std::filesystem::remove(file_.path(), ignored);
 }
 
 template <class Coord>
@@ -98,7 +83,7 @@ void LevelSampler<Coord>::run_by_grid(unsigned threads)
         const auto first = count_first_of_cells<Coord>(points, lattice_.finer, top);
         for (int size = top; size >= 0; --size)
             if (const std::uint32_t count = first[static_cast<std::size_t>(size)])
-                bins_[bin].lists.push_back({size, 0, count, 0});
+                bins_[bin].lists.push_back({size, {0, count, 0}});
     });
     // How many sizes are used follows from how many points each would choose.
     std::vector<int> sizes;
@@ -107,7 +92,7 @@ void LevelSampler<Coord>::run_by_grid(unsigned threads)
         for (Bin& bin : bins_) {
             bin.chosen = 0;
             for (const List& list : bin.lists)
-                if (list.size >= size) bin.chosen += list.count;
+                if (list.size >= size) bin.chosen += list.place.count;
         }
         if (fine_enough()) break;
     }
@@ -146,13 +131,10 @@ int LevelSampler<Coord>::coarsest_size() const
 template <class Coord>
 bool LevelSampler<Coord>::fine_enough() const
 {
-    std::uint64_t all = 0, waiting = 0;
-    for (std::size_t b = 0; b < bins_.size(); ++b) {
-        const std::uint64_t points = points_.box(b).points;
-        all += points;
-        if (static_cast<double>(bins_[b].chosen) < chosen_share * static_cast<double>(points)) waiting += points;
-    }
-    return static_cast<double>(waiting) <= waiting_share * static_cast<double>(all);
+    StopRule rule;
+    for (std::size_t b = 0; b < bins_.size(); ++b)
+        if (points_.box(b).points) rule.see(points_.box(b).points, bins_[b].chosen);
+    return rule.reached();
 }
 
 template <class Coord>
@@ -164,7 +146,7 @@ void LevelSampler<Coord>::choose_sizes(const std::vector<int>& sizes)
         std::uint64_t chosen = 0;
         for (const Bin& bin : bins_)
             for (const List& list : bin.lists)
-                if (list.size >= sizes[first]) chosen += list.count;
+                if (list.size >= sizes[first]) chosen += list.place.count;
         if (chosen >= first_level_points) break;
     }
     sizes_.assign(sizes.begin() + static_cast<std::ptrdiff_t>(first), sizes.end());
@@ -183,8 +165,8 @@ void LevelSampler<Coord>::count_levels()
         std::uint64_t chosen = 0;
         for (const List& list : bin.lists) {
             if (list.size < sizes_.back()) continue;
-            bin.histogram[static_cast<std::size_t>(std::max(0, sizes_[0] - list.size))] += list.count;
-            chosen += list.count;
+            bin.histogram[static_cast<std::size_t>(std::max(0, sizes_[0] - list.size))] += list.place.count;
+            chosen += list.place.count;
         }
         bin.histogram.back() = points_.box(b).points - chosen;
         rest += bin.histogram.back();
@@ -201,48 +183,17 @@ void LevelSampler<Coord>::count_levels()
 }
 
 template <class Coord>
-std::uint64_t LevelSampler<Coord>::write(const void* data, std::size_t bytes)
-{
-    std::uint64_t offset;
-    {
-        const std::lock_guard lock(mutex_);
-        offset = end_;
-        end_ += bytes;
-    }
-    file_.write_at(data, bytes, offset);
-    return offset;
-}
-
-template <class Coord>
-std::vector<std::uint8_t> LevelSampler<Coord>::read_bytes(std::size_t bin) const
-{
-    std::vector<std::uint8_t> bytes(points_.box(bin).points);
-    file_.read_at(bytes.data(), bytes.size(), bins_[bin].bytes);
-    return bytes;
-}
-
-template <class Coord>
-std::vector<std::uint32_t> LevelSampler<Coord>::read(const List& list) const
-{
-    std::vector<std::uint32_t> indices(list.count);
-    file_.read_at(indices.data(), indices.size() * sizeof indices[0], list.offset);
-    if (checksum(indices.data(), indices.size() * sizeof indices[0]) != list.checksum)
-        throw scratch_changed(file_.path(), list.offset);
-    return indices;
-}
-
-template <class Coord>
 std::vector<std::uint8_t> LevelSampler<Coord>::levels(std::size_t bin) const
 {
     if (sampling_ == Sampling::grid) {
         if (points_.box(bin).points == 0) return {};
-        if (given_.list) return read_bytes(bin);
+        if (given_.list) return file_.read(bins_[bin].bytes, points_.box(bin).points);
         typename SortedPoints<Coord>::Reader points(points_, bin);
         return grid_levels<Coord>(points, lattice_.finer, sizes_);
     }
     std::vector<std::uint8_t> levels(points_.box(bin).points, static_cast<std::uint8_t>(sizes_.size()));
     for (const List& list : bins_[bin].lists)
-        for (const std::uint32_t i : read(list))
+        for (const std::uint32_t i : file_.read(list.place))
             levels[i] = static_cast<std::uint8_t>(std::max(0, sizes_[0] - list.size));
     return levels;
 }
@@ -267,26 +218,32 @@ void LevelSampler<Coord>::sample_given_bin_by_grid(std::size_t number)
     std::vector<std::uint32_t> counts(sizes_.size() + 1, 0);
     for (const std::uint8_t level : levels) ++counts[level];
     for (std::size_t level = 0; level < sizes_.size(); ++level)
-        bin.lists.push_back({sizes_[level], 0, counts[level], 0});
-    bin.bytes = write(levels.data(), levels.size());
+        bin.lists.push_back({sizes_[level], {0, counts[level], 0}});
+    bin.bytes = file_.write(levels);
 }
 
+// What a bin chooses depends on the bins nearer than the spacing that chose before it.
 template <class Coord>
 void LevelSampler<Coord>::pass(int size, unsigned threads)
 {
-    // What a bin chooses depends on the bins nearer than the spacing that chose before it. Bins of one group are not
-    // near each other and are sampled in parallel, the groups one after the other: the same for any number of threads.
-    const double spacing = lattice_.spacing(size);
+    if (const auto near = neighbours_.lists(lattice_.spacing(size)))
+        pass_in_groups(size, threads, *near);
+    else
+        pass_one_by_one(size);
+}
+
+// Bins of one group are not near each other and are sampled in parallel, the groups one after the other: the same for
+// any number of threads.
+template <class Coord>
+void LevelSampler<Coord>::pass_in_groups(int size, unsigned threads, const typename BinNeighbours<Coord>::Lists& near)
+{
     std::size_t done = 0;  // bins of earlier groups
-    for (const std::vector<std::size_t>& group : neighbours_.apart(spacing)) {
+    for (const std::vector<std::size_t>& group : neighbours_.apart(near)) {
         const auto sample = [&](std::size_t i) {
-            sample_bin(group[i], size, neighbours_.of(group[i], spacing, bins_.size()));
+            const std::size_t bin = group[i];
+            keep_border(bin, size, near[bin], sample_bin(bin, size, near[bin]));
         };
-        const auto tick = [&](std::size_t begun) {
-            const double inside =
-                static_cast<double>(done + begun) / static_cast<double>(std::max<std::size_t>(1, bins_.size()));
-            progress_(fraction_ + (1 - fraction_) * 0.2 * inside);
-        };
+        const auto tick = [&](std::size_t begun) { report_pass(done + begun); };
         if (group.size() == 1 || threads == 1)
             for (std::size_t i = 0; i < group.size(); ++i) {
                 sample(i);
@@ -296,6 +253,31 @@ void LevelSampler<Coord>::pass(int size, unsigned threads)
             for_each_index(group.size(), threads, sample, tick);
         done += group.size();
     }
+}
+
+// At spacings at which most bins are near each other: few points are chosen, so that few bins have any, and only these
+// are looked for. All chosen points are kept as if they were at the border.
+template <class Coord>
+void LevelSampler<Coord>::pass_one_by_one(int size)
+{
+    typename BinNeighbours<Coord>::Subset chosen(neighbours_);
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin)
+        if (!bins_[bin].border.empty()) chosen.add(bin);
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+        report_pass(bin);
+        if (points_.box(bin).points == 0) continue;
+        const Found found = sample_bin(bin, size, chosen.near(bin, lattice_.spacing(size)));
+        if (found.empty()) continue;
+        bins_[bin].border.insert(bins_[bin].border.end(), found.begin(), found.end());
+        chosen.add(bin);
+    }
+}
+
+template <class Coord>
+void LevelSampler<Coord>::report_pass(std::size_t bins_done)
+{
+    const double inside = static_cast<double>(bins_done) / static_cast<double>(std::max<std::size_t>(1, bins_.size()));
+    progress_(fraction_ + (1 - fraction_) * 0.2 * inside);
 }
 
 template <class Coord>
@@ -334,7 +316,7 @@ void LevelSampler<Coord>::bar_points(std::size_t number)
         barred.resize(points.size(), 255);
         PoissonPass<Coord>(points, lattice_, sizes_[level], {}, given).mark(barred);
     }
-    if (!barred.empty()) bins_[number].bytes = write(barred.data(), barred.size());
+    if (!barred.empty()) bins_[number].bytes = file_.write(barred);
 }
 
 // The points of a bin that earlier passes chose, ascending.
@@ -345,7 +327,7 @@ std::vector<std::uint32_t> LevelSampler<Coord>::chosen_in(const Bin& bin, std::u
     if (bin.lists.empty()) return chosen;
     std::vector<std::uint64_t> is_chosen(points / 64 + 1, 0);
     for (const List& list : bin.lists)
-        for (const std::uint32_t i : read(list)) is_chosen[i / 64] |= std::uint64_t(1) << i % 64;
+        for (const std::uint32_t i : file_.read(list.place)) is_chosen[i / 64] |= std::uint64_t(1) << i % 64;
     chosen.reserve(bin.chosen);
     for (std::size_t word = 0; word < is_chosen.size(); ++word)
         for (std::uint64_t bits = is_chosen[word]; bits; bits &= bits - 1)
@@ -354,23 +336,24 @@ std::vector<std::uint32_t> LevelSampler<Coord>::chosen_in(const Bin& bin, std::u
 }
 
 template <class Coord>
-void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::vector<std::size_t>& neighbours)
+auto LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::vector<std::uint32_t>& neighbours)
+    -> Found
 {
     Bin& bin = bins_[number];
     const auto& box = points_.box(number);
     const double spacing = lattice_.spacing(size);
     const double squared = spacing * spacing;
-    if (bin.chosen == box.points) return;
+    if (bin.chosen == box.points) return {};
     const auto covers_all = [&](const Point<Coord>& p) {
         return neighbours_.to_farthest(p, box) * (1 + distance_margin) < squared;
     };
 
     std::vector<Point<Coord>> others;
     for (const Point<Coord>& p : bin.border)
-        if (covers_all(p)) return;
-    for (const std::size_t n : neighbours)
+        if (covers_all(p)) return {};
+    for (const std::uint32_t n : neighbours)
         for (const Point<Coord>& p : bins_[n].border) {
-            if (covers_all(p)) return;
+            if (covers_all(p)) return {};
             if (neighbours_.to_nearest(p, box) * (1 - distance_margin) < squared) others.push_back(p);
         }
     typename SortedPoints<Coord>::Reader points(points_, number);
@@ -379,25 +362,25 @@ void LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
     if (given_.list) {
         const auto given = given_near(number, size, 0, static_cast<std::size_t>(sizes_[0] - size), points);
         others.insert(others.end(), given.begin(), given.end());
-        if (bin.bytes != no_bytes) barred = read_bytes(number);
+        if (bin.bytes != no_bytes) barred = file_.read(bin.bytes, box.points);
     }
 
     const std::vector<std::uint32_t> found = PoissonPass<Coord>(points, lattice_, size, own, others).run(barred);
     if (!found.empty()) {
-        const std::uint64_t offset = write(found.data(), found.size() * sizeof found[0]);
-        bin.lists.push_back({size, offset, static_cast<std::uint32_t>(found.size()),
-                             checksum(found.data(), found.size() * sizeof found[0])});
+        bin.lists.push_back({size, file_.write(found)});
         bin.chosen += found.size();
     }
-    keep_border(number, size, neighbours, found, points);
+    Found positions;
+    positions.reserve(found.size());
+    for (const std::uint32_t i : found) positions.push_back(points[i]);
+    return positions;
 }
 
 // Keeps the chosen points that passes of smaller sizes may ask for: the ones nearer than the spacing to a
 // neighbour. With smaller spacings there are only fewer neighbours.
 template <class Coord>
-void LevelSampler<Coord>::keep_border(std::size_t number, int size, const std::vector<std::size_t>& neighbours,
-                                      const std::vector<std::uint32_t>& found,
-                                      typename SortedPoints<Coord>::Reader& points)
+void LevelSampler<Coord>::keep_border(std::size_t number, int size, const std::vector<std::uint32_t>& neighbours,
+                                      const Found& found)
 {
     Bin& bin = bins_[number];
     const auto& box = points_.box(number);
@@ -412,27 +395,27 @@ void LevelSampler<Coord>::keep_border(std::size_t number, int size, const std::v
         inner_high[a] = box.high[a] - static_cast<Coord>(reach);
     }
     const bool apart = std::none_of(neighbours.begin(), neighbours.end(),
-                                    [&](std::size_t n) { return neighbours_.between(number, n) == 0; });
+                                    [&](std::uint32_t n) { return neighbours_.between(number, n) == 0; });
     const auto at_border = [&](const Point<Coord>& p) {
         bool inside = apart;
         for (std::size_t a = 0; a < 3; ++a) inside = inside && p[a] > inner_low[a] && p[a] < inner_high[a];
         if (inside) return false;
-        for (const std::size_t n : neighbours)
+        for (const std::uint32_t n : neighbours)
             if (neighbours_.to_nearest(p, points_.box(n)) * (1 - distance_margin) < squared) return true;
         return false;
     };
     std::vector<Point<Coord>> border;
     for (const Point<Coord>& p : bin.border)
         if (at_border(p)) border.push_back(p);
-    for (const std::uint32_t i : found)
-        if (at_border(points[i])) border.push_back(points[i]);
+    for (const Point<Coord>& p : found)
+        if (at_border(p)) border.push_back(p);
     bin.border = std::move(border);
 }
 
 template <class Coord>
 void LevelSampler<Coord>::save(ByteWriter& out) const
 {
-    out.put(end_);
+    out.put(file_.bytes());
     out.put(static_cast<std::uint64_t>(spacings_.size()));
     for (const double spacing : spacings_) out.put(spacing);
     out.put(static_cast<std::uint64_t>(sizes_.size()));
@@ -444,9 +427,9 @@ void LevelSampler<Coord>::save(ByteWriter& out) const
         out.put(static_cast<std::uint64_t>(bin.lists.size()));
         for (const List& list : bin.lists) {
             out.put(list.size);
-            out.put(list.offset);
-            out.put(list.count);
-            out.put(list.checksum);
+            out.put(list.place.offset);
+            out.put(list.place.count);
+            out.put(list.place.checksum);
         }
     }
 }
@@ -458,8 +441,8 @@ void LevelSampler<Coord>::load(ByteReader& in)
         if (!holds)
             throw Error(ErrorCode::corrupt, file_.path(), "the levels of an interrupted build do not fit its points");
     };
-    end_ = in.get<std::uint64_t>();
-    check(end_ <= file_.size());
+    const auto end = in.get<std::uint64_t>();
+    check(file_.reopen(end));
     const auto spacings = in.get<std::uint64_t>();
     check(spacings <= 255);
     for (std::uint64_t i = 0; i < spacings; ++i) spacings_.push_back(in.get<double>());
@@ -471,16 +454,16 @@ void LevelSampler<Coord>::load(ByteReader& in)
         Bin& bin = bins_[b];
         for (std::uint64_t i = 0; i < spacings; ++i) bin.histogram.push_back(in.get<std::uint64_t>());
         bin.bytes = in.get<std::uint64_t>();
-        check(bin.bytes == no_bytes || (bin.bytes <= end_ && points_.box(b).points <= end_ - bin.bytes));
+        check(bin.bytes == no_bytes || (bin.bytes <= end && points_.box(b).points <= end - bin.bytes));
         const auto lists = in.get<std::uint64_t>();
         for (std::uint64_t i = 0; i < lists; ++i) {
             List list{};
             list.size = in.get<int>();
-            list.offset = in.get<std::uint64_t>();
-            list.count = in.get<std::uint32_t>();
-            list.checksum = in.get<std::uint64_t>();
+            list.place.offset = in.get<std::uint64_t>();
+            list.place.count = in.get<std::uint32_t>();
+            list.place.checksum = in.get<std::uint64_t>();
             check(sampling_ == Sampling::grid ||
-                  (list.offset <= end_ && list.count <= (end_ - list.offset) / sizeof(std::uint32_t)));
+                  (list.place.offset <= end && list.place.count <= (end - list.place.offset) / sizeof(std::uint32_t)));
             bin.lists.push_back(list);
         }
     }

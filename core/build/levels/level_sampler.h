@@ -17,14 +17,13 @@
 
 #include "pcm/build/levels/bin_neighbours.h"
 #include "pcm/build/levels/given_levels.h"
+#include "pcm/build/levels/list_file.h"
 #include "pcm/build/levels/sorted_points.h"
-#include "pcm/system/file.h"
 #include "pcm/tree/tree.h"
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <mutex>
 #include <vector>
 
 namespace pcm {
@@ -39,7 +38,6 @@ public:
     // it is removed in the end, otherwise it stays.
     LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
                  const std::filesystem::path& scratch, File::Mode mode = File::Mode::create_new);
-    ~LevelSampler();
 
     // Before run(): the points are added to these. Throws Error(invalid_argument) for spacings that are not the
     // lattice's.
@@ -53,7 +51,7 @@ public:
     void load(ByteReader& in);
     void sync() { file_.sync(); }
     // Size of the sampler's file.
-    std::uint64_t bytes() const { return end_; }
+    std::uint64_t bytes() const { return file_.bytes(); }
     // Spacing by level; 0 for the rest. With given levels: theirs, and the rest where they had none and it is needed.
     const std::vector<double>& spacings() const { return spacings_; }
     // Number of points of each level in a bin.
@@ -62,21 +60,20 @@ public:
     std::vector<std::uint8_t> levels(std::size_t bin) const;
 
 private:
-    struct List {  // indices that one pass chose
+    struct List {  // indices that one pass chose; in a sample by grid, their number alone
         int size;
-        std::uint64_t offset;
-        std::uint32_t count;
-        std::uint64_t checksum;
+        ListFile::Place place;
     };
     struct Bin {
         std::vector<List> lists;
-        std::vector<Point<Coord>> border;  // chosen points that are nearer than the spacing to another bin
+        std::vector<Point<Coord>> border;  // chosen points, at least those nearer than the spacing to another bin
         std::uint64_t chosen = 0;
         std::vector<std::uint64_t> histogram;
         // Offset in the file of one byte per point, if the bin has these. Poisson: the smallest size that given points
         // bar to the point, as they do all larger ones; 255 for none. Grid, with a given cloud: the point's level.
         std::uint64_t bytes = no_bytes;
     };
+    using Found = std::vector<Point<Coord>>;
     static constexpr std::uint64_t no_bytes = ~std::uint64_t(0);
 
     void run_by_poisson(unsigned threads);
@@ -85,17 +82,18 @@ private:
     int coarsest_size() const;
     void for_each_bin(unsigned threads, const std::function<void(std::size_t)>& work);
     void pass(int size, unsigned threads);
-    void sample_bin(std::size_t bin, int size, const std::vector<std::size_t>& neighbours);
+    void pass_in_groups(int size, unsigned threads, const typename BinNeighbours<Coord>::Lists& near);
+    void pass_one_by_one(int size);
+    void report_pass(std::size_t bins_done);
+    // Returns the points that it chooses, ...
+    Found sample_bin(std::size_t bin, int size, const std::vector<std::uint32_t>& neighbours);
     std::vector<std::uint32_t> chosen_in(const Bin& bin, std::uint64_t points) const;
-    void keep_border(std::size_t bin, int size, const std::vector<std::size_t>& neighbours,
-                     const std::vector<std::uint32_t>& found, typename SortedPoints<Coord>::Reader& points);
+    // ... of which it keeps those that are near one of its neighbours.
+    void keep_border(std::size_t bin, int size, const std::vector<std::uint32_t>& neighbours, const Found& found);
     void sample_given_bin_by_grid(std::size_t bin);
     void bar_points(std::size_t bin);
     std::vector<Point<Coord>> given_near(std::size_t bin, int size, std::size_t first_level, std::size_t last_level,
                                          typename SortedPoints<Coord>::Reader& points) const;
-    std::vector<std::uint8_t> read_bytes(std::size_t bin) const;
-    std::uint64_t write(const void* data, std::size_t bytes);
-    std::vector<std::uint32_t> read(const List& list) const;
     bool fine_enough() const;
     void choose_sizes(const std::vector<int>& sizes);
     void count_levels();
@@ -105,10 +103,7 @@ private:
     const Sampling sampling_;
     const BinNeighbours<Coord> neighbours_;
     GivenLevels<Coord> given_;
-    File file_;
-    const bool remove_;
-    std::mutex mutex_;
-    std::uint64_t end_ = 0;
+    ListFile file_;
     std::vector<Bin> bins_;
     std::vector<double> spacings_;
     std::vector<int> sizes_;  // cell size of each level but the rest

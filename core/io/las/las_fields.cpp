@@ -3,6 +3,7 @@
 #include "pcm/io/file_text.h"
 #include "pcm/io/las/las_layout.h"
 #include "pcm/io/unique_name.h"
+#include "pcm/system/copy_strided.h"
 
 #include <algorithm>
 #include <array>
@@ -16,33 +17,6 @@
 
 namespace pcm::las {
 namespace {
-
-template <std::size_t Bytes>
-void copy_strided(const std::byte* from, std::size_t from_step, std::byte* to, std::size_t to_step, std::size_t count)
-{
-    for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_step, from + i * from_step, Bytes);
-}
-
-void copy_strided(std::size_t bytes, const std::byte* from, std::size_t from_step, std::byte* to, std::size_t to_step,
-                  std::size_t count)
-{
-    switch (bytes) {
-        case 1:
-            return copy_strided<1>(from, from_step, to, to_step, count);
-        case 2:
-            return copy_strided<2>(from, from_step, to, to_step, count);
-        case 4:
-            return copy_strided<4>(from, from_step, to, to_step, count);
-        case 6:
-            return copy_strided<6>(from, from_step, to, to_step, count);
-        case 8:
-            return copy_strided<8>(from, from_step, to, to_step, count);
-        case 12:
-            return copy_strided<12>(from, from_step, to, to_step, count);
-        default:
-            for (std::size_t i = 0; i < count; ++i) std::memcpy(to + i * to_step, from + i * from_step, bytes);
-    }
-}
 
 void add(Fields& to, Attribute attribute, std::size_t offset)
 {

@@ -3,6 +3,7 @@
 
 #include "pcm/cloud/attribute.h"
 #include "pcm/io/las/las_header.h"
+#include "pcm/io/record_batch.h"
 
 #include <array>
 #include <cstddef>
@@ -11,13 +12,7 @@
 
 namespace pcm::las {
 
-// Whole bytes of a record, or bits of one byte.
-struct Field {
-    std::size_t offset = 0;
-    std::size_t bytes = 0;  // size of all components
-    unsigned shift = 0;
-    unsigned mask = 0;  // not 0: one byte, (byte >> shift) & mask
-};
+using Field = FieldPlace;
 
 // One field per attribute of the schema, in its order.
 struct Fields {

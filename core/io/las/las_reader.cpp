@@ -5,9 +5,12 @@
 #include "pcm/io/las/las_layout.h"
 #include "pcm/io/las/las_records.h"
 #include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/record_batch.h"
 #include "pcm/system/file.h"
 
 #include <algorithm>
+#include <cstring>
+#include <memory>
 #include <string>
 #include <utility>
 
@@ -34,7 +37,7 @@ public:
                        ", point format " + std::to_string(header_.format);
         info_.points = header_.points;
         info_.schema = std::move(plan.schema);
-        fields_ = std::move(plan.fields);
+        fields_ = std::make_shared<const std::vector<las::Field>>(std::move(plan.fields));
         info_.position_type = ScalarType::i32;
         info_.grid = header_.grid;
         info_.promised_box = header_.box;
@@ -47,6 +50,8 @@ public:
 
     const FileInfo& info() const override { return info_; }
     bool read(PointBatch& batch, std::size_t max_points) override;
+    bool has_records() const override { return true; }
+    bool read_records(RecordBatch& batch, std::size_t max_points) override;
     bool seekable() const override { return records_->seekable(); }
     void seek(std::uint64_t index) override;
     double fraction_read() const override
@@ -55,10 +60,16 @@ public:
     }
 
 private:
+    std::size_t points_of_batch(std::size_t max_points) const
+    {
+        const std::size_t most = std::min(std::max<std::size_t>(max_points, 1), batch_points_);
+        return static_cast<std::size_t>(std::min<std::uint64_t>(info_.points - next_, most));
+    }
+
     File file_;
     las::Header header_;
     FileInfo info_;
-    std::vector<las::Field> fields_;  // one for each attribute of the schema
+    std::shared_ptr<const std::vector<las::Field>> fields_;  // one for each attribute of the schema
     std::size_t batch_points_ = 1;
     std::uint64_t next_ = 0;
     std::unique_ptr<las::RecordSource> records_;  // uses file_ and header_
@@ -66,9 +77,7 @@ private:
 
 bool LasReader::read(PointBatch& batch, std::size_t max_points)
 {
-    const std::uint64_t left = info_.points - next_;
-    const auto count = static_cast<std::size_t>(
-        std::min<std::uint64_t>(left, std::min(std::max<std::size_t>(max_points, 1), batch_points_)));
+    const std::size_t count = points_of_batch(max_points);
     shape_batch(batch, info_.schema, true, count);
     if (count == 0) return false;
 
@@ -82,14 +91,29 @@ bool LasReader::read(PointBatch& batch, std::size_t max_points)
             for (std::size_t a = 0; a < 3; ++a)
                 las::gather({4 * a, 4, 0, 0}, records, stride, size,
                             reinterpret_cast<std::byte*>(batch.grid_xyz[a].data() + done + block));
-            for (std::size_t f = 0; f < fields_.size(); ++f)
-                las::gather(fields_[f], records, stride, size,
-                            batch.attributes[f].data() + (done + block) * fields_[f].bytes);
+            for (std::size_t f = 0; f < fields_->size(); ++f)
+                las::gather((*fields_)[f], records, stride, size,
+                            batch.attributes[f].data() + (done + block) * (*fields_)[f].bytes);
         }
         done += span.count;
         next_ += span.count;
     }
     return true;
+}
+
+bool LasReader::read_records(RecordBatch& batch, std::size_t max_points)
+{
+    batch.size = points_of_batch(max_points);
+    batch.stride = header_.record_length;
+    batch.fields = fields_;
+    if (batch.bytes.size() < batch.size * batch.stride) batch.bytes.resize(batch.size * batch.stride);
+    for (std::size_t done = 0; done < batch.size;) {
+        const las::RecordSpan span = records_->next(batch.size - done);
+        std::memcpy(batch.bytes.data() + done * batch.stride, span.records, span.count * batch.stride);
+        done += span.count;
+        next_ += span.count;
+    }
+    return batch.size > 0;
 }
 
 void LasReader::seek(std::uint64_t index)

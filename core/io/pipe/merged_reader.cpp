@@ -1,8 +1,10 @@
 #include "pcm/io/pipe/merged_reader.h"
 
 #include "pcm/io/pipe/batch_shape.h"
+#include "pcm/io/pipe/file_notes.h"
 #include "pcm/io/pipe/grid_steps.h"
 #include "pcm/io/pipe/system_check.h"
+#include "pcm/io/record_batch.h"
 #include "pcm/io/scans.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -20,16 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t max_notes = 40;
-constexpr std::size_t named_files = 3;  // per note; further files are only counted
 constexpr std::size_t named_faults = 10;
 constexpr std::uint64_t max_metadata_bytes = std::uint64_t{64} << 20;
-
-std::string file_name(const fs::path& path)
-{
-    const fs::path name = path.filename().empty() ? path.parent_path().filename() : path.filename();
-    return name.string();
-}
 
 // Attributes that differ only in their description are the same.
 bool same_kind(const Attribute& a, const Attribute& b)
@@ -52,59 +46,6 @@ double size_in_bytes(const fs::path& path)
 }
 
 }  // namespace
-
-// Notes of many files: equal ones are merged.
-class MergedReader::Notes {
-public:
-    explicit Notes(std::size_t files) : files_(files) {}
-
-    void add(const std::string& text, const fs::path& file)
-    {
-        const auto [known, is_new] = index_.try_emplace(text, notes_.size());
-        if (is_new) {
-            if (notes_.size() == max_notes) {
-                index_.erase(known);
-                ++unnamed_;
-                return;
-            }
-            notes_.push_back({text, {}, 0});
-        }
-        Note& note = notes_[known->second];
-        if (note.names.size() < named_files) note.names.push_back(file_name(file));
-        ++note.count;
-    }
-    void add(std::string text) { general_.push_back(std::move(text)); }
-
-    // "a.las, b.las, c.las and 7 more"
-    static std::string list_of(const std::vector<std::string>& names, std::size_t count)
-    {
-        std::string text;
-        for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-        if (count > names.size()) text += " and " + grouped(count - names.size()) + " more";
-        return text;
-    }
-    std::vector<std::string> take()
-    {
-        std::vector<std::string> all;
-        for (const Note& note : notes_)
-            all.push_back(files_ == 1 ? note.text : list_of(note.names, note.count) + ": " + note.text);
-        if (unnamed_) all.push_back(grouped(unnamed_) + " more notes about files are not repeated here");
-        all.insert(all.end(), general_.begin(), general_.end());
-        return all;
-    }
-
-private:
-    struct Note {
-        std::string text;
-        std::vector<std::string> names;
-        std::size_t count;
-    };
-    std::size_t files_;
-    std::vector<Note> notes_;
-    std::map<std::string, std::size_t> index_;
-    std::uint64_t unnamed_ = 0;
-    std::vector<std::string> general_;
-};
 
 void MergedReader::Inputs::add(const fs::path& input, const ReadOptions& options)
 {
@@ -136,7 +77,7 @@ void MergedReader::look_at_headers(Inputs& inputs)
 {
     if (inputs.sources.empty() && inputs.left_out.empty())
         throw Error(ErrorCode::invalid_argument, {}, "no input files were given");
-    Notes notes(inputs.sources.size());
+    FileNotes notes(inputs.sources.size());
     std::vector<Error> errors = std::move(inputs.left_out);
     SystemCheck systems(inputs.ignore_crs);
     std::vector<fs::path> without_system;
@@ -151,7 +92,7 @@ void MergedReader::look_at_headers(Inputs& inputs)
         }
         for (const std::string& note : systems.add(reader->info(), source.path)) notes.add(note, source.path);
         if (systems.is_without_system()) without_system.push_back(source.path);
-        look_at_header(source, reader->info(), reader->seekable(), notes);
+        look_at_header(source, *reader, notes);
         take_metadata(reader->info(), parts_.back().scans_before, systems.gives_the_system(), notes);
         sources_.push_back(std::move(source));
     }
@@ -167,6 +108,7 @@ void MergedReader::look_at_headers(Inputs& inputs)
     if (std::count_if(parts_.begin(), parts_.end(), [](const Part& part) { return part.scans > 0; }) > 1)
         scan_place_ = place_for_scan_numbers(info_.schema);
     describe_missing(notes);
+    settle_records();
     info_.notes = std::move(inputs.notes);
     note_left_out(errors);
     for (std::string& note : notes.take()) info_.notes.push_back(std::move(note));
@@ -180,9 +122,10 @@ void MergedReader::look_at_headers(Inputs& inputs)
     }
 }
 
-void MergedReader::look_at_header(const Source& source, const FileInfo& info, bool seekable, Notes& notes)
+void MergedReader::look_at_header(const Source& source, const PointReader& reader, FileNotes& notes)
 {
-    seekable_ = seekable_ && seekable;
+    const FileInfo& info = reader.info();
+    seekable_ = seekable_ && reader.seekable();
     for (const std::string& note : info.notes) notes.add(note, source.path);
     Part part;
     part.points = info.points;
@@ -192,6 +135,7 @@ void MergedReader::look_at_header(const Source& source, const FileInfo& info, bo
     part.notes = info.notes.size();
     part.format = info.format;
     part.points_known = info.points_known;
+    part.has_records = reader.has_records();
     part.position_type = info.position_type;
     part.scans = scans_of(info.metadata, info.schema);
     part.scans_before = scans_;
@@ -214,13 +158,14 @@ void MergedReader::note_left_out(const std::vector<Error>& errors)
 {
     if (errors.empty()) return;
     std::vector<std::string> names;
-    for (std::size_t i = 0; i < std::min(errors.size(), named_files); ++i) names.push_back(file_name(errors[i].path()));
+    for (std::size_t i = 0; i < std::min(errors.size(), FileNotes::named_files); ++i)
+        names.push_back(FileNotes::name_of(errors[i].path()));
     const std::string count = grouped(errors.size()) + (errors.size() == 1 ? " input" : " inputs");
     info_.notes.push_back(count + " cannot be read and" + (errors.size() == 1 ? " is" : " are") + " left out: " +
-                          Notes::list_of(names, errors.size()) + "; the first because " + errors[0].what());
+                          FileNotes::list_of(names, errors.size()) + "; the first because " + errors[0].what());
 }
 
-std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, Notes& notes)
+std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, FileNotes& notes)
 {
     for (std::size_t s = shapes_.size(); s-- > 0;)
         if (shapes_[s].schema == info.schema) return s;
@@ -251,7 +196,7 @@ std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, N
 
 // `with_system`: the file states the cloud's coordinate system; records of an earlier file that nobody could decode
 // make place for it.
-void MergedReader::take_metadata(const FileInfo& info, std::uint32_t scans_before, bool with_system, Notes& notes)
+void MergedReader::take_metadata(const FileInfo& info, std::uint32_t scans_before, bool with_system, FileNotes& notes)
 {
     std::vector<Metadata>& all = info_.metadata;
     if (with_system) all.erase(std::remove_if(all.begin(), all.end(), is_crs_block), all.end());
@@ -290,15 +235,22 @@ void MergedReader::settle_positions()
     info_.position_type = all_f32 ? ScalarType::f32 : ScalarType::f64;
 }
 
+// Records are those of the files where no value of them is changed, added or moved.
+void MergedReader::settle_records()
+{
+    has_records_ = info_.grid && !scan_place_;
+    for (const Part& part : parts_) has_records_ = has_records_ && part.has_records && shapes_[part.shape].same;
+}
+
 // Notes and metadata that a reader added while it read a file.
 void MergedReader::take_late(const FileInfo& info, const Part& part, const fs::path& path)
 {
-    Notes late(sources_.size());
+    FileNotes late(sources_.size());
     for (std::size_t i = part.notes; i < info.notes.size(); ++i) late.add(info.notes[i], path);
     take_metadata(info, part.scans_before, false, late);
     info_.points_left_out += info.points_left_out;
     for (std::string& note : late.take())
-        if (info_.notes.size() < 2 * max_notes &&
+        if (info_.notes.size() < 2 * FileNotes::max_notes &&
             std::find(info_.notes.begin(), info_.notes.end(), note) == info_.notes.end())
             info_.notes.push_back(std::move(note));
 }
@@ -312,17 +264,17 @@ void MergedReader::put_scan_numbers(PointBatch& batch) const
                  !std::binary_search(missing.begin(), missing.end(), *scan_place_));
 }
 
-void MergedReader::note_missing(const std::string& what, const std::vector<std::size_t>& parts, Notes& notes) const
+void MergedReader::note_missing(const std::string& what, const std::vector<std::size_t>& parts, FileNotes& notes) const
 {
     if (parts.empty()) return;
     std::vector<std::string> names;
     for (const std::size_t p : parts)
-        if (names.size() < named_files) names.push_back(file_name(sources_[p].path));
+        if (names.size() < FileNotes::named_files) names.push_back(FileNotes::name_of(sources_[p].path));
     notes.add(what + " not in " + grouped(parts.size()) + " of " + grouped(parts_.size()) +
-              " files and zero there: " + Notes::list_of(names, parts.size()));
+              " files and zero there: " + FileNotes::list_of(names, parts.size()));
 }
 
-void MergedReader::describe_missing(Notes& notes)
+void MergedReader::describe_missing(FileNotes& notes)
 {
     for (Shape& shape : shapes_) {
         std::vector<bool> has(info_.schema.size(), false);
@@ -375,10 +327,25 @@ PointReader& MergedReader::open(std::size_t part)
 
 bool MergedReader::read(PointBatch& batch, std::size_t max_points)
 {
+    if (read_next(batch, max_points)) return true;
+    shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
+    return false;
+}
+
+bool MergedReader::read_records(RecordBatch& batch, std::size_t max_points)
+{
+    if (!has_records_) return PointReader::read_records(batch, max_points);
+    if (read_next(batch, max_points)) return true;
+    batch.size = 0;
+    return false;
+}
+
+template <class Batch>
+bool MergedReader::read_next(Batch& batch, std::size_t max_points)
+{
     while (current_ < parts_.size()) {
         try {
             if (read_part(batch, max_points)) {
-                put_scan_numbers(batch);
                 part_points_ += batch.size;
                 return true;
             }
@@ -389,18 +356,26 @@ bool MergedReader::read(PointBatch& batch, std::size_t max_points)
         end_part();
     }
     if (!finished_) finish();
-    shape_batch(batch, info_.schema, info_.grid.has_value(), 0);
     return false;
 }
 
 // The next points of the current part.
+bool MergedReader::read_part(RecordBatch& batch, std::size_t max_points)
+{
+    return open(current_).read_records(batch, max_points);
+}
+
 bool MergedReader::read_part(PointBatch& batch, std::size_t max_points)
 {
     const bool gridded = info_.grid.has_value();
     const Part& part = parts_[current_];
     const Shape& shape = shapes_[part.shape];
     PointReader& reader = open(current_);
-    if (shape.same && part.grid.has_value() == gridded) return reader.read(batch, max_points);
+    if (shape.same && part.grid.has_value() == gridded) {
+        if (!reader.read(batch, max_points)) return false;
+        put_scan_numbers(batch);
+        return true;
+    }
     if (!reader.read(part_batch_, max_points)) return false;
     shape_batch(batch, info_.schema, gridded, part_batch_.size);
     for (std::size_t a = 0; a < 3; ++a) {
@@ -416,6 +391,7 @@ bool MergedReader::read_part(PointBatch& batch, std::size_t max_points)
         std::swap(batch.attributes[shape.places[k]], part_batch_.attributes[k]);
     for (const std::size_t k : shape.missing)
         if (Column& column = batch.attributes[k]; column.bytes()) std::memset(column.data(), 0, column.bytes());
+    put_scan_numbers(batch);
     return true;
 }
 
@@ -425,7 +401,7 @@ void MergedReader::give_up(const Error& error)
     ++info_.skipped.incomplete_files;
     if (faults_.size() == named_faults) return;
     const Part& part = parts_[current_];
-    faults_.push_back(file_name(sources_[current_].path) + " could be read in part: " + grouped(part_points_) +
+    faults_.push_back(FileNotes::name_of(sources_[current_].path) + " could be read in part: " + grouped(part_points_) +
                       " of its " + (part.points_known ? "" : "about ") + grouped(part.points) + " points were taken; " +
                       error.what());
 }

@@ -15,6 +15,8 @@
 
 namespace pcm {
 
+class FileNotes;
+
 // What the merged cloud is:
 //
 // Attributes are merged by name: the cloud has those of every file, and points of a file without an attribute have
@@ -69,6 +71,8 @@ public:
 
     const FileInfo& info() const override { return info_; }
     bool read(PointBatch& batch, std::size_t max_points) override;
+    bool has_records() const override { return has_records_; }
+    bool read_records(RecordBatch& batch, std::size_t max_points) override;
     bool seekable() const override { return seekable_; }
     void seek(std::uint64_t index) override;
     double fraction_read() const override;
@@ -87,6 +91,7 @@ private:
         std::string format;
         ScalarType position_type = ScalarType::f64;
         bool points_known = true;
+        bool has_records = false;
         std::uint32_t scans = 0, scans_before = 0;
     };
     // A schema of one or many files, and the place of each of its attributes in the merged schema.
@@ -96,28 +101,31 @@ private:
         std::vector<std::size_t> missing;  // attributes of the merged cloud that this schema lacks
         bool same = false;                 // equal to the merged schema
     };
-    class Notes;
 
     void look_at_headers(Inputs& inputs);
-    void look_at_header(const Source& source, const FileInfo& info, bool seekable, Notes& notes);
+    void look_at_header(const Source& source, const PointReader& reader, FileNotes& notes);
     void note_left_out(const std::vector<Error>& errors);
+    template <class Batch>
+    bool read_next(Batch& batch, std::size_t max_points);
     bool read_part(PointBatch& batch, std::size_t max_points);
+    bool read_part(RecordBatch& batch, std::size_t max_points);
     void put_scan_numbers(PointBatch& batch) const;
+    void settle_records();
     void give_up(const Error& error);
     void end_part();
     void finish();
-    std::size_t shape_of(const FileInfo& info, const std::filesystem::path& path, Notes& notes);
-    void take_metadata(const FileInfo& info, std::uint32_t scans_before, bool with_system, Notes& notes);
-    void note_missing(const std::string& what, const std::vector<std::size_t>& parts, Notes& notes) const;
+    std::size_t shape_of(const FileInfo& info, const std::filesystem::path& path, FileNotes& notes);
+    void take_metadata(const FileInfo& info, std::uint32_t scans_before, bool with_system, FileNotes& notes);
+    void note_missing(const std::string& what, const std::vector<std::size_t>& parts, FileNotes& notes) const;
     void take_late(const FileInfo& info, const Part& part, const std::filesystem::path& path);
     void settle_positions();
-    void describe_missing(Notes& notes);
+    void describe_missing(FileNotes& notes);
     PointReader& open(std::size_t part);
 
     std::vector<Source> sources_;
     bool skip_bad_files_ = false;
     FileInfo info_;
-    bool seekable_ = true, boxes_known_ = true;
+    bool seekable_ = true, boxes_known_ = true, has_records_ = false;
     std::vector<Part> parts_;
     std::vector<Shape> shapes_;
     std::uint32_t scans_ = 0;                // number in all files

@@ -1,4 +1,4 @@
-#include "pcm/select/box_tree.h"
+#include "pcm/cloud/box_tree.h"
 #include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
@@ -41,6 +41,25 @@ TEST(BoxTree, FindsTheBoxesThatAreFoundOneByOne)
                 EXPECT_EQ(tree.touching(box), touching_one_by_one(boxes, box)) << count << " " << size;
             }
         }
+}
+
+TEST(BoxTree, ASubsetIsSearchedAlone)
+{
+    std::mt19937 random(8);
+    for (const std::size_t count : {1u, 9u, 700u}) {
+        std::vector<Box3d> boxes;
+        for (std::size_t i = 0; i < count; ++i) boxes.push_back(box_at(random, 10, 1));
+        const BoxTree tree(boxes);
+        BoxTree::Subset subset(tree);
+        std::vector<Box3d> in_it(count);  // an empty box touches nothing
+        for (int k = 0; k < 60; ++k) {
+            const Box3d box = box_at(random, 10, 3);
+            EXPECT_EQ(subset.touching(box), touching_one_by_one(in_it, box)) << count << ", " << k << " added";
+            const auto more = static_cast<std::uint32_t>(random() % count);
+            subset.add(more);
+            in_it[more] = boxes[more];
+        }
+    }
 }
 
 // As units are: shared faces touch, also of boxes at one place.

@@ -1,4 +1,4 @@
-#include "pcm/select/box_tree.h"
+#include "pcm/cloud/box_tree.h"
 
 #include <algorithm>
 #include <numeric>
@@ -40,7 +40,9 @@ void BoxTree::build(std::uint32_t first, std::uint32_t last)
     build(half, last);
 }
 
-std::vector<std::uint32_t> BoxTree::touching(const Box3d& box) const
+// Those in nodes and at places of order_ that the two say.
+template <class NodeHas, class PlaceHas>
+std::vector<std::uint32_t> BoxTree::find(const Box3d& box, const NodeHas& node_has, const PlaceHas& place_has) const
 {
     std::vector<std::uint32_t> found, open;
     if (!nodes_.empty()) open.push_back(0);
@@ -48,17 +50,48 @@ std::vector<std::uint32_t> BoxTree::touching(const Box3d& box) const
         const std::uint32_t at = open.back();
         open.pop_back();
         const Node& node = nodes_[at];
-        if (!node.around.intersects(box)) continue;
+        if (!node_has(at) || !node.around.intersects(box)) continue;
         if (node.right != 0) {
             open.push_back(at + 1);
             open.push_back(node.right);
             continue;
         }
         for (std::uint32_t i = node.first; i < node.last; ++i)
-            if (boxes_[order_[i]].intersects(box)) found.push_back(order_[i]);
+            if (place_has(i) && boxes_[order_[i]].intersects(box)) found.push_back(order_[i]);
     }
     std::sort(found.begin(), found.end());
     return found;
+}
+
+std::vector<std::uint32_t> BoxTree::touching(const Box3d& box) const
+{
+    const auto any = [](std::uint32_t) { return true; };
+    return find(box, any, any);
+}
+
+BoxTree::Subset::Subset(const BoxTree& tree)
+    : tree_(&tree), place_(tree.order_.size()), has_(tree.order_.size(), 0), below_(tree.nodes_.size(), 0)
+{
+    for (std::size_t i = 0; i < place_.size(); ++i) place_[tree.order_[i]] = static_cast<std::uint32_t>(i);
+}
+
+void BoxTree::Subset::add(std::uint32_t index)
+{
+    const std::uint32_t place = place_[index];
+    has_[place] = 1;
+    for (std::uint32_t at = 0;;) {
+        below_[at] = 1;
+        const std::uint32_t right = tree_->nodes_[at].right;
+        if (right == 0) return;
+        at = place < tree_->nodes_[right].first ? at + 1 : right;
+    }
+}
+
+std::vector<std::uint32_t> BoxTree::Subset::touching(const Box3d& box) const
+{
+    return tree_->find(
+        box, [this](std::uint32_t node) { return below_[node] != 0; },
+        [this](std::uint32_t place) { return has_[place] != 0; });
 }
 
 }  // namespace pcm
