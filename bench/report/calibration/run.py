@@ -4,8 +4,7 @@
     python3 bench/report/calibration/run.py --bin build/release/bin --out /tmp/calibration [--data ../shared/data] [--smoke] [--only CLAIM...]
                                             [--write bench/results/calibration.md]
 
-A bound holds always; a claim of 95 % holds for 95 % of the values, or, of single numbers, in 95 % of the answers, less what chance
-leaves of so few (one in a hundred such tables). Rows go to OUT/rows.json. NumPy is needed. The exit code is 1 where a claim does not
+A bound holds always; a claim of 95 % holds in 95 % of the answers, less what chance leaves of so few (one in a hundred such tables). Rows go to OUT/rows.json. NumPy is needed. The exit code is 1 where a claim does not
 hold.
 """
 import argparse
