@@ -86,8 +86,8 @@ def volume(stage):
     if not stage.cloud.surface:
         return
     cloud, side = stage.cloud, 400
-    for margin, height in ((0.1, 0.02), (0.2, -0.1), (0.3, 0.1)):
-        low, high = margin, 1 - margin
+    for _ in range(8):
+        low, high, height = stage.chance.uniform([0.02, 0.6, -0.1], [0.4, 0.98, 0.15])
         middles = low + (numpy.arange(side) + 0.5) * (high - low) / side
         x, y = numpy.meshgrid(middles, middles)
         true = (cloud.surface(x, y) - height).mean() * (high - low) ** 2 * cloud.size ** 3
