@@ -18,12 +18,6 @@ def number(value):
     return f"{value:.2g}" if abs(value) < 0.1 else f"{value:.3g}" if abs(value) < 100 else f"{value:,.0f}"
 
 
-def name_of(row):
-    if row["program"] != "pcmlab":
-        return row["program"]
-    return "pcmlab, exact" if row["level"] is None else f"pcmlab --level {row['level']}"
-
-
 def tables(rows):
     for scene in dict.fromkeys(row["scene"] for row in rows):
         of_scene = [row for row in rows if row["scene"] == scene]
@@ -37,7 +31,7 @@ def tables(rows):
             yield "| k | program | CPU s | peak MB | " + " | ".join(label for _, label in used) + " |"
             yield "|---:|---|---:|---:|" + "---:|" * len(used)
             for row in of_work:
-                cells = [str(row["k"]), name_of(row), number(row["cpu"]), f"{row['peak_mb']:.0f}"]
+                cells = [str(row["k"]), row["program"], number(row["cpu"]), f"{row['peak_mb']:.0f}"]
                 yield "| " + " | ".join(cells + [number(row.get(key)) for key, _ in used]) + " |"
 
 
@@ -46,7 +40,7 @@ def ratios(rows):
     yield "\n| cloud | filter | k | best other | its CPU s over ours |"
     yield "|---|---|---:|---|---:|"
     for ours in rows:
-        if ours["program"] != "pcmlab" or ours["level"] is not None:
+        if ours["program"] != "pcmlab":
             continue
         same = [row for row in rows if row["program"] != "pcmlab" and all(row[key] == ours[key] for key in ("scene", "filter", "k"))]
         if same and ours["cpu"] > 0:

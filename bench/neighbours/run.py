@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Error against run time of radii, normals and outliers: ours at each level and exact, compared with PCL, CGAL, Open3D and MeshLab,
+"""Error against run time of radii, normals and outliers: ours compared with PCL, CGAL, Open3D and MeshLab,
 all in one run in which they take turns.
 
     run.py --bin BUILD/bin --out FOLDER [--points 1e6] [--cloud NAME=FILE.las ...] [--python PYTHON] [--meshlab PREFIX]
@@ -67,17 +67,14 @@ def timed(command, environment=None):
 class Ours:
     """One of our commands: run() times it, read() gives its result in the order of the scene's file."""
 
-    def __init__(self, bench, scene, name, level, options, columns):
-        self.bench, self.scene, self.name, self.level, self.columns = bench, scene, "pcmlab", level, columns
+    def __init__(self, bench, scene, name, options, columns):
+        self.bench, self.scene, self.name, self.columns = bench, scene, "pcmlab", columns
         self.result = bench.work / "ours.pct"
         self.command = [bench.bin / "pcmlab", name, scene.tree, "-o", self.result, "-q", "--json", "-t", "1", *options]
-        if level is not None:
-            self.command += ["--level", level]
 
     def run(self):
         remove_tree(self.result)
-        text, usage = timed(self.command)
-        return {**usage, "said": json.loads(text).get("errors", [])}
+        return timed(self.command)[1]
 
     def read(self):
         file = self.bench.work / "ours.ply"
@@ -92,8 +89,6 @@ class Ours:
 
 class Peer:
     """A program that filter_files.h describes."""
-
-    level = None
 
     def __init__(self, bench, scene, name, program, work, k, share):
         self.scene, self.name, self.filter = scene, name, work
@@ -114,7 +109,7 @@ class Peer:
 class MeshLab:
     """MeshLab's own filter, by meshlabserver; what loading and saving takes is taken off."""
 
-    name, level = "MeshLab", None
+    name = "MeshLab"
 
     def __init__(self, bench, scene, k):
         self.scene = scene
@@ -160,7 +155,6 @@ class Bench:
         self.work.mkdir(parents=True, exist_ok=True)
         self.repeat, self.sigmas, self.sample = arguments.repeat, arguments.sigmas, arguments.sample
         self.ks = [int(k) for k in arguments.neighbours.split(",")]
-        self.levels = arguments.levels
         self.rows = []
         self.peers = {}
         for name, file in (("PCL", "bench_filters_pcl"), ("CGAL", "bench_filters_cgal")):
@@ -185,18 +179,13 @@ class Bench:
             if not runs[program] or program not in errors:
                 continue
             row = {"scene": scene.name, "points": len(scene.q), "filter": work, "k": k, "program": program.name,
-                   "level": program.level, **errors[program]}
+                   **errors[program]}
             for figure in ("cpu", "process_cpu", "peak_mb"):
                 values = [run[figure] for run in runs[program] if figure in run]
                 if values:
                     row[figure] = statistics.median(values)
             self.rows.append(row)
             print(json.dumps(row), flush=True)
-
-    def tree_levels(self, scene):
-        text, _ = timed([self.bin / "pcmlab", "info", "--json", scene.tree])
-        levels = json.loads(text)["levels"]
-        return [None, *range(levels - 2, max(-1, levels - 2 - self.levels), -1)]
 
     def normals(self, scene, k, sample, indices):
         exact, defined = scenes.exact_normals(scene, sample, indices)
@@ -211,8 +200,7 @@ class Bench:
                 errors |= {"mean_to_truth": float(from_truth.mean()), "median_to_truth": float(numpy.median(from_truth))}
             return errors
 
-        programs = [Ours(self, scene, "normals", level, ["-k", k, "--no-confidence"], ["nx", "ny", "nz"])
-                    for level in self.tree_levels(scene)]
+        programs = [Ours(self, scene, "normals", ["-k", k, "--no-confidence"], ["nx", "ny", "nz"])]
         programs += [Peer(self, scene, name, program, "normals", k, 0) for name, program in self.peers.items()]
         if self.meshlab:
             programs.append(MeshLab(self, scene, k))
@@ -223,8 +211,7 @@ class Bench:
             off = numpy.abs(found[sample] - distances[:, -1]) / distances[:, -1] * 100
             return {"median_percent": float(numpy.median(off)), "p95_percent": float(numpy.percentile(off, 95))}
 
-        self.take_turns(scene, "radii", k, [Ours(self, scene, "radii", level, ["-k", k], ["radius"])
-                                            for level in self.tree_levels(scene)], judge)
+        self.take_turns(scene, "radii", k, [Ours(self, scene, "radii", ["-k", k], ["radius"])], judge)
 
     def outliers(self, scene, k):
         expected = scenes.exact_outliers(scene, k, self.sigmas)
@@ -236,7 +223,7 @@ class Bench:
                 errors |= {"oracle_outliers": int(expected.sum()), "labels_differ": int(((found != 0) != expected).sum())}
             return errors
 
-        programs = [Ours(self, scene, "outliers", None, ["-k", k, "-a", self.sigmas, "--label"], ["outlier"])]
+        programs = [Ours(self, scene, "outliers", ["-k", k, "-a", self.sigmas, "--label"], ["outlier"])]
         programs += [Peer(self, scene, name, program, "outliers", k, share) for name, program in self.peers.items()]
         self.take_turns(scene, "outliers", k, programs, judge)
 
@@ -276,7 +263,6 @@ def main():
     parser.add_argument("--points", type=float, default=1e6)
     parser.add_argument("--cloud", action="append", default=[], metavar="NAME=FILE")
     parser.add_argument("--neighbours", default="8,16,32")
-    parser.add_argument("--levels", type=int, default=4, help="how many levels, from the finest")
     parser.add_argument("--repeat", type=int, default=3)
     parser.add_argument("--sample", type=int, default=1000, help="points that are compared with an oracle")
     parser.add_argument("--sigmas", type=float, default=2)
@@ -285,7 +271,7 @@ def main():
     parser.add_argument("--smoke", action="store_true")
     arguments = parser.parse_args()
     if arguments.smoke:
-        arguments.points, arguments.neighbours, arguments.repeat, arguments.sample, arguments.levels = 5000, "8", 1, 50, 1
+        arguments.points, arguments.neighbours, arguments.repeat, arguments.sample = 5000, "8", 1, 50
         remove_tree(arguments.out)
     bench = Bench(arguments)
     for scene in scenes_of(arguments, bench.work):
@@ -300,7 +286,7 @@ def main():
 def check_smoke(rows):
     """What must hold on any machine: exact results are exact."""
     for row in rows:
-        if row["program"] == "pcmlab" and row["level"] is None:
+        if row["program"] == "pcmlab":
             assert row.get("p95_to_exact", 0) < 0.01, row
             assert row.get("p95_percent", 0) < 0.01, row
             assert row.get("labels_differ", 0) == 0, row

@@ -1,12 +1,10 @@
 #include "pcm/filter/attribute_pass.h"
 
 #include "pcm/filter/two_surfaces.h"
-#include "pcm/system/seconds.h"
 #include "pcm/tree/point_size.h"
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
@@ -111,29 +109,21 @@ public:
                 if (!place) return;
                 using Value = typename std::decay_t<decltype(values)>::value_type;
                 auto* const to = edit.column(*place).template as<Value>();
-                for (std::size_t i = 0; i < part.indices.size(); ++i)
-                    to[part.indices[i]] = values[source(unit, part, i)];
+                for (std::size_t i = 0; i < part.indices.size(); ++i) to[part.indices[i]] = values[part.first + i];
             };
             put(places_.radius, radius_);
             if (places_.radius) limit_radii(part, edit.column(*places_.radius).as<float>());
             put(places_.curvature, curvature_);
             put(places_.confidence, confidence_);
             put(places_.mean_distance, mean_distance_);
-            if (places_.normal) put_normals(unit, part, edit.column(*places_.normal).as<float>());
+            if (places_.normal) put_normals(part, edit.column(*places_.normal).as<float>());
             edit.mark_written();
         }
         if (wanted_.needs_shape())
-            for (std::uint32_t n = 0; n < unit.points; ++n)
-                count(confidence_[unit.source.empty() ? n : unit.source[n]]);
+            for (std::uint32_t n = 0; n < unit.points; ++n) count(confidence_[n]);
     }
 
 private:
-    static std::uint32_t source(const NeighbourhoodUnit& unit, const NeighbourhoodUnit::Part& part, std::size_t i)
-    {
-        const std::uint32_t number = part.first + static_cast<std::uint32_t>(i);
-        return unit.source.empty() ? number : unit.source[number];
-    }
-
     // Heights along a normal that rounding to the grid may make of one.
     double least_gap(const Vec3d& normal) const
     {
@@ -189,11 +179,11 @@ private:
         return known_normal_of(*part_->chunk->attributes[place], schema_[place], part_->indices[number - part_->first]);
     }
 
-    void put_normals(const NeighbourhoodUnit& unit, const NeighbourhoodUnit::Part& part, float* to)
+    void put_normals(const NeighbourhoodUnit::Part& part, float* to)
     {
         for (std::size_t i = 0; i < part.indices.size(); ++i) {
             const std::uint32_t index = part.indices[i];
-            std::array<float, 3> n = normal_[propagation_ ? part.first + i : source(unit, part, i)];
+            std::array<float, 3> n = normal_[part.first + i];
             const Vec3d p = grid_.to_source(part.chunk->positions->grid(index));
             if (!propagation_ && is_to_turn(*part.chunk, index, {n[0], n[1], n[2]}, p)) {
                 for (float& component : n) component = -component;
@@ -240,6 +230,25 @@ private:
     Counts counts_;
 };
 
+// How the pass searches neighbours.
+NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, const AttributePlaces& places)
+{
+    NeighbourhoodOptions search;
+    search.neighbours = options.neighbours;
+    search.max_distance = options.max_distance;
+    if (places.known_normal) search.columns.attributes.set(*places.known_normal);
+    search.columns.sizes = options.wanted.radius && options.radius_limit > 0;
+    // Joining points to pieces takes memory, too.
+    const bool joins = options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
+    search.memory_bytes = options.memory_bytes / (joins ? 4 : 3);
+    search.unit_points = options.unit_points;
+    search.threads = options.threads;
+    search.backend = options.backend;
+    search.progress = options.progress;
+    search.stage = "Computing " + noun_of(options.wanted);
+    return search;
+}
+
 }  // namespace
 
 Vec3d known_normal_of(const Column& column, const Attribute& attribute, std::size_t point)
@@ -257,41 +266,14 @@ double most_radius(const Chunk& chunk, std::size_t point, const Grid& grid, doub
     return limit * point_size(code, least_point_size(grid));
 }
 
-NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, const AttributePlaces& places)
-{
-    NeighbourhoodOptions search;
-    search.neighbours = options.neighbours;
-    search.max_distance = options.max_distance;
-    search.level = options.level;
-    if (places.known_normal) search.columns.attributes.set(*places.known_normal);
-    search.columns.sizes = options.wanted.radius && options.radius_limit > 0;
-    // Joining points to pieces takes memory, too.
-    const bool joins = options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
-    search.memory_bytes = options.memory_bytes / (joins ? 4 : 3);
-    search.unit_points = options.unit_points;
-    search.threads = options.threads;
-    search.backend = options.backend;
-    search.progress = options.progress;
-    search.stage = "Computing " + noun_of(options.wanted);
-    return search;
-}
-
 NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
                                        const AttributePlaces& places, OrientationPropagation* propagation, double end,
-                                       NeighbourAttributeReport& report, LevelClock* clock)
+                                       NeighbourAttributeReport& report)
 {
     NeighbourhoodOptions search = search_options(options, places);
     if (const auto scan = scanners_of(options, cache.tree().info()).attribute()) search.columns.attributes.set(*scan);
     search.end = end;
     std::mutex mutex;
-    const auto start = std::chrono::steady_clock::now();
-    if (clock)
-        search.level_of_unit = [&](double done, std::size_t units) -> std::optional<std::uint16_t> {
-            const double passed = seconds_since(start);
-            const std::size_t level = clock->next(passed, done, units);
-            if (level + 1 >= cache.tree().info().levels) return {};
-            return static_cast<std::uint16_t>(level);
-        };
     return for_each_neighbourhood(cache, search, [&] {
         return std::make_unique<PassVisitor>(cache, options, places, propagation, mutex, report);
     });

@@ -3,7 +3,6 @@
 
 #include "pcm/bpc/chunk.h"
 #include "pcm/cache/l2_cache.h"
-#include "pcm/filter/level_clock.h"
 #include "pcm/filter/neighbour_attributes.h"
 #include "pcm/filter/orientation_propagation.h"
 #include "pcm/knn/neighbourhoods.h"
@@ -25,15 +24,12 @@ Vec3d known_normal_of(const Column& column, const Attribute& attribute, std::siz
 // The largest radius that a point may have (NeighbourAttributeOptions::radius_limit), source units.
 double most_radius(const Chunk& chunk, std::size_t point, const Grid& grid, double limit);
 
-// Computes the attributes of all points, at options.level, into edits of the cache; nothing is flushed. Adds to the
+// Computes the attributes of all points into edits of the cache; nothing is flushed. Adds to the
 // report's counts. Where normals are to be consistent, they are given to `propagation`, which is null otherwise.
-// `clock` (may be null) chooses the level of each unit. Progress goes from 0 to `end`. Throws what
+// Progress goes from 0 to `end`. Throws what
 // for_each_neighbourhood() throws.
 NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
                                        const AttributePlaces& places, OrientationPropagation* propagation, double end,
-                                       NeighbourAttributeReport& report, LevelClock* clock = nullptr);
-
-// How the pass searches neighbours.
-NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, const AttributePlaces& places);
+                                       NeighbourAttributeReport& report);
 
 }  // namespace pcm

@@ -2,7 +2,6 @@
 
 #include "pcm/cloud/attribute_length.h"
 #include "pcm/filter/attribute_pass.h"
-#include "pcm/filter/precision.h"
 #include "pcm/filter/result_attributes.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
@@ -19,8 +18,8 @@
 namespace pcm {
 namespace {
 
-// Shares of the progress: the pass ends (before normals are made consistent), the result is checked, the index written.
-constexpr double end_of_joining_pass = 0.8, end_of_pass = 0.93, end_of_check = 0.95;
+// Shares of the progress: the pass ends (before normals are made consistent), the index is written.
+constexpr double end_of_joining_pass = 0.8, end_of_pass = 0.95;
 
 void check(const NeighbourAttributeOptions& options, const std::filesystem::path& path)
 {
@@ -30,11 +29,6 @@ void check(const NeighbourAttributeOptions& options, const std::filesystem::path
     if (!options.wanted.any()) refuse("no attribute is to be computed", "choose radii, normals or another attribute");
     if (!(options.radius_limit >= 0)) refuse("the limit of radii must be 0 or more", "");
     if (!(options.max_distance > 0)) refuse("the largest distance of a neighbour must be positive", "");
-    if (options.level && (options.time_limit || options.error_target_percent))
-        refuse("a level is given, and a time limit or an error target that would choose it", "give one of them");
-    if (options.time_limit && !(*options.time_limit > 0)) refuse("the time limit must be positive", "");
-    if (options.error_target_percent && !(*options.error_target_percent >= 0))
-        refuse("the error target must be 0 or more", "");
     if (options.wanted.normal) {
         if (!is_finite(options.orientation.vector)) refuse("the orientation is not finite", "");
         if (options.orientation.rule == NormalOrientation::Rule::direction &&
@@ -85,30 +79,6 @@ bool is_consistent(const NeighbourAttributeOptions& options)
     return options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
 }
 
-// For the pass, within the rest of the time limit: what comes after it takes its part.
-std::unique_ptr<LevelClock> make_clock(const Tree& tree, const NeighbourAttributeOptions& options,
-                                       const PredictedTime& time, double passed)
-{
-    const std::size_t levels = tree.info().levels;
-    std::vector<double> costs;
-    for (std::size_t l = 0; l < levels; ++l) costs.push_back(std::max(1e-30, time.of_level(tree, l)));
-    const double writing = time.write * static_cast<double>(tree.info().points);
-    const double share = is_consistent(options) ? end_of_joining_pass : end_of_pass;
-    return std::make_unique<LevelClock>(costs, options.level ? *options.level : levels - 1,
-                                        share * (*options.time_limit - passed) - writing);
-}
-
-void report_clock(const LevelClock& clock, const NeighbourAttributeOptions& options, NeighbourAttributeReport& report)
-{
-    if (clock.coarser_units() == 0) return;
-    report.level = static_cast<std::uint16_t>(clock.coarsest());
-    report.notes.push_back(
-        "it took longer than predicted: to keep to the time limit, " + std::to_string(clock.coarser_units()) + " of " +
-        std::to_string(clock.units()) + " parts of the cloud were computed at levels down to " +
-        std::to_string(clock.coarsest()) +
-        (options.level ? " instead of level " + std::to_string(*options.level) : std::string(" instead of exactly")));
-}
-
 // Where they are more than noise makes by chance.
 void report_two_surfaces(std::uint64_t points, NeighbourAttributeReport& report)
 {
@@ -120,17 +90,18 @@ void report_two_surfaces(std::uint64_t points, NeighbourAttributeReport& report)
                            "their normals point to is a guess (normal_confidence 4)");
 }
 
-// Computes all attributes, and makes normals consistent. Returns how many points were computed.
-std::uint64_t run_pass(L2Cache& cache, const NeighbourAttributeOptions& options, const AttributePlaces& places,
-                       Watch& watch, NeighbourAttributeReport& report, LevelClock* clock)
+// Computes all attributes, and makes normals consistent.
+void run_pass(L2Cache& cache, const NeighbourAttributeOptions& options, const AttributePlaces& places, Watch& watch,
+              NeighbourAttributeReport& report)
 {
-    if (!is_consistent(options))
-        return run_attribute_pass(cache, options, places, nullptr, end_of_pass, report, clock).outcome.points_out;
+    if (!is_consistent(options)) {
+        run_attribute_pass(cache, options, places, nullptr, end_of_pass, report);
+        return;
+    }
     OrientationPropagation propagation(cache.tree());
-    const auto pass = run_attribute_pass(cache, options, places, &propagation, end_of_joining_pass, report, clock);
+    run_attribute_pass(cache, options, places, &propagation, end_of_joining_pass, report);
     report.flipped += propagation.finish(cache, *places.normal, options.memory_bytes, options.threads, watch,
                                          end_of_joining_pass, end_of_pass);
-    return pass.outcome.points_out;
 }
 
 }  // namespace
@@ -149,24 +120,11 @@ NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::pat
     L2Options cache_options;
     cache_options.capacity_bytes = cache_share(options.memory_bytes);
     L2Cache cache(changes, cache_options);
-    std::optional<PredictedTime> predicted;
     try {
-        if (options.time_limit || options.error_target_percent)
-            options.level = choose_level(cache, options, places, watch, report.notes, &predicted);
-        if (options.level && *options.level + 1 >= info.levels) options.level.reset();  // all points
-        report.level = options.level;
-        std::unique_ptr<LevelClock> clock;
-        if (predicted && info.levels > 1) clock = make_clock(cache.tree(), options, *predicted, watch.seconds());
-        report.points_computed = run_pass(cache, options, places, watch, report, clock.get());
-        if (clock) report_clock(*clock, options, report);
-        options.level = report.level;
+        run_pass(cache, options, places, watch, report);
         report_two_surfaces(info.points, report);
         report.used_known_normals = places.known_normal.has_value();
-        if (options.level) {
-            watch.report("Checking", end_of_pass);
-            check_errors(cache, options, places, report);
-        }
-        watch.report("Writing", end_of_check, true);  // the last chance to cancel
+        watch.report("Writing", end_of_pass, true);  // the last chance to cancel
         run_last_step(report.outcome, [&] { cache.flush(); });
     } catch (...) {
         cache.abandon();
@@ -176,16 +134,7 @@ NeighbourAttributeReport compute_neighbour_attributes(const std::filesystem::pat
     watch.finish("Done");
     report.outcome.points_in = report.outcome.points_out = info.points;
     report.outcome.seconds = watch.seconds();
-    if (options.time_limit && report.outcome.seconds > 1.1 * *options.time_limit)
-        report.notes.push_back("the time limit was " + brief(*options.time_limit) + " s; it took " +
-                               brief(report.outcome.seconds) + " s" +
-                               (report.level && *report.level == 0 ? ", although at the coarsest level" : ""));
     report.peak_memory_bytes = peak_memory_bytes();
-    if (!report.errors.empty()) {
-        report.outcome.error = report.errors.front().p95;
-        report.outcome.error_meaning =
-            "of 95 % of the " + report.errors.front().what + ", " + report.errors.front().unit;
-    }
     return report;
 }
 

@@ -23,7 +23,6 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
-#include <optional>
 
 namespace pcm {
 
@@ -42,12 +41,6 @@ struct NeighbourAttributeOptions {
     // grows where a point stands alone; 0, and for points without a size: no limit.
     double radius_limit = 0;
     NormalOrientation orientation;  // for the normals that are computed
-    // The precision (see NeighbourhoodOptions::level), or one or both of the next two, which choose it: the time that
-    // the filter may take, and the largest error that 95 % of the points may have: of the value for radii, curvature
-    // and mean distances; for normals 1 % is an angle of 0.01. Without any of them all points are computed.
-    std::optional<std::uint16_t> level;
-    std::optional<double> time_limit;            // seconds
-    std::optional<double> error_target_percent;  // 0 or more
     // Values of attributes named curvature, mean_distance and normal_confidence that this filter did not make may be
     // lost (filter/result_attributes.h). Normals and radii of any origin are replaced.
     bool overwrite = false;
@@ -61,7 +54,6 @@ struct NeighbourAttributeOptions {
 };
 
 struct NeighbourAttributeReport : FilterReport {
-    std::uint64_t points_computed = 0;  // the others took a neighbour's values
     // Points by NormalConfidence; 0 when no normals are wanted.
     std::uint64_t lines = 0, blobs = 0, too_few = 0, two_surfaces = 0;
     bool used_known_normals = false;  // radii were measured across normals that the tree had

@@ -98,7 +98,6 @@ OrientationPropagation::OrientationPropagation(const Tree& tree)
 {
 }
 
-// At a level the computed points are joined, and the others go with those that they take their values from.
 UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
                                         std::vector<std::uint8_t>& two_surfaces) const
 {
@@ -106,36 +105,7 @@ UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, std::vect
     Vec3d origin;
     for (std::size_t a = 0; a < 3; ++a)
         origin[a] = static_cast<double>(positions.origin[a] - origin_[a]) * grid_.scale[a];
-    if (unit.source.empty()) return join_pieces(positions.steps, origin, normals, two_surfaces);
-    std::vector<std::uint32_t> place(unit.points, 0);  // among the computed points
-    std::vector<std::array<float, 3>> computed;
-    std::vector<std::uint8_t> of_two;
-    for (std::uint32_t n = 0; n < unit.points; ++n) {
-        if (unit.source[n] != n) continue;
-        place[n] = static_cast<std::uint32_t>(computed.size());
-        for (std::size_t a = 0; a < 3; ++a) {
-            if (positions.steps.is_wide())
-                positions.steps.wide[a][computed.size()] = positions.steps.wide[a][n];
-            else
-                positions.steps.narrow[a][computed.size()] = positions.steps.narrow[a][n];
-        }
-        computed.push_back(normals[n]);
-        of_two.push_back(two_surfaces[n]);
-    }
-    for (std::size_t a = 0; a < 3; ++a) {
-        if (positions.steps.is_wide())
-            positions.steps.wide[a].resize(computed.size());
-        else
-            positions.steps.narrow[a].resize(computed.size());
-    }
-    const UnitPieces of_computed = join_pieces(positions.steps, origin, computed, of_two);
-    UnitPieces pieces{std::vector<std::uint32_t>(unit.points), of_computed.sums};
-    for (std::uint32_t n = 0; n < unit.points; ++n) {
-        pieces.piece[n] = of_computed.piece[place[unit.source[n]]];
-        normals[n] = computed[place[unit.source[n]]];
-        two_surfaces[n] = of_two[place[unit.source[n]]];
-    }
-    return pieces;
+    return join_pieces(positions.steps, origin, normals, two_surfaces);
 }
 
 void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,

@@ -67,11 +67,7 @@ NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOp
         crew.add([&] {
             const auto visitor = make_visitor();
             UnitWorker worker(cache, blocks, options, signal, *visitor);
-            for (std::size_t n; !signal.stopped && (n = next++) < units.size(); ++done) {
-                const double share = static_cast<double>(done) / static_cast<double>(units.size());
-                worker.run(units[n],
-                           options.level_of_unit ? options.level_of_unit(share, units.size()) : options.level);
-            }
+            for (std::size_t n; !signal.stopped && (n = next++) < units.size(); ++done) worker.run(units[n]);
             computed += worker.computed();
             alone += worker.alone();
         });

@@ -49,14 +49,7 @@ std::uint64_t block_share(std::uint64_t memory_bytes);
 struct NeighbourhoodOptions {
     std::size_t neighbours = 16;  // k, 1 to most_neighbours; the point itself is not counted
     double max_distance = std::numeric_limits<double>::infinity();  // source units, inclusive
-    // The precision: only points of levels 0..level are computed, from neighbours of the whole cloud (in a unit that
-    // has none of them, those of the coarsest level that it has). Each other point of a unit is paired with the nearest
-    // computed point of the unit (NeighbourhoodUnit::source). All points are computed when absent.
-    std::optional<std::uint16_t> level;
-    // Chooses the precision of each unit instead, when it is begun; `done`: the share of the units that are done, of
-    // `units`. Called by any thread.
-    std::function<std::optional<std::uint16_t>(double done, std::size_t units)> level_of_unit;
-    ColumnSet columns = ColumnSet::only_positions();  // columns of the units' chunks
+    ColumnSet columns = ColumnSet::only_positions();                // columns of the units' chunks
     // For the units of all threads, in addition to the cache: where it is short, fewer threads run; at least one does.
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     // About as many points have a unit. Not by the memory, so that what depends on units does not depend on it.
@@ -78,11 +71,7 @@ struct NeighbourhoodUnit {
         std::uint32_t first = 0;             // number, in the unit, of the first of them; they are consecutive
     };
     std::vector<Part> parts;
-    std::uint32_t points = 0;            // number of points of all parts: the numbers in the unit are 0 .. points - 1
-    std::optional<std::uint16_t> level;  // the precision that the unit is computed with
-    // At a level, for each number: the computed point, by number, that it takes its values from; itself where it is
-    // computed. Complete when end() is called. Empty without a level.
-    std::vector<std::uint32_t> source;
+    std::uint32_t points = 0;  // number of points of all parts: the numbers in the unit are 0 .. points - 1
 
     const Part& part_of(std::uint32_t number) const;
     // The index, in its chunk, of a point.
@@ -118,7 +107,7 @@ class NeighbourhoodVisitor {
 public:
     virtual ~NeighbourhoodVisitor() = default;
     virtual void begin(const NeighbourhoodUnit&) {}
-    // Each computed point of the unit comes once, in any order.
+    // Each point of the unit comes once, in any order.
     virtual void visit(const NeighbourhoodUnit& unit, const Neighbourhoods& some) = 0;
     // All of the unit's points were visited. Other threads may run end() of other units, which may have points of the
     // same nodes.
@@ -126,7 +115,7 @@ public:
 };
 
 struct NeighbourhoodReport {
-    Outcome outcome;  // points_in: of the cloud; points_out: computed
+    Outcome outcome;  // points_in: of the cloud; points_out: the same
     std::uint64_t units = 0;
     std::uint64_t alone = 0;  // points whose neighbours were searched one by one, far beyond their unit
 };

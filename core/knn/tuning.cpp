@@ -31,7 +31,6 @@ std::vector<TunedValue> knn_tuned_values()
         PCM_TUNED(knn.widen.blind_growth),
         PCM_TUNED(knn.widen.max_unit_multiple),
         PCM_TUNED(knn.widen.max_more_points),
-        PCM_TUNED(knn.single.sorted_points),
         PCM_TUNED(knn.single.spare_neighbours),
     }};
     return {all.begin(), all.end()};

@@ -52,10 +52,6 @@ struct WidenTuning {
 
 // Points that are searched one by one in the whole tree.
 struct SingleTuning {
-    // Where a level chooses few points of a unit, they are searched one by one: each search takes about as long as it
-    // takes to sort this number of points for searching together.
-    // Chosen: not swept.
-    std::size_t sorted_points = 200;  // points of the unit per search
     // Neighbours that are searched for in addition to k, because those at almost the same distance are ordered by the
     // exact distance, then by position.
     // Chosen: not swept.

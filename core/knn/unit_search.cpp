@@ -158,26 +158,6 @@ public:
 };
 
 template <class C>
-std::vector<std::uint32_t> nearest_in(const SearchPositions& positions, const PositionBox& box,
-                                      const std::vector<std::uint32_t>& points, const std::vector<std::uint32_t>& among)
-{
-    const UnitTree<C> tree(points_of<C>(positions, box.low, &among, true), positions.scale, box.sides);
-    const std::vector<TreePoint<C>> queries = points_of<C>(positions, box.low, &points, false);
-    const UnitKernels& kernels = unit_kernels();
-    BlockResult result(1, std::numeric_limits<double>::infinity());
-    std::vector<std::uint32_t> nearest(points.size());
-    std::array<C, std::size_t(3) * leaf_points> block{};
-    for (std::size_t first = 0; first < queries.size(); first += leaf_points) {
-        const auto size = static_cast<std::uint32_t>(std::min<std::size_t>(leaf_points, queries.size() - first));
-        for (std::uint32_t i = 0; i < size; ++i)
-            for (std::size_t axis = 0; axis < 3; ++axis) block[axis * leaf_points + i] = queries[first + i].at[axis];
-        run_kernel(kernels, tree.view(), {block.data(), lowest_bits(size), no_leaf}, result.request);
-        std::copy_n(result.request.ids, size, nearest.begin() + static_cast<std::ptrdiff_t>(first));
-    }
-    return nearest;
-}
-
-template <class C>
 std::unique_ptr<UnitSearch> make_tree_search(SearchPositions positions, const PositionBox& box)
 {
     auto points = points_of<C>(positions, box.low, nullptr, true);
@@ -214,15 +194,6 @@ std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions, Neighbou
 {
     if (backend == NeighbourBackend::flann && positions.size() > 0) return make_flann_search(std::move(positions));
     return make_unit_search(std::move(positions));
-}
-
-std::vector<std::uint32_t> nearest_of(const SearchPositions& positions, const std::vector<std::uint32_t>& points,
-                                      const std::vector<std::uint32_t>& among)
-{
-    if (points.empty()) return {};
-    const PositionBox box = extent_of(positions);
-    return box.narrow ? nearest_in<std::int32_t>(positions, box, points, among)
-                      : nearest_in<std::int64_t>(positions, box, points, among);
 }
 
 }  // namespace pcm

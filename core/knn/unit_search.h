@@ -62,9 +62,4 @@ std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions);
 // The same by the chosen backend. FLANN is not exact: see flann_search.h, also for its errors.
 std::unique_ptr<UnitSearch> make_unit_search(SearchPositions positions, NeighbourBackend backend);
 
-// For each of `points` the nearest of `among`, by index of positions (a point may be in both: it, or another at its
-// place, is its nearest). `among` is not empty if `points` is not.
-std::vector<std::uint32_t> nearest_of(const SearchPositions& positions, const std::vector<std::uint32_t>& points,
-                                      const std::vector<std::uint32_t>& among);
-
 }  // namespace pcm

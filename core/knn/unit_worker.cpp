@@ -35,13 +35,6 @@ std::pair<double, Vec3d> seen_from(const Vec3i& at, const Vec3i& there, const Gr
     return {(offset[0] * offset[0] + offset[1] * offset[1]) + offset[2] * offset[2], offset};
 }
 
-std::size_t level_of(const Node& node, std::uint32_t index)
-{
-    std::size_t level = node.first_level;
-    while (node.points_to_level(level) <= index) ++level;
-    return level;
-}
-
 }  // namespace
 
 UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOptions& options, const Signal& signal,
@@ -56,52 +49,26 @@ UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOp
 {
 }
 
-void UnitWorker::run(const Box3i& box, const std::optional<std::uint16_t>& level)
+void UnitWorker::run(const Box3i& box)
 {
     if (!margin_) margin_ = first_margin(box);
     points_ = gather_unit(cache_, box, std::min(*margin_, options_.max_distance), options_.columns);
     unit_ = std::move(points_.unit);
     if (unit_.points == 0) return;
-    unit_.level = level;
-    choose_points();
     visitor_.begin(unit_);
     distances_.clear();
     unresolved_.clear();
-    if (chosen_ && chosen_->size() * knn_tuning().single.sorted_points < unit_.points)
-        for (const std::uint32_t number : *chosen_) unresolved_.emplace_back(infinity, number);
-    else
-        search_together();
+    search_together();
     for (const auto& [margin, number] : unresolved_) search_alone(number);
     hand_over();
-    computed_ += chosen_ ? chosen_->size() : unit_.points;
+    computed_ += unit_.points;
     learn_margin();
-    if (unit_.level) find_sources();
     visitor_.end(unit_);
-}
-
-// Where the unit has no point of the level, those of the coarsest level that it has are computed instead.
-void UnitWorker::choose_points()
-{
-    chosen_.reset();
-    if (!unit_.level) return;
-    const Tree& tree = cache_.tree();
-    std::size_t level = *unit_.level;
-    if (std::none_of(unit_.parts.begin(), unit_.parts.end(),
-                     [&](const auto& part) { return part.indices[0] < tree.node(part.node).points_to_level(level); })) {
-        level = tree.info().levels;
-        for (const auto& part : unit_.parts) level = std::min(level, level_of(tree.node(part.node), part.indices[0]));
-    }
-    chosen_.emplace();
-    for (const auto& part : unit_.parts) {
-        const std::uint32_t end = tree.node(part.node).points_to_level(level);
-        for (std::uint32_t i = 0; i < part.indices.size() && part.indices[i] < end; ++i)
-            chosen_->push_back(part.first + i);
-    }
 }
 
 void UnitWorker::search_together()
 {
-    search(chosen_ ? &*chosen_ : nullptr);
+    search(nullptr);
     for (int round = 0; round < 3 && widen(); ++round) {
         std::vector<std::uint32_t> again;
         for (const auto& [margin, number] : unresolved_) again.push_back(number);
@@ -253,20 +220,6 @@ void UnitWorker::hand_over()
     if (!block_.numbers.empty()) visitor_.visit(unit_, block_);
     block_.numbers.clear();
     block_.counts.clear();
-}
-
-void UnitWorker::find_sources()
-{
-    unit_.source.resize(unit_.points);
-    for (std::uint32_t i = 0; i < unit_.points; ++i) unit_.source[i] = i;
-    if (!chosen_) return;
-    std::vector<bool> computed(unit_.points, false);
-    for (const std::uint32_t number : *chosen_) computed[number] = true;
-    std::vector<std::uint32_t> others;
-    for (std::uint32_t i = 0; i < unit_.points; ++i)
-        if (!computed[i]) others.push_back(i);
-    const std::vector<std::uint32_t> nearest = nearest_of(points_.positions, others, *chosen_);
-    for (std::size_t i = 0; i < others.size(); ++i) unit_.source[others[i]] = nearest[i];
 }
 
 // From some points of the unit, whose neighbours are searched one by one.

@@ -22,14 +22,13 @@ class UnitWorker {
 public:
     UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOptions& options, const Signal& signal,
                NeighbourhoodVisitor& visitor);
-    // At a precision, see NeighbourhoodOptions::level. Throws what reading and the visitor throw, and Error(cancelled)
+    // Throws what reading and the visitor throw, and Error(cancelled)
     // once the signal is stopped.
-    void run(const Box3i& box, const std::optional<std::uint16_t>& level);
+    void run(const Box3i& box);
     std::uint64_t computed() const { return computed_; }
     std::uint64_t alone() const { return alone_; }  // points that were searched one by one
 
 private:
-    void choose_points();
     void search_together();
     void search(const std::vector<std::uint32_t>* points);
     void take(const FoundNeighbours& found);
@@ -39,7 +38,6 @@ private:
     void begin_block(std::size_t stride, std::size_t points);
     void add_point(std::uint32_t number, std::size_t count);
     void hand_over();
-    void find_sources();
     double first_margin(const Box3i& box);
     void learn_margin();
 
@@ -54,7 +52,6 @@ private:
     std::optional<double> margin_;  // margin of the next unit
     GatheredPoints points_;
     NeighbourhoodUnit unit_;
-    std::optional<std::vector<std::uint32_t>> chosen_;          // numbers of the points to compute; all when absent
     std::vector<std::pair<double, std::uint32_t>> unresolved_;  // margin that they need, number
     std::vector<double> distances_;                             // to the last neighbours, of some points
     Neighbourhoods block_;

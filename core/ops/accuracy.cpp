@@ -1,6 +1,5 @@
 #include "pcm/ops/accuracy.h"
 
-#include "pcm/filter/filter_report.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
@@ -32,19 +31,12 @@ Accuracy without_finer_levels(double spacing, double rounding)
     return bounded(spacing + std::sqrt(3.0) * rounding, "distances to points that the level leaves out");
 }
 
-Accuracy sampled(const std::vector<SampledError>& errors)
+Accuracy from_deviation(double sigma, const std::string& unit, const std::string& of, std::size_t dimensions)
 {
-    if (errors.empty()) return {};
-    const SampledError& first = errors.front();
-    return {ErrorKind::percent_95, first.p95_high, first.unit, first.what};
-}
-
-Accuracy from_deviation(double sigma, const std::string& unit, const std::string& of)
-{
-    constexpr double normal_95 = 1.959964;  // deviations between which 95 % of a normal distribution lie
+    // Roots of the 95 % quantiles of chi squared with 1, 2 and 3 degrees of freedom.
+    constexpr double radius_of_95[] = {1.959964, 2.447747, 2.795483};
     if (sigma == 0) return {};
-    return {ErrorKind::percent_95, std::isfinite(sigma) ? normal_95 * sigma : std::numeric_limits<double>::infinity(),
-            unit, of};
+    return {ErrorKind::percent_95, radius_of_95[dimensions - 1] * sigma, unit, of};
 }
 
 Accuracy of_steps(const std::vector<Accuracy>& steps)

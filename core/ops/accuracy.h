@@ -2,13 +2,10 @@
 // words (result.h: error, error_unit, error_kind, error_of).
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
-
-namespace pcm {
-struct SampledError;
-}
 
 namespace pcm::ops {
 
@@ -36,10 +33,10 @@ Accuracy rounded_positions(double error);
 // Points beyond a level were left out: each has one of the level nearer than `spacing` (query/nearest.h), and
 // coordinates were rounded besides.
 Accuracy without_finer_levels(double spacing, double rounding = 0);
-// Measured on a sample of points: the upper end of the interval of the first attribute's error. Exact without a sample.
-Accuracy sampled(const std::vector<SampledError>& errors);
-// `sigma`: one standard deviation of a value whose error is about normally distributed.
-Accuracy from_deviation(double sigma, const std::string& unit, const std::string& of);
+// `sigma`: one standard deviation of a value whose error is about normally distributed; of a place in 2 or 3 dimensions
+// along the axis where it is largest. The error is the radius that holds 95 % of such places, where all axes are as
+// uncertain.
+Accuracy from_deviation(double sigma, const std::string& unit, const std::string& of, std::size_t dimensions = 1);
 // Accuracy of a chain in which each step works on the result of the one before.
 Accuracy of_steps(const std::vector<Accuracy>& steps);
 

@@ -32,6 +32,14 @@ std::vector<Choice> estimator_choices()
     return all;
 }
 
+// A plane's place is uncertain along its normal, an axis across itself, a centre or an apex in all directions.
+Accuracy accuracy_of(const ShapeFit& fit)
+{
+    const ShapeKind kind = fit.shape.kind;
+    const std::size_t dimensions = kind == ShapeKind::plane ? 1 : kind == ShapeKind::cylinder ? 2 : 3;
+    return from_deviation(fit.errors.position, "source units", "the shape's place", dimensions);
+}
+
 class Fit : public Operation {
 public:
     Fit()
@@ -102,8 +110,7 @@ public:
         }
         result.outcome.points_in = result.outcome.points_out = fitted.points.size();
         result.accuracy = exact_answer();
-        if (found)
-            result.accuracy = from_deviation(fitted.primitive.fit.errors.position, "source units", "the shape's place");
+        if (found) result.accuracy = accuracy_of(fitted.primitive.fit);
         describe(result, fitted, done);
         result.good = found;
         return result;

@@ -118,7 +118,8 @@ Row normals_row()
         "-normals.pct",
         attribute_keys(),
         make<Normals>,
-        {"neighbours"}};
+        {"neighbours"},
+        always_exact};
 }
 
 }  // namespace pcm::ops

@@ -120,25 +120,24 @@ private:
 
 Row outliers_row()
 {
-    return {
-        "outliers",
-        "Remove Outliers of Point Cloud Tree",
-        "Remove or label points that stand apart from the others",
-        "Removes the points of a <b>point cloud tree</b> that stand apart from the others, or labels them with the "
-        "attribute <i>outlier</i>, in a copy of the tree or in place. All distances and statistics are computed in "
-        "double precision. Works on clouds larger than memory.",
-        menu::points,
-        "-clean.pct",
-        with_report_keys({{"outliers", "count", "points", "points that stand apart"},
-                          {"done", "flag", "", "false: they were only counted"},
-                          {"method", "text", "", "which points are outliers"},
-                          {"centre", "number", "source units", "mean or median of the mean distances"},
-                          {"deviation", "number", "source units", "their deviation"},
-                          {"threshold", "number", "source units", "mean distance above which a point is an outlier"},
-                          {"levels_as_even_as_before", "flag", "", "false: coarse levels have gaps"}}),
-        make<Outliers>,
-        {"neighbours", "factor"},
-        always_exact};
+    return {"outliers",
+            "Remove Outliers of Point Cloud Tree",
+            "Remove or label points that stand apart from the others",
+            "Removes the points of a <b>point cloud tree</b> that stand apart from the others, or labels them with the "
+            "attribute <i>outlier</i>, in a copy of the tree or in place. All distances and statistics are computed in "
+            "double precision. Works on clouds larger than memory.",
+            menu::points,
+            "-clean.pct",
+            {{"outliers", "count", "points", "points that stand apart"},
+             {"done", "flag", "", "false: they were only counted"},
+             {"method", "text", "", "which points are outliers"},
+             {"centre", "number", "source units", "mean or median of the mean distances"},
+             {"deviation", "number", "source units", "their deviation"},
+             {"threshold", "number", "source units", "mean distance above which a point is an outlier"},
+             {"levels_as_even_as_before", "flag", "", "false: coarse levels have gaps"}},
+            make<Outliers>,
+            {"neighbours", "factor"},
+            always_exact};
 }
 
 }  // namespace pcm::ops

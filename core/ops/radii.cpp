@@ -40,8 +40,8 @@ public:
 private:
     Result run_on_gpu(const Context& context) const
     {
-        if (options_.wanted.mean_distance || neighbours_.max_distance || neighbours_.level || neighbours_.time_limit ||
-            neighbours_.error_target || neighbours_.work.threads > 0 || neighbours_.flann)
+        if (options_.wanted.mean_distance || neighbours_.max_distance || neighbours_.work.threads > 0 ||
+            neighbours_.flann)
             throw ArgumentError(
                 "--device gpu computes exact radii and nothing else: of the options that choose what is "
                 "computed and how, it takes --neighbours and --memory");
@@ -77,7 +77,8 @@ Row radii_row()
         "-radii.pct",
         keys(),
         make<Radii>,
-        {"neighbours"}};
+        {"neighbours"},
+        always_exact};
 }
 
 }  // namespace pcm::ops

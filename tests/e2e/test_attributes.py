@@ -18,19 +18,14 @@ def common(tree, output, in_place):
             "MemoryMB": ("RichInt", 256), "Threads": ("RichInt", 2)}
 
 
-def precision(level, time_limit, error_target):
-    return {"MaxDistance": ("RichFloat", 0), "Level": ("RichInt", level), "TimeLimit": ("RichFloat", time_limit),
-            "ErrorTarget": ("RichFloat", error_target)}
-
-
-def radii(tree, output="", in_place=False, neighbours=16, level=-1, time_limit=0, error_target=0):
+def radii(tree, output="", in_place=False, neighbours=16):
     return ("Estimate Radii of Point Cloud Tree", {
-        **common(tree, output, in_place), **precision(level, time_limit, error_target), "Neighbours": ("RichInt", neighbours)})
+        **common(tree, output, in_place), "MaxDistance": ("RichFloat", 0), "Neighbours": ("RichInt", neighbours)})
 
 
-def normals(tree, output="", in_place=False, level=-1, time_limit=0, error_target=0, viewpoint="", direction=""):
+def normals(tree, output="", in_place=False, viewpoint="", direction=""):
     return ("Estimate Normals of Point Cloud Tree", {
-        **common(tree, output, in_place), **precision(level, time_limit, error_target), "Neighbours": ("RichInt", 16),
+        **common(tree, output, in_place), "MaxDistance": ("RichFloat", 0), "Neighbours": ("RichInt", 16),
         "Radii": flag(True), "RadiusNeighbours": ("RichInt", 6), "RadiusLimit": ("RichFloat", 2.5),
         "Curvature": flag(True), "Confidence": flag(True), "Viewpoint": ("RichString", viewpoint),
         "Direction": ("RichString", direction)})
@@ -60,7 +55,7 @@ class Attributes(MeshLabTest):
         labelled = self.folder / "labelled.pct"
         run = self.server([
             outliers(tree, count=True), outliers(tree, clean), outliers(tree, labelled, method=1, factor=6, label=True),
-            radii(clean, in_place=True, neighbours=4), normals(clean, both, level=1, viewpoint="500010 4800010 102")])
+            radii(clean, in_place=True, neighbours=4), normals(clean, both, viewpoint="500010 4800010 102")])
         self.assertEqual(run.code, 0, run.text)
         left = pcmlab("info", clean)["points"]
         self.assertLess(left, 20000)
@@ -69,8 +64,7 @@ class Attributes(MeshLabTest):
         self.assertIn("points labelled", run.text)
         self.assertIn(f"{clean}: radii: ", run.text)
         self.assertIn(", exact", run.text)
-        self.assertIn(f"{both}: normals, radii and curvature at level 1: ", run.text)
-        self.assertIn("(1000 points checked)", run.text)
+        self.assertIn(f"{both}: normals, radii and curvature: ", run.text)
         self.assertIn("neighbours on a line", run.text)
         self.assertGood(tree, 20000)
         self.assertGood(clean, left, "radius")
@@ -83,7 +77,6 @@ class Attributes(MeshLabTest):
         for call, words in ((radii(tree), "no output is given"), (radii(tree, tree.parent / "o.pct", neighbours=0), "'0' is not a whole number from 1 to 1024"),
                             (normals(tree, in_place=True, direction="0 0 0"), "0 0 0"),
                             (normals(tree, in_place=True, viewpoint="1 2"), "'Scanner position' takes 3 numbers"),
-                            (radii(tree, in_place=True, level=1, time_limit=2), "a level is given"),
                             (outliers(tree, in_place=True, method=2), "the method radius needs"),
                             (outliers(tree, in_place=True, label=True, count=True), "nothing is to be changed")):
             with self.subTest(words):

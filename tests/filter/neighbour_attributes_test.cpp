@@ -112,8 +112,6 @@ TEST_F(NeighbourAttributes, PCM_NOT_UNDER_THREAD(AreThoseOfComparingAllPairs))
             const Stopwatch watch;
             const NeighbourAttributeReport report = compute(wanting(all_values(), k));
             expect_outcome(report.outcome, 2500, 2500, watch);
-            EXPECT_EQ(report.points_computed, 2500u);
-            EXPECT_FALSE(report.level);
             EXPECT_GT(report.peak_memory_bytes, 1u << 20);
             expect_exact(k, 3e-7);
         }
@@ -389,9 +387,6 @@ TEST_F(NeighbourAttributes, OptionsOutOfRangeAreRefused)
     EXPECT_TRUE(refused([](auto& options) { options.neighbours = most_neighbours + 1; }));
     EXPECT_TRUE(refused([](auto& options) { options.max_distance = 0; }));
     EXPECT_TRUE(refused([](auto& options) { options.max_distance = std::nan(""); }));
-    EXPECT_TRUE(refused([](auto& options) { options.time_limit = 0; }));
-    EXPECT_TRUE(refused([](auto& options) { options.error_target_percent = -1; }));
-    EXPECT_TRUE(refused([](auto& options) { options.level = 1, options.time_limit = 9; }));
     EXPECT_TRUE(refused([](auto& options) { options.orientation = {NormalOrientation::Rule::direction, {0, 0, 0}}; }));
     EXPECT_TRUE(refused([](auto& options) { options.orientation.vector = {0, 0, HUGE_VAL}; }));
     EXPECT_FALSE(refused([](auto&) {}));

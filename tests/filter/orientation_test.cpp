@@ -167,7 +167,6 @@ protected:
         options.threads = threads;
         options.memory_bytes = memory;
         if (memory == little) options.unit_points = 3000;
-        options.level = level_;
         report_ = compute_neighbour_attributes(tree_, options);
         const Oracle oracle(tree_);
         std::vector<std::pair<Vec3d, Vec3d>> all;
@@ -177,7 +176,6 @@ protected:
 
     const TemporaryFolder folder_;
     const fs::path tree_ = folder_ / "cloud.pct";
-    std::optional<std::uint16_t> level_;
     std::size_t neighbours_ = 10;
     NeighbourAttributeReport report_;
 };
@@ -248,15 +246,6 @@ TEST_F(Orientation, GroundPointsUpAndWallsAgree)
     }
     EXPECT_EQ(down, 0u);
     EXPECT_EQ(std::min(one, other), 0u);
-}
-
-TEST_F(Orientation, AtALevelPointsGoWithThoseThatTheyTakeTheirValuesFrom)
-{
-    const auto sphere = cloud_of(20000, 57, [](double u, double v, double) { return on_sphere(u, v); });
-    level_ = 1;
-    for (const auto& [p, n] : normals(sphere, little)) EXPECT_GT(dot(n, p), 0.5);
-    EXPECT_EQ(report_.level, level_);
-    EXPECT_LT(report_.points_computed, 10000u);
 }
 
 TEST_F(Orientation, DoesNotDependOnTheThreads)

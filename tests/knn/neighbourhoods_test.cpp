@@ -301,61 +301,6 @@ TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ATreeOfSeveralParts))
     expect_near(opened, all, options);
 }
 
-// Every point takes the values of a computed point, and no computed point of its unit is nearer.
-class SourceCheck final : public NeighbourhoodVisitor {
-public:
-    SourceCheck(const Tree& tree, std::atomic<std::uint64_t>& points) : tree_(tree), points_(points) {}
-    void begin(const NeighbourhoodUnit&) override { computed_.clear(); }
-    void visit(const NeighbourhoodUnit&, const Neighbourhoods& some) override
-    {
-        computed_.insert(computed_.end(), some.numbers.begin(), some.numbers.end());
-    }
-    void end(const NeighbourhoodUnit& unit) override
-    {
-        ASSERT_EQ(unit.source.size(), unit.points);
-        ASSERT_FALSE(computed_.empty());
-        for (std::uint32_t n = 0; n < unit.points; n += 97) {
-            double best = infinity;
-            for (const std::uint32_t c : computed_) best = std::min(best, between(unit, n, c));
-            ASSERT_DOUBLE_EQ(between(unit, n, unit.source[n]), best);
-        }
-        for (const std::uint32_t c : computed_) ASSERT_EQ(unit.source[c], c);
-        points_ += unit.points;
-    }
-
-private:
-    double between(const NeighbourhoodUnit& unit, std::uint32_t a, std::uint32_t b) const
-    {
-        const auto& from = *unit.part_of(a).chunk->positions;
-        const auto& to = *unit.part_of(b).chunk->positions;
-        return seen_from(tree_.info().grid, from.grid(unit.index_of(a)), to.grid(unit.index_of(b))).first;
-    }
-    const Tree& tree_;
-    std::atomic<std::uint64_t>& points_;
-    std::vector<std::uint32_t> computed_;
-};
-
-TEST_F(NeighbourhoodsOf, PCM_NOT_UNDER_THREAD(ALevelComputesItsPointsAndTheOthersTakeTheNearest))
-{
-    const auto opened = tree(cloud_of(25000, millimetres, [](std::mt19937_64& random, std::size_t) {
-        return Vec3d{500000 + 9 * uniform(random), 4800000 + 9 * uniform(random), 100};
-    }));
-    L2Cache cache(opened);
-    for (std::uint16_t level = 0; level < opened->info().levels; ++level) {
-        NeighbourhoodOptions options;
-        options.unit_points = unit_points_;
-        options.level = level;
-        const All all = all_of(cache, options, &report_);
-        // Where a unit has none of the level, others are computed.
-        EXPECT_GE(all.size(), std::max(opened->points_to_level(level), report_.units));
-        EXPECT_LE(all.size(), opened->points_to_level(level) + 5 * report_.units);
-        expect_right(*opened, all, options);  // their neighbours are those of the whole cloud
-        std::atomic<std::uint64_t> points{0};
-        for_each_neighbourhood(cache, options, [&] { return std::make_unique<SourceCheck>(*opened, points); });
-        EXPECT_EQ(points, opened->info().points);
-    }
-}
-
 // All points against all others: in small units most lie near a border, where what counts is how far the points around
 // were loaded.
 // Under no sanitizer: minutes there, of what other tests run too.
@@ -456,23 +401,6 @@ TEST_F(NeighbourhoodsOf, TiesAreOrderedByPlaceWhateverTheUnitsAndThreads)
                 }
         }
     }
-}
-
-TEST_F(NeighbourhoodsOf, UnitsMayHaveLevelsOfTheirOwn)
-{
-    const auto opened = tree(random_cloud(Schema(), millimetres, 9000, 1, 1000));
-    L2Cache cache(opened);
-    NeighbourhoodOptions options;
-    options.unit_points = 1000;
-    options.threads = 1;
-    std::size_t calls = 0;
-    options.level_of_unit = [&](double done, std::size_t units) -> std::optional<std::uint16_t> {
-        EXPECT_DOUBLE_EQ(done, double(calls) / double(units));
-        return calls++ % 2 ? std::nullopt : std::optional<std::uint16_t>(0);
-    };
-    const All some = all_of(cache, options, &report_);
-    EXPECT_EQ(calls, report_.units);
-    EXPECT_TRUE(some.size() > 3000 && some.size() < 6500) << some.size();
 }
 
 TEST_F(NeighbourhoodsOf, CancelsAndRefuses)

@@ -277,39 +277,6 @@ TEST(UnitSearch, PCM_NOT_UNDER_THREAD(AllLevelsAgree))
     }
 }
 
-TEST(UnitSearch, PCM_NOT_UNDER_THREAD(NearestOf))
-{
-    const auto check = [](const SearchPositions& p) {
-        std::vector<std::uint32_t> points, among;
-        for (std::uint32_t i = 0; i < p.size(); ++i) {
-            if (i % 3) points.push_back(i);
-            if (i % 5 == 0) among.push_back(i);
-        }
-        at_each_level([&] {
-            const auto nearest = nearest_of(p, points, among);
-            ASSERT_EQ(nearest.size(), points.size());
-            for (std::size_t i = 0; i < points.size(); ++i) {
-                double least = unbounded;
-                for (const std::uint32_t a : among) least = std::min(least, squared_of(p, points[i], a));
-                ASSERT_EQ(nearest[i] % 5, 0u);
-                ASSERT_EQ(squared_of(p, points[i], nearest[i]), least) << points[i];
-                if (points[i] % 5 == 0 && least == 0) ASSERT_EQ(squared_of(p, points[i], nearest[i]), 0);
-            }
-        });
-    };
-    check(narrow(2000, InBox(1000, 1000, 10)));
-    check(narrow(2000, InBox(2147483647, 2147483647, 10)));
-    check(narrow(10, InBox(10, 10, 10)));
-    check(wide(2000, InBox(1ll << 60, 1ll << 40, 1ll << 40)));
-    // Those to choose from lie in a plane with none of the others.
-    check(narrow(1000,
-                 [](std::size_t i) {
-                     return Vec3i{i % 5 ? 1 + std::int64_t(i % 7) : 0, std::int64_t(i * i % 997), 3};
-                 },
-                 {1, 0.5, 0.25}));
-    EXPECT_TRUE(nearest_of(narrow(5, InBox(1, 1, 1)), {}, {1}).empty());
-}
-
 // Inputs on which a search of this kind may become quadratic. The bounds, in seconds of the processor, are generous.
 TEST(UnitSearch, PCM_NOT_UNDER_THREAD(StiffInputsStayFast))
 {

@@ -183,11 +183,7 @@ TEST_F(Answers, SayWhatTheyTraded)
          "source units"},
         {"convert", {{"paths", {tree_, (folder_ / "c.laz").string()}}, {"grid", {"0.3"}}}, "bound", "source units"},
         {"convert", {{"paths", {tree_, (folder_ / "d.laz").string()}}}, "exact", ""},
-        {"radii", {{"tree", {tree_}}, {"output", {(folder_ / "r.pct").string()}}, {"level", {"0"}}}, "95 %", "%"},
-        {"normals",
-         {{"tree", {tree_}}, {"output", {(folder_ / "n.pct").string()}}, {"level", {"0"}}},
-         "95 %",
-         "degrees"},
+        {"radii", {{"tree", {tree_}}, {"output", {(folder_ / "r.pct").string()}}}, "exact", ""},
         {"subsample",
          {{"input", {tree_}}, {"spacing", {"3"}}, {"exact", {"off"}}, {"output", {(folder_ / "s.pct").string()}}},
          "bound",
@@ -209,16 +205,9 @@ TEST_F(Answers, SayWhatTheyTraded)
          "source units"},
         {"info", {{"input", {(folder_ / "cloud.xyz").string()}}}, "estimated", "points"},
         {"run",
-         {{"input", {tree_}}, {"radii", {"8,level=0"}}, {"output", {(folder_ / "v.pct").string()}}},
-         "95 %",
-         "%"},
-        {"run",
-         {{"input", {tree_}},
-          {"radii", {"8,level=0"}},
-          {"normals", {"8,level=0"}},
-          {"output", {(folder_ / "w.pct").string()}}},
-         "estimated",
-         ""},
+         {{"input", {tree_}}, {"subsample", {"3,nearest-level"}}, {"output", {(folder_ / "v.pct").string()}}},
+         "bound",
+         "source units"},
     };
     answer_of(*find_operation("convert"), {{"paths", {tree_, (folder_ / "cloud.xyz").string()}}});
     for (const Case& one : cases) {
@@ -265,6 +254,8 @@ TEST(Accuracy, OfAChainIsTheSumOfWhatIsAlike)
     EXPECT_EQ(text_of(none), "error 0 (exact)");
     EXPECT_EQ(text_of(a), "error 0.5 source units (bound, of coordinates)");
     EXPECT_EQ(text_of(from_deviation(1, "degrees", "the axis")), "error 1.96 degrees (95 %, of the axis)");
+    EXPECT_NEAR(from_deviation(1, "m", "a place", 2).error, std::sqrt(-2 * std::log(0.05)), 1e-6) << "Rayleigh";
+    EXPECT_NEAR(from_deviation(2, "m", "a place", 3).error, 2 * 2.7955, 1e-4);
     EXPECT_EQ(text_of(bounded(INFINITY, "the spacing")), "error not known (bound, of the spacing)");
 }
 

@@ -4,8 +4,7 @@
     python3 bench/report/calibration/run.py --bin build/release/bin --out /tmp/calibration [--data ../shared/data] [--smoke] [--only CLAIM...]
                                             [--write bench/results/calibration.md]
 
-A bound holds always; a claim of 95 % holds for 95 % of the values, or, of single numbers, in 95 % of the answers, less what chance
-leaves of so few (one in a hundred such tables). Rows go to OUT/rows.json. NumPy is needed. The exit code is 1 where a claim does not
+A bound holds always; a claim of 95 % holds in 95 % of the answers, less what chance leaves of so few (one in a hundred such tables). Rows go to OUT/rows.json. NumPy is needed. The exit code is 1 where a claim does not
 hold.
 """
 import argparse
@@ -115,7 +114,7 @@ def summary(rows):
     return found
 
 
-def text_of(rows, arguments):
+def text_of(rows):
     number = len({row["cloud"] for row in rows})
     lines = ["# Claims of error, held against the true error", "",
              f"Made by `python3 bench/report/calibration/run.py`, on {number} clouds. A bound holds always; of single numbers with a claim "
@@ -148,7 +147,7 @@ def main():
         rows += rows_of(cloud, arguments)
         print(f"{cloud.name}: {len(rows)} rows", flush=True)
     (arguments.out / "rows.json").write_text(json.dumps(rows, indent=0))
-    text = text_of(rows, arguments)
+    text = text_of(rows)
     print(text)
     for row in rows:
         if not holds(row) and (row["kind"] != "95 %" or not summary(rows)[row["operation"]]["good"]):

@@ -51,10 +51,6 @@ ops::Result radii_on_gpu(const ops::GpuRadiiRequest& request, const ProgressFunc
     result.output = target.path().string();
     result.outcome = report.outcome;
     result.accuracy = ops::exact_answer();
-    result.values["level"] = nullptr;
-    result.values["points_checked"] = 0;
-    result.values["errors"] = ops::Json::array();
-    result.values["points_computed"] = report.outcome.points_out;
     result.values["used_known_normals"] = normals;
     result.values["radii_limited"] = nullptr;
     result.values["confidence"] = nullptr;

@@ -7,9 +7,8 @@
 
 namespace pcm::ops {
 
-// level, points_checked, errors; and the outcome and notes of the head.
+// The outcome and notes of the head; exact.
 void put_report(Result& result, const FilterReport& report);
-std::vector<ResultKey> with_report_keys(std::vector<ResultKey> keys);
 
 // The same and what attributes have of their own: values and lines.
 void put_attribute_report(Result& result, const WantedValues& wanted, const NeighbourAttributeReport& report);

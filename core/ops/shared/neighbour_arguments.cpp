@@ -19,33 +19,6 @@ void NeighbourArguments::declare(Arguments& arguments, const std::string& meanin
         .help("Neighbours that are farther from the point do not count")
         .without("none")
         .advanced();
-    const char* const group = "Precision (default: exact)";
-    arguments.add("level", level)
-        .label("Level")
-        .help("Compute the points up to this level of detail; the others take their nearest one's values")
-        .without("all points, exactly")
-        .group(group)
-        .advanced();
-    arguments.add("time_limit", time_limit)
-        .positive()
-        .unit("s")
-        .label("Time limit")
-        .help(
-            "Choose the finest level that is predicted to take no longer; where it takes longer, the rest is computed "
-            "at coarser levels")
-        .without("none")
-        .group(group)
-        .advanced();
-    arguments.add("error_target", error_target)
-        .not_negative()
-        .unit("%")
-        .label("Error target")
-        .help(
-            "Choose the coarsest level at which 95 % of the points are predicted to have no larger error; for normals "
-            "1 is an angle of 0.01")
-        .without("none")
-        .group(group)
-        .advanced();
     work.declare(arguments, least_attribute_memory);
     flann_argument(arguments, flann);
 }
@@ -55,9 +28,6 @@ void NeighbourArguments::put_into(NeighbourAttributeOptions& options, const std:
     work.keep_memory_limit(called_memory);
     options.neighbours = neighbours;
     if (max_distance) options.max_distance = *max_distance;
-    options.level = level;
-    options.time_limit = time_limit;
-    options.error_target_percent = error_target;
     options.memory_bytes = work.memory;
     options.threads = work.threads;
     options.backend = flann ? NeighbourBackend::flann : NeighbourBackend::own;

@@ -1,4 +1,4 @@
-// Neighbours and the precision of what is computed from them.
+// Which neighbours attributes are computed from.
 #pragma once
 
 #include "pcm/filter/neighbour_attributes.h"
@@ -11,8 +11,7 @@ namespace pcm::ops {
 
 struct NeighbourArguments {
     std::uint32_t neighbours = 16;
-    std::optional<double> max_distance, time_limit, error_target;
-    std::optional<std::uint16_t> level;
+    std::optional<double> max_distance;
     bool flann = false;
     WorkArguments work;
     // `meaning`: what the neighbours are for, as the end of a sentence.
