@@ -63,6 +63,21 @@ TYPED_TEST(Neighbours, AreThoseFoundOneByOne)
     }
 }
 
+// Where doubles hold no single steps.
+TYPED_TEST(Neighbours, AreFoundFarFromTheFirstBin)
+{
+    const TypeParam far = std::numeric_limits<TypeParam>::max() / 4;
+    this->make(300, far, 100000, 3000, 9);
+    this->store_.resize(301);
+    this->store_.put(300, {Point<TypeParam>{1, 2, 3}});
+    const BinNeighbours<TypeParam> neighbours(this->store_, Lattice(Grid{{0.01, 0.01, 0.01}, {0, 0, 0}}));
+    for (const double spacing : {1.0, 10.0, 50.0, 100.0}) {
+        const auto lists = neighbours.lists(spacing);
+        ASSERT_TRUE(lists) << spacing;
+        EXPECT_EQ(*lists, this->one_by_one(neighbours, spacing)) << spacing;
+    }
+}
+
 // Lists stay linear in the number of bins: at coarse spacings there are none.
 TYPED_TEST(Neighbours, AreNotListedWhereMostBinsAreNear)
 {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cstring>
+#include <fstream>
 #include <random>
 
 namespace pcm {
@@ -126,9 +127,12 @@ TEST(RecordRows, OfTiles)
     write_las(folder / "b.las", records(Shape::volume, 3000, 2), grid);
     write_las(folder / "c.las", records(Shape::volume, 3000, 3), other);
     write_ply<float>(folder / "d.ply", {{1, 2, 3}, {4, 5, 6}});
+    fs::copy_file(folder / "b.las", folder / "e.las");
+    std::fstream(folder / "e.las", std::ios::in | std::ios::out | std::ios::binary).seekp(104).put(0);  // no colours
     expect_the_tree_by_columns({folder / "a.las", folder / "b.las"}, true);
     expect_the_tree_by_columns({folder / "a.las", folder / "c.las"}, false);
     expect_the_tree_by_columns({folder / "a.las", folder / "d.ply"}, false);
+    expect_the_tree_by_columns({folder / "a.las", folder / "e.las"}, false);
     MergedReader ply({folder / "d.ply"}, {});
     RecordBatch batch;
     EXPECT_FALSE(ply.has_records());

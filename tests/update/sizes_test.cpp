@@ -229,7 +229,7 @@ TEST_F(SizesOfTree, AreFoundAgainByCompacting)
     const Sizes both = now();
     CompactOptions options;
     options.memory_bytes = 64 << 20;
-    options.chunk_points = 1000;
+    options.chunk_points = 5000;  // all points are in one bin
     options.threads = 2;
     compact_tree(path_, options);
     const Sizes compacted = now();

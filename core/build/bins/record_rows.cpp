@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t block_rows = 256;  // stay in the first-level cache from field to field
 
-// From a record to a row. Fields that follow one another in both are one.
+// From a record to a row. Whole fields that follow one another in the record, as all do in the row, are one.
 struct Step {
     FieldPlace from;
     std::size_t to = 0;
@@ -22,8 +22,7 @@ std::vector<Step> steps_of(const std::vector<FieldPlace>& fields, const RowLayou
     for (std::size_t k = 0; k < fields.size(); ++k) {
         if (!fields[k].mask && !steps.empty()) {
             Step& before = steps.back();
-            if (!before.from.mask && before.from.offset + before.from.bytes == fields[k].offset &&
-                before.to + before.from.bytes == layout.offsets[k]) {
+            if (!before.from.mask && before.from.offset + before.from.bytes == fields[k].offset) {
                 before.from.bytes += fields[k].bytes;
                 continue;
             }
