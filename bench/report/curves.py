@@ -41,7 +41,7 @@ def knee(default, others, floor):
     if cheaper:
         best = min(cheaper, key=lambda row: row["cpu"])
         return f"not at the knee: *{best['setting']}* has no larger error in {best['cpu'] / default['cpu']:.2f} of the time", False
-    better = [row for row in others if row["cpu"] <= SAME_TIME * default["cpu"] and 2 * worth(row, floor) <= error]
+    better = [row for row in others if error > floor and row["cpu"] <= SAME_TIME * default["cpu"] and 2 * worth(row, floor) <= error]
     if better:
         best = min(better, key=lambda row: row["error"])
         return f"not at the knee: *{best['setting']}* has {best['error'] / default['error']:.2f} of the error in {best['cpu'] / default['cpu']:.2f} of the time", False

@@ -3,13 +3,19 @@ import dataclasses
 import importlib.util
 import json
 import os
+import pathlib
 import statistics
 import subprocess
 import sys
 import time
 
+import numpy
+
 from neighbours import scenes
 from study import machine, process
+
+
+BENCH = pathlib.Path(__file__).resolve().parents[1]
 
 
 @dataclasses.dataclass
@@ -108,6 +114,13 @@ class Lab:
         if not scene.tree.exists():
             process.timed([self.bin / "pcmlab", "build", "-q", "-o", scene.tree, las])
         return scene
+
+    def columns(self, tree, names, level=None):
+        """Positions of a tree's points, n x 3, and the columns of these names in a PLY file, n x names."""
+        file = self.work / "columns.ply"
+        process.timed([self.bin / "pcmlab", "convert", "-q", "--overwrite", tree, file, *([] if level is None else ["--level", level])])
+        table = scenes.read_ply(file)
+        return tuple(numpy.stack([table[name].astype(float) for name in of], axis=1) if of else None for of in ("xyz", names))
 
     def levels(self, tree):
         return self.ask("info", tree)["levels"]

@@ -10,8 +10,8 @@
 
 A feature is a file in features/, which says what an error is and who takes part. It is measured at the origin and on the map; all programs take
 turns, and their processor time counts. OUT/report/NAME.json keeps its figures, with the machine and its load: an interrupted run goes on where it
-stopped. Peers that are not here are named on the page. Needs the packages of build/test-python (packaging/test-python makes it): NumPy, SciPy and
-Matplotlib; a feature whose package is missing says so.
+stopped. Peers that are not here are named on the page. Needs NumPy, SciPy, Matplotlib and laspy; packaging/test-python makes build/test-python, which has
+them, and --python names an interpreter that has. Our Python module is used where it was built (-DPCM_WITH_PYTHON=ON).
 """
 import argparse
 import os
@@ -23,13 +23,9 @@ for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
     os.environ[_name] = "1"  # before NumPy is loaded: peers have one thread, as ours
 BENCH = pathlib.Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(BENCH))
-try:
-    import numpy  # noqa: F401
-    import scipy  # noqa: F401
-    import matplotlib  # noqa: F401
-except ImportError as error:
-    print(f"skipped: {error}; packaging/test-python makes build/test-python, which has it", file=sys.stderr)
-    sys.exit(77)
+from pictures import packages  # noqa: E402
+
+packages.require(("numpy", "scipy", "matplotlib", "laspy"))
 from report import features, page, store  # noqa: E402
 from report.lab import FULL, QUICK, SMOKE, Lab  # noqa: E402
 
@@ -64,6 +60,7 @@ def read_arguments():
     parser.add_argument("--only", nargs="+", default=[], metavar="FEATURE")
     parser.add_argument("--again", action="store_true", help="measure again what is there")
     parser.add_argument("--report", action="store_true", help="only the page")
+    parser.add_argument("--python", help="start with this interpreter")
     parser.add_argument("--list", action="store_true", help="print the names of the features")
     sizes = parser.add_mutually_exclusive_group()
     sizes.add_argument("--quick", action="store_true", help="smaller clouds: within an hour on two cores")

@@ -3,6 +3,8 @@
 TITLE    of its chapter
 WHAT     what is measured, what its truth is, what time counts; a paragraph of Markdown
 ERROR    what an error is, with its unit: the label of the curve's axis
+HAS_DEFAULT  False where a feature has no default setting; left out otherwise
+FLOOR    errors below it are the same: digits of the numbers; left out where there is none
 EXACT    the test that holds the setting whose error is 0; empty where no setting is exact
 measure(lab)   the rows: a list of the dicts that Lab.take_turns() makes
 absent(lab)    peers that a user might take and that are not here, each with the reason
@@ -10,7 +12,8 @@ absent(lab)    peers that a user might take and that are not here, each with the
 import importlib
 import pathlib
 
-NAMES = ["nearest", "radii", "normals", "curvature", "outliers", "voxels"]
+NAMES = ["pictures", "nearest", "picks", "estimates", "radii", "gpu", "normals", "curvature", "outliers", "subsample", "voxels", "levels", "fits", "place", "detection", "align",
+         "profile", "volume"]
 
 
 def load(name):

@@ -17,11 +17,10 @@ class Sample:
 
 
 def column_reader(lab, scene, result, columns):
-    """Reads attributes of a tree in the order of the scene's file."""
+    """Reads columns of a tree in the order of the scene's file."""
     def read(_):
-        points = lab.module().open(str(result)).query(attributes=columns)
-        rows = scene.rows_of(numpy.rint((points["xyz"] - scene.offset) / scene.scale).astype(numpy.int64))
-        values = numpy.column_stack([numpy.asarray(points[name], float) for name in columns])[rows]
+        xyz, values = lab.columns(result, columns)
+        values = values[scene.rows_of(numpy.rint((xyz - scene.offset) / scene.scale).astype(numpy.int64))]
         return values[:, 0] if values.shape[1] == 1 else values
 
     return read

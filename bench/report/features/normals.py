@@ -40,7 +40,7 @@ def measure(lab):
 
         peers = [Call("SciPy and NumPy, doubles", "", lambda: by_scipy(scene.xyz, numpy.float64), "cKDTree(positions).query, numpy.linalg.eigh"),
                  Call("SciPy and NumPy, floats", "", lambda: by_scipy(scene.xyz, numpy.float32), "the same with float32")]
-        rows += lab.take_turns(place, [*by_neighbours.ours_by_level(lab, scene, ["normals", "--no-confidence"], ["normal"], K), *peers], judge)
+        rows += lab.take_turns(place, [*by_neighbours.ours_by_level(lab, scene, ["normals", "--no-confidence"], ["nx", "ny", "nz"], K), *peers], judge)
     return rows
 
 

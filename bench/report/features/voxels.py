@@ -20,11 +20,6 @@ def by_numpy(xyz, kind):
     return numpy.stack([numpy.bincount(voxel.ravel(), positions[:, axis]) / counts for axis in range(3)], axis=1)
 
 
-def positions_of(lab, tree):
-    """Of a tree: its points as doubles."""
-    return lab.module().open(str(tree)).query(attributes=[])["xyz"]
-
-
 def measure(lab):
     rows = []
     for place in lab.places:
@@ -32,7 +27,7 @@ def measure(lab):
         numbers, centroids = exact(scene.xyz, SIZE, 0)
         result = lab.work / "voxels.pct"
         mine = Command(lab, ["pcmlab", "voxel", scene.tree, "-s", SIZE, "-o", result, "--overwrite", "--json", "-q", "-t", 1], "as it is", default=True,
-                       read=lambda _, result=result: positions_of(lab, result))
+                       read=lambda _, result=result: lab.columns(result, [])[0])
         peers = [Call("NumPy, doubles", "", lambda: by_numpy(scene.xyz, numpy.float64), "numpy.unique, numpy.bincount, float64"),
                  Call("NumPy, floats", "", lambda: by_numpy(scene.xyz, numpy.float32), "numpy.unique, numpy.bincount, float32")]
 
