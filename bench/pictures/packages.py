@@ -1,7 +1,6 @@
 """The Python packages of requirements.txt, or an interpreter that has them."""
 import importlib.util
 import os
-import pathlib
 import sys
 
 NAMES = ("numpy", "scipy", "matplotlib", "skimage", "flip_evaluator")

@@ -35,6 +35,10 @@ def table_of(rows):
     return head, cells
 
 
+def cell(key, value):
+    return f"`{value}`" if key == "command" else value if isinstance(value, str) else curves.number(value)
+
+
 def machine_line(figures):
     what = figures["machine"]
     load = ", ".join(f"{value:.1f}" for value in figures["load"])
@@ -45,17 +49,22 @@ def machine_line(figures):
 def chapter(name, figures, folder):
     feature = features.load(name)
     rows, floor = figures["rows"], getattr(feature, "FLOOR", 0.0)
+    is_curve = rows and not hasattr(feature, "TABLE")
     yield "heading", 2, feature.TITLE
     yield "text", feature.WHAT
-    if rows:
+    if hasattr(feature, "TABLE"):
+        yield "table", "", list(feature.TABLE), [[cell(key, row.get(key)) for key in feature.TABLE] for row in rows]
+    if is_curve:
         plots.feature(folder / f"{name}.png", rows, feature.ERROR)
         yield "picture", f"report/{name}.png", f"{feature.TITLE}: {feature.ERROR} over CPU seconds"
         yield "list", curves.sentences(rows, floor)
+    if hasattr(feature, "NOTES"):
+        yield "list", feature.NOTES
     if feature.EXACT:
-        yield "text", f"Held by the test `{feature.EXACT}`."
+        yield "text", "Held by " + ", ".join(f"`{test}`" for test in features.tests_of(feature)) + "."
     if figures["absent"]:
         yield "text", "Absent here: " + "; ".join(figures["absent"]) + "."
-    if rows:
+    if is_curve:
         yield "table", f"The figures, and `run.py --only {name}`", *table_of(rows)
     yield "text", machine_line(figures)
 
@@ -79,6 +88,8 @@ def contents(kept, names):
     cells = []
     for name in names:
         feature, figures = features.load(name), kept.get(name)
+        if hasattr(feature, "TABLE"):
+            continue
         at_knee, defaults, beaten, peers, left = curves.summary(figures["rows"], getattr(feature, "FLOOR", 0.0))
         cells.append([feature.TITLE, f"{at_knee} of {defaults}" if defaults else "", f"{beaten} of {peers}" if peers else "", "; ".join(left)])
     return ["feature", "defaults at the knee", "points of peers that ours is below and left of", "not beaten"], cells
@@ -158,6 +169,8 @@ def check(out, kept, names):
         feature, figures = features.load(name), kept.get(name)
         assert figures and figures["rows"], f"{name} has no figures"
         assert f"## {feature.TITLE}\n" in text and f"<h2>{feature.TITLE}</h2>" in page, f"{name} has no chapter"
+        if hasattr(feature, "TABLE"):
+            continue
         assert (out / "report" / f"{name}.png").stat().st_size > 5000, f"the curve of {name} is empty"
         for place in {row["place"] for row in figures["rows"]}:
             mine = [row for row in figures["rows"] if row["place"] == place and curves.ours(row)]
