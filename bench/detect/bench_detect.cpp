@@ -87,7 +87,7 @@ int main(int argc, char** argv)
     app.add_option("--truth", truth_path, "Its .truth.json (default: next to the tree)");
     app.add_option("--threshold", options.threshold);
     app.add_option("--min-points", options.least_points);
-    app.add_option("--step", options.step, "Of the sample; 0: as the spacing allows");
+    app.add_option("--step", options.step, "Points farther apart are not of one primitive; 0: as the spacing allows");
     app.add_option("--wanted", wanted, "True primitives of more points are asked for (default: those of --min-points)");
     app.add_option("--seed", options.seed);
     app.add_option("-t,--threads", options.threads);

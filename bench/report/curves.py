@@ -67,34 +67,34 @@ def against(row, mine, floor):
     return f"**not beaten**: {name_of(row)} takes {row['cpu'] / best['cpu']:.2f} of our time at an error of {number(row['error'])} (ours {number(best['error'])})", False
 
 
-def sentences(rows, floor=0.0):
-    """What the curves of a feature say, a line for each."""
-    lines = []
+def judged(rows, floor=0.0):
+    """Of each default and each setting of a peer: (whether it is a default, its curve's name, a sentence, whether it is good, its name)."""
     for (place, curve), of_curve in curves(rows).items():
         where = ", ".join(part for part in (curve, place) if part)
         mine = [row for row in of_curve if ours(row)]
         for row in mine:
-            if row["default"] and len(mine) > 1:
-                lines.append(f"{where}: the default ({row['setting']}) is {knee(row, [other for other in mine if other is not row], floor)[0]}.")
-        if mine:
-            lines += [f"{where}: {against(row, mine, floor)[0]}." for row in of_curve if not ours(row)]
-    return lines
+            others = [other for other in mine if other["program"] == row["program"] and other is not row]
+            if row["default"] and others:
+                said, good = knee(row, others, floor)
+                yield True, where, f"the default ({row['setting']}) is {said}", good, row["setting"]
+        for row in of_curve:
+            if not ours(row) and mine:
+                said, good = against(row, mine, floor)
+                yield False, where, said, good, name_of(row)
+
+
+def sentences(rows, floor=0.0):
+    """What the curves of a feature say, a line for each."""
+    return [f"{where}: {said}." for _, where, said, _, _ in judged(rows, floor)]
+
+
+def off_the_knee(rows, floor=0.0):
+    """A line for each default that is not at the knee of its curve."""
+    return [f"{where}: {said}." for is_default, where, said, good, _ in judged(rows, floor) if is_default and not good]
 
 
 def summary(rows, floor=0.0):
     """Of all curves: (defaults that are at the knee, of so many; settings of peers that ours is below and left of, of so many; those that are not)."""
-    at_knee, defaults, beaten, peers, left = 0, 0, 0, 0, []
-    for (place, curve), of_curve in curves(rows).items():
-        mine = [row for row in of_curve if ours(row)]
-        for row in mine:
-            if row["default"] and len(mine) > 1:
-                defaults += 1
-                at_knee += knee(row, [other for other in mine if other is not row], floor)[1]
-        for row in of_curve:
-            if not ours(row) and mine:
-                peers += 1
-                good = against(row, mine, floor)[1]
-                beaten += good
-                if not good:
-                    left.append(f"{name_of(row)} ({', '.join(part for part in (curve, place) if part)})")
-    return at_knee, defaults, beaten, peers, left
+    found = list(judged(rows, floor))
+    defaults, peers = ([good for is_default, _, _, good, _ in found if is_default is of] for of in (True, False))
+    return sum(defaults), len(defaults), sum(peers), len(peers), [f"{name} ({where})" for is_default, where, _, good, name in found if not is_default and not good]

@@ -144,7 +144,8 @@ class Lab:
         """What the figures belong to: name -> text."""
         revision = subprocess.run(["git", "-C", os.path.dirname(__file__), "describe", "--always", "--dirty"], capture_output=True, text=True, check=False)
         text = machine.describe(self.work, {"gl": self.gl()}, revision.stdout.strip() or process.timed([self.bin / "pcmlab", "--version"])[0].strip())
-        return dict(line.split(": ", 1) for line in text.splitlines())
+        start = statistics.median(process.timed([self.bin / "pcmlab", "--version"])[1]["cpu"] for _ in range(5))
+        return {**dict(line.split(": ", 1) for line in text.splitlines()), "start of pcmlab, CPU ms": f"{1000 * start:.1f}"}
 
     def gl(self):
         if not self.has("bench_pictures"):

@@ -43,7 +43,7 @@ def machine_line(figures):
     what = figures["machine"]
     load = ", ".join(f"{value:.1f}" for value in figures["load"])
     return (f"Measured on {what['processor']}, {what['cores']} cores, {what['memory']}, {what['kernel']}; OpenGL {what['OpenGL']}; {what['versions']}; load {load} before and after; "
-            f"size *{figures['size']}*; {figures['took']:.0f} s in all.")
+            f"size *{figures['size']}*; a start of `pcmlab` takes {what['start of pcmlab, CPU ms']} ms of the processor; {figures['took']:.0f} s in all.")
 
 
 def chapter(name, figures, folder):
@@ -58,6 +58,8 @@ def chapter(name, figures, folder):
         plots.feature(folder / f"{name}.png", rows, feature.ERROR)
         yield "picture", f"report/{name}.png", f"{feature.TITLE}: {feature.ERROR} over CPU seconds"
         yield "list", curves.sentences(rows, floor)
+        if curves.summary(rows, floor)[-1] and hasattr(feature, "WHY"):
+            yield "text", f"Why not: {feature.WHY}"
     if hasattr(feature, "NOTES"):
         yield "list", feature.NOTES
     if feature.EXACT:
@@ -95,6 +97,20 @@ def contents(kept, names):
     return ["feature", "defaults at the knee", "points of peers that ours is below and left of", "not beaten"], cells
 
 
+def off_the_knee(kept, names):
+    """A line for each default that its curve speaks against, and what a feature's DEFAULT_KEPT answers."""
+    lines = []
+    for name in names:
+        feature, figures = features.load(name), kept.get(name)
+        if hasattr(feature, "TABLE"):
+            continue
+        found = curves.off_the_knee(figures["rows"], getattr(feature, "FLOOR", 0.0))
+        lines += [f"{feature.TITLE}: {line}" for line in found]
+        if found and hasattr(feature, "DEFAULT_KEPT"):
+            lines.append(f"{feature.TITLE}: {feature.DEFAULT_KEPT}")
+    return lines
+
+
 def blocks(kept, folder):
     names = [name for name in features.NAMES if kept.get(name)]
     yield "heading", 1, "Error over time, of every feature"
@@ -105,6 +121,11 @@ def blocks(kept, folder):
     missing = [features.load(name).TITLE for name in features.NAMES if name not in names]
     if missing:
         yield "text", "Not measured here: " + ", ".join(missing) + "."
+    lines = off_the_knee(kept, names)
+    if lines:
+        yield "heading", 2, "Defaults that are not at the knee"
+        yield "text", "A default is at the knee where no setting has its error in less time (by a sixth), half of its error in as much time (to a fifth), or nearly its error (to a tenth) in half of the time."
+        yield "list", lines
     for name in names:
         yield from chapter(name, kept.get(name), folder)
     yield "heading", 2, "Further chapters"

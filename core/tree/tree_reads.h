@@ -14,7 +14,7 @@ namespace pcm {
 struct TreeReads {
     std::uint64_t chunks = 0;             // reads of a chunk, or of some of its segments
     std::uint64_t points = 0;             // number of points decoded
-    std::uint64_t bytes = 0;              // of headers and columns, as they are stored
+    std::uint64_t bytes = 0;              // size of headers and columns, as they are stored
     ColumnSet columns{false, false, {}};  // every column that was decoded at least once
 };
 

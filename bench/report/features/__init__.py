@@ -6,6 +6,8 @@ ERROR    what an error is, with its unit: the label of the curve's axis
 HAS_DEFAULT  False where a feature has no default setting; left out otherwise
 FLOOR    errors below it are the same: digits of the numbers; left out where there is none
 EXACT    the test, or the tests, that hold the setting whose error is 0; empty where no setting is exact
+WHY      why a peer is not beaten, where one is not
+DEFAULT_KEPT  why a default stays that its curve speaks against; left out where none does
 NOTES    what was found, lines of Markdown; left out where nothing was
 TABLE    instead of ERROR: the keys of the rows, of a feature that is a table and no curve
 measure(lab)   the rows: a list of the dicts that Lab.take_turns() makes

@@ -10,6 +10,7 @@ WHAT = ("A motion of 30 degrees about a tilted axis and 12 m, found from pairs o
         "Time of ours is that of the process. *SciPy*: `Rotation.align_vectors` about the centroids.")
 ERROR = "error at the farthest corner, m"
 EXACT = ""
+WHY = "the errors are the same to four digits, and solving takes less than a millisecond in either; our time is that of a process that starts, opens the tree, and looks at the points around each pair to state their uncertainty."
 HAS_DEFAULT = False
 NUMBERS, PICKED = (3, 4, 6, 10, 20, 50, 100), 0.005
 

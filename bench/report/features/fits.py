@@ -10,6 +10,9 @@ WHAT = ("A plane, a cylinder and a sphere among 60 % outliers, noise of 5 mm, ma
         "*Times the least*: the error over that of a least-squares fit to the points that are truly on the shape. PCL is 1.13, of single precision, and gets its points about their middle.")
 ERROR = "median distance of the surfaces, m"
 EXACT = ""
+WHY = "with 5 or 20 samples PCL ends sooner, on another shape, where ours refines what it has; its pretests (rransac, rmsac) end a sphere sooner, at twice our error."
+DEFAULT_KEPT = ("rmsac has the same errors in half of the time, a quarter of a millisecond, of some 50 that a fit at a place takes; its pretest looks at single points, which is right where "
+                "outliers are spread evenly, as here. Not moved: nothing that a user waits for would be shorter.")
 KINDS = ("plane", "cylinder", "sphere")
 OWN = ("msac", "ransac", "mlesac", "prosac", "rransac", "rmsac")
 LIMITS = (5, 20, 100, 500)

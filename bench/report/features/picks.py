@@ -25,7 +25,7 @@ def measure(lab):
         for of_setting in zip(*turns):
             first, times = of_setting[0], sorted(turn["cpu_seconds"] for turn in of_setting)
             exact = first["nodes"].startswith("exact")
-            rows.append({"place": place, "program": "pcmlab", "setting": first["nodes"] if exact else f"nodes to depth {first['nodes']}", "default": first["nodes"] == "exact, from disk",
+            rows.append({"place": place, "program": "pcmlab, nothing in memory" if first["nodes"] == "exact, from disk" else "pcmlab", "setting": "exact" if exact else f"nodes to depth {first['nodes']}", "default": exact,
                          "cpu": times[len(times) // 2], "cpu_range": [times[0], times[-1]], "error": first["error_p95"], "missed, %": first["missed_percent"], "command": command})
     return rows
 

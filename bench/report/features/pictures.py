@@ -15,10 +15,14 @@ WHAT = ("A generated town from 50 m and a furnished room, scanned with shadows, 
         "the same moving and at rest.")
 ERROR = "FLIP against truth"
 EXACT = ""
+WHY = ("frames of peers are drawn out of buffers in video memory that hold the whole cloud, and in one pass; ours come out of a tree of any size, close gaps, and at rest are the mean of 16 frames. "
+       "Where a peer has an error as small, as among thin things, its dots leave open what lies behind.")
+DEFAULT_KEPT = ("the mean of 16 frames is for what FLIP of one picture does not show: colours that do not swim when the camera turns "
+                "([pictures/truth/report.md](pictures/truth/report.md), *swim*). It is spent while the camera rests, and ends at a touch.")
 VIEWS = ("town", "interior")
 BUDGETS = {"full": (30_000, 100_000, 300_000, 1_000_000), "quick": (30_000, 60_000, 120_000), "smoke": (10_000,)}  # no fewer than a chunk has
-MILLISECONDS = {"full": (5, 15, 50, 150), "quick": (5, 15, 50, 150), "smoke": (15,)}
-FRAMES = {"full": (1, 2, 4, 8, 16, 32), "quick": (1, 2, 4, 8, 16, 32), "smoke": (1, 16)}
+MILLISECONDS = {"full": (5, 15, 50, 150), "quick": (5, 15, 50), "smoke": (15,)}
+FRAMES = {"full": (1, 2, 4, 8, 16, 32), "quick": (1, 4, 16, 32), "smoke": (1, 16)}
 SIZES = (1, 2, 3, 5)  # pixels
 PACKAGES = ("skimage", "flip_evaluator")
 PROGRAMS = ("bench_pictures", "bench_scenes", "bench_peers")
@@ -110,7 +114,7 @@ def moving_rows(lab, view, place):
     settings += [(f"{ms} ms", ("--frame-budget-ms", ms), False) for ms in MILLISECONDS[lab.size.name]]
     settings += [(f"{budget:,} points", ("--frame-budget-ms", 1e6, "--point-budget", budget), False) for budget in BUDGETS[lab.size.name]]
     for setting, options, default in settings:
-        turns = [view.ours("--converge", 1, *options) for _ in range(lab.size.repeat)]
+        turns = [view.ours("--converge", 1, *options) for _ in range(min(2, lab.size.repeat))]
         words, figures, out = turns[-1]
         error = view.error(sorted(out.glob("*-moving.png"))[0])
         yield row(lab, view, place, "moving", "pcmlab", setting, words, [turn[1]["moving_cpu_seconds"][0] for turn in turns], error, default, points=figures["moving_points"][0])
@@ -118,7 +122,7 @@ def moving_rows(lab, view, place):
 
 def resting_rows(lab, view, place):
     for frames in FRAMES[lab.size.name]:
-        turns = [view.ours("--converge", frames, "--frame-budget-ms", 1e6) for _ in range(lab.size.repeat)]
+        turns = [view.ours("--converge", frames, "--frame-budget-ms", 1e6) for _ in range(min(2, lab.size.repeat))]
         words, figures, out = turns[-1]
         error = view.error(sorted(out.glob("*-rest.png"))[0])
         yield row(lab, view, place, "at rest", "pcmlab", f"{frames} frames", words, [turn[1]["rest_cpu_seconds"][0] for turn in turns], error, frames == 16, points=figures["rest_points"][0])

@@ -10,6 +10,8 @@ WHAT = ("Volumes of a terrain above and below a height, within a square of 86 m.
         "fill, over the true one. *Claimed*: the uncertainty that the answer states (95 %), the larger share of both. *NumPy*: means of cells, the empty ones left out; *SciPy*: a triangulation looked at every 0.25 m.")
 ERROR = "error of cut and fill, %"
 EXACT = ""
+WHY = "means of cells by NumPy take a few milliseconds, less than a process takes to start; they have the error of ours at sides of 1 and 2 m, no uncertainty, and lose the cells without points at smaller ones."
+DEFAULT_KEPT = ("by itself a cell has about 9 points; with 4 to 5 the error of this terrain, which is scanned evenly, is a half to a third. On scans whose density varies smaller cells are empty more often, and the stated uncertainty was calibrated at 9 (`VolumeTrial.TruthLiesWithinTheUncertainty`). Not moved on the evidence of one terrain.")
 SIDES = (8, 4, 2, 1, 0.5, 0.25)
 
 
