@@ -124,7 +124,7 @@ def blocks(kept, folder):
     lines = off_the_knee(kept, names)
     if lines:
         yield "heading", 2, "Defaults that are not at the knee"
-        yield "text", "A default is at the knee where no setting has its error in less time (by a sixth), half of its error in as much time (to a fifth), or nearly its error (to a tenth) in half of the time."
+        yield "text", "A default is at the knee where no setting has its error (to 2 %) in less time (by a sixth), half of its error in as much time (to a fifth), or nearly its error (to a tenth) in half of the time."
         yield "list", lines
     for name in names:
         yield from chapter(name, kept.get(name), folder)
