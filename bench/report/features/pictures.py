@@ -18,7 +18,8 @@ EXACT = ""
 WHY = ("frames of peers are drawn out of buffers in video memory that hold the whole cloud, and in one pass; ours come out of a tree of any size, close gaps, and at rest are the mean of 16 frames. "
        "Where a peer has an error as small, as among thin things, its dots leave open what lies behind.")
 DEFAULT_KEPT = ("the mean of 16 frames is for what FLIP of one picture does not show: colours that do not swim when the camera turns "
-                "([pictures/truth/report.md](pictures/truth/report.md), *swim*). It is spent while the camera rests, and ends at a touch.")
+                "([pictures/truth/report.md](pictures/truth/report.md), *swim*). It is spent while the camera rests, and ends at a touch. "
+                "Moving, the budget of time follows a machine that other work slowed down: which number of points it comes to differs from run to run.")
 VIEWS = ("town", "interior")
 BUDGETS = {"full": (30_000, 100_000, 300_000, 1_000_000), "quick": (30_000, 60_000, 120_000), "smoke": (10_000,)}  # no fewer than a chunk has
 MILLISECONDS = {"full": (5, 15, 50, 150), "quick": (5, 15, 50), "smoke": (15,)}
