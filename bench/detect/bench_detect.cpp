@@ -58,16 +58,17 @@ std::vector<std::string> figures(const std::shared_ptr<const Tree>& tree, const 
             std::to_string(score.clutter) + ", good " + std::to_string(score.good_clutter)};
 }
 
+// `wanted`: true primitives of more points than these are asked for.
 void run(const std::shared_ptr<const Tree>& tree, const std::vector<True>& truth, const DetectOptions& options,
-         bool list)
+         std::uint64_t wanted, bool list)
 {
     const std::clock_t start = std::clock();
     const DetectReport report = detect_primitives(tree, options);
     const double processor = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    Score score = compare(truth, report.primitives, count_pairs(*tree, report), options.least_points, list);
+    Score score = compare(truth, report.primitives, count_pairs(*tree, report), wanted, list);
     print(score);
     for (const std::string& note : report.notes) std::printf("note: %s\n", note.c_str());
-    std::printf("%llu points, threshold %.2f mm, sample %.1f mm, %.1f s (processor time %.1f s), peak memory %.0f MB\n",
+    std::printf("%llu points, threshold %.2f mm, sample %.1f mm, %.1f s (processor time %.3f s), peak memory %.0f MB\n",
                 static_cast<unsigned long long>(tree->info().points), report.threshold * 1e3, report.sample * 1e3,
                 report.outcome.seconds, processor, static_cast<double>(peak_memory_bytes()) / 1e6);
 }
@@ -80,11 +81,14 @@ int main(int argc, char** argv)
     std::string tree_path, truth_path;
     std::vector<std::string> sweeps;
     DetectOptions options;
+    std::uint64_t wanted = 0;
     bool list = false;
     app.add_option("tree", tree_path, "Tree of a generated site");
     app.add_option("--truth", truth_path, "Its .truth.json (default: next to the tree)");
     app.add_option("--threshold", options.threshold);
     app.add_option("--min-points", options.least_points);
+    app.add_option("--step", options.step, "Points farther apart are not of one primitive; 0: as the spacing allows");
+    app.add_option("--wanted", wanted, "True primitives of more points are asked for (default: those of --min-points)");
     app.add_option("--seed", options.seed);
     app.add_option("-t,--threads", options.threads);
     app.add_option("-m,--memory", options.memory_bytes)->transform(CLI::AsSizeValue(false));
@@ -98,7 +102,7 @@ int main(int argc, char** argv)
         if (truth_path.empty())
             truth_path = std::filesystem::path(tree->folder()).replace_extension(".truth.json").string();
         const std::vector<True> truth = read_truth(truth_path);
-        if (drawn.empty()) run(tree, truth, options, list);
+        if (drawn.empty()) run(tree, truth, options, wanted > 0 ? wanted : options.least_points, list);
         for (const Sweep& sweep : drawn)
             print_sweep(sweep, {"found", "false", "in several pieces", "within 3 sigma", "in ground and trees"},
                         [&] { return figures(tree, truth, options); });

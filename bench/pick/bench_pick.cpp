@@ -1,5 +1,6 @@
 // Picks along random rays, from a cold cache, compared with a look at every point: the same point, and how long it
 // took. Prints a table; see README.md.
+#include "bench/pick/pick_levels.h"
 #include "pcm/pick/point_picker.h"
 #include "pcm/point_cloud.h"
 #include "pcm/system/error.h"
@@ -210,12 +211,22 @@ int main(int argc, char** argv)
     std::string path;
     std::size_t rays = 10000, checked = 10000;
     std::uint64_t seed = 1;
+    bool levels = false;
     app.add_option("tree", path, "Tree folder")->required();
     app.add_option("--rays", rays, "Number of rays (default 10000)");
     app.add_option("--seed", seed, "Seed of the rays (default 1)");
     app.add_option("--checked", checked, "How many of them are compared with a look at every point (default 10000)");
+    app.add_flag("--levels", levels,
+                 "Instead: picks among the points in memory, by the depth of their nodes, a line of JSON each");
     CLI11_PARSE(app, argc, argv);
     try {
+        if (levels) {
+            L2Options cache;
+            cache.capacity_bytes = std::uint64_t(4) << 30;
+            const auto cloud = PointCloud::open(path, cache);
+            bench::print_levels(*cloud, random_rays(cloud->info().bounds(), rays, seed));
+            return 0;
+        }
         return run(path, rays, seed, checked);
     } catch (const std::exception& error) {
         std::fprintf(stderr, "bench_pick: %s\n", error.what());

@@ -252,7 +252,8 @@ DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t by
             throw Error(ErrorCode::unsupported, {}, "its positions are doubles; a chunk on a grid was expected");
         std::vector<std::uint32_t> all(result.header.segments.size());
         std::iota(all.begin(), all.end(), 0u);
-        read_segments(file, offset, result.header, columns, all, 0, result.chunk);
+        result.bytes_read = result.header.header_bytes;
+        result.bytes_read += read_segments(file, offset, result.header, columns, all, 0, result.chunk);
         return result;
     } catch (const Error& error) {
         rethrow_naming(error, file, offset);

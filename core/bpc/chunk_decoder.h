@@ -14,6 +14,7 @@ namespace pcm {
 struct DecodedChunk {
     BpcHeader header;
     Chunk chunk;
+    std::uint64_t bytes_read = 0;  // the header included
 };
 enum class ChunkPositionsMayBe { on_grid, on_grid_or_doubles };
 // Reads the chunk of `bytes` bytes at `offset` of `file`. Only the columns in `columns` are read and decoded; their

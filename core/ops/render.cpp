@@ -252,7 +252,10 @@ Row render_row()
              {"drawn_with", "text", "", "renderer of the OpenGL driver"},
              {"pictures", "list", "",
               "for each: file, points_drawn, clouds, screen_error_px, full_resolution, pixels, ms, frames, "
-              "frames_averaged, uploaded_bytes"}},
+              "frames_averaged, uploaded_bytes, nodes_drawn, programs (shader programs built so far)"},
+             {"reads", "list", "",
+              "for each tree: attributes (stored), columns (decoded), nodes, chunks (read), points, bytes (read), "
+              "bytes_of_tree"}},
             make<Render>,
             {},
             "Its time limit is that of a frame, --frame-budget, and its error target a distance on the screen, "

@@ -201,6 +201,7 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     });
     count_points_read(node.points);
     add_missing_columns(decoded.chunk, info_.schema, columns);
+    reads_->add(decoded.chunk, decoded.bytes_read);
     return std::move(decoded.chunk);
 }
 
@@ -229,6 +230,7 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
     part.chunk = std::move(decoded.chunk);
     add_missing_columns(part.chunk, info_.schema, columns);
     part.bytes_read = decoded.bytes_read;
+    reads_->add(part.chunk, part.bytes_read);
     return part;
 }
 

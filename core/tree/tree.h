@@ -23,6 +23,7 @@
 #include "pcm/io/reader.h"
 #include "pcm/system/file.h"
 #include "pcm/system/tree_folder.h"
+#include "pcm/tree/tree_reads.h"
 
 #include <cstdint>
 #include <filesystem>
@@ -173,6 +174,9 @@ public:
     ChunkPart read_chunk_part(NodeId id, const ColumnSet& columns,
                               const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const;
 
+    // What read_chunk() and read_chunk_part() have read so far, of trees that with_schema() made too.
+    TreeReads reads() const { return reads_->reads(); }
+
     // The finest level whose cloud has at most `points` points; 0 if level 0 has more.
     std::uint16_t level_with_at_most(std::uint64_t points) const;
     std::vector<LevelSummary> level_summaries() const;
@@ -190,6 +194,7 @@ private:
     std::vector<NodeId> part_roots_;
     std::vector<DataFile> data_files_;
     std::shared_ptr<DataFilePool> files_;
+    std::shared_ptr<TreeReadCounter> reads_ = std::make_shared<TreeReadCounter>();
 };
 
 // Whether `path` is a folder with an index file, or a file of such a tree (a cheap test of names, not a validation).

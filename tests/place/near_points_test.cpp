@@ -231,6 +231,21 @@ TEST_F(NearPointsTest, TheSpacingIsThatOfThePoints)
     EXPECT_EQ(points_near(*open(), middle(), of_count(200)).spacing, 0);
 }
 
+// A click reads the positions of what is near, and no other column.
+TEST_F(NearPointsTest, ReadsThePositionsOfTheNodesNearby)
+{
+    make(Shape::surface, 8000);
+    const auto cloud = open();
+    ASSERT_GT(cloud->tree()->nodes().size(), 10u);
+    points_near(*cloud, points_[17].position, of_count(30));
+    const TreeReads reads = cloud->tree()->reads();
+    EXPECT_EQ(reads.columns, ColumnSet::only_positions());
+    EXPECT_LT(reads.chunks, cloud->tree()->nodes().size() / 2);
+    const auto again = Tree::open(path());
+    for (NodeId node = 0; node < again->nodes().size(); ++node) again->read_chunk(node, ColumnSet::only_positions());
+    EXPECT_LT(reads.bytes, again->reads().bytes / 2);
+}
+
 // Unit normals of the cloud, also where it keeps them longer or has none.
 TEST_F(NearPointsTest, HaveTheCloudsNormals)
 {

@@ -153,6 +153,37 @@ TEST_F(TreeTest, PartsOfChunksAreTheFilteredWhole)
     }
 }
 
+// Every read counts: its points, its bytes as they are stored, and the columns that were decoded, which may be none.
+TEST_F(TreeTest, CountsWhatIsRead)
+{
+    build(20000, 1000);
+    const auto tree = Tree::open(this->tree());
+    const Schema& schema = tree->info().schema;
+    EXPECT_EQ(tree->reads().chunks, 0u);
+    EXPECT_TRUE(names_of(tree->reads().columns, schema).empty());
+    std::uint64_t points = 0;
+    for (NodeId id = 0; id < tree->nodes().size(); ++id)
+        points += tree->read_chunk(id, ColumnSet::only_positions()).points;
+    const TreeReads positions = tree->reads();
+    EXPECT_EQ(positions.points, tree->info().points);
+    EXPECT_EQ(positions.points, points);
+    EXPECT_EQ(names_of(positions.columns, schema), std::vector<std::string>{"positions"});
+    for (NodeId id = 0; id < tree->nodes().size(); ++id) tree->read_chunk(id, ColumnSet::whole(schema));
+    const TreeReads all = tree->reads();
+    EXPECT_EQ(all.chunks, 2 * positions.chunks);
+    EXPECT_EQ(all.columns, ColumnSet::whole(schema));
+    // All columns of all chunks are the data files, less what they begin and end with.
+    const std::uint64_t whole = all.bytes - positions.bytes;
+    EXPECT_LT(positions.bytes, whole);
+    EXPECT_LE(whole, tree->info().bytes);
+    EXPECT_GT(whole, tree->info().bytes * 9 / 10);
+    const ChunkPart part = tree->read_chunk_part(0, ColumnSet::only_positions(),
+                                                 [](const Box3i&, std::uint16_t level) { return level == 0; });
+    EXPECT_EQ(tree->reads().points - all.points, part.chunk.points);
+    EXPECT_EQ(tree->reads().bytes - all.bytes, part.bytes_read);
+    EXPECT_EQ(tree->with_schema(schema)->reads().chunks, tree->reads().chunks);
+}
+
 TEST_F(TreeTest, AClosedTreeLeavesNoFileOpen)
 {
     build();

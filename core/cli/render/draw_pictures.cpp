@@ -152,6 +152,7 @@ Json clouds_of(const FrameReport& report)
     for (const CloudReport& cloud : report.clouds) {
         Json json{{"points_drawn", cloud.points_drawn},
                   {"points_hidden", cloud.points_hidden},
+                  {"vertex_bytes", cloud.vertex_bytes},
                   {"colour", name_of(cloud.style.colour)}};
         if (cloud.style.colour == ColourMode::attribute) json["attribute"] = cloud.style.attribute;
         if (cloud.range) {
@@ -180,7 +181,9 @@ Json pictures_of(const Summary& summary)
                             {"ms", drawn.ms},
                             {"frames", drawn.frames},
                             {"frames_averaged", drawn.report.frames_averaged},
-                            {"uploaded_bytes", drawn.uploaded_bytes}});
+                            {"uploaded_bytes", drawn.uploaded_bytes},
+                            {"nodes_drawn", drawn.report.nodes_drawn},
+                            {"programs", drawn.report.programs}});
     }
     return pictures;
 }
@@ -251,6 +254,24 @@ Result result_of(const Summary& summary, const RenderRequest& request, const Off
     return result;
 }
 
+// What was read of each tree.
+Json reads_of(const OffscreenScene& scene)
+{
+    Json all = Json::array();
+    for (const auto& cloud : scene.clouds()) {
+        const TreeReads reads = cloud->tree()->reads();
+        const Schema& schema = cloud->info().schema;
+        all.push_back({{"attributes", schema.size()},
+                       {"columns", names_of(reads.columns, schema)},
+                       {"nodes", cloud->tree()->nodes().size()},
+                       {"chunks", reads.chunks},
+                       {"points", reads.points},
+                       {"bytes", reads.bytes},
+                       {"bytes_of_tree", cloud->info().bytes}});
+    }
+    return all;
+}
+
 // One for each tree; one where several mean the same.
 std::vector<Legend> legends_of(const FrameReport& report, const OffscreenScene& scene)
 {
@@ -307,7 +328,9 @@ Result draw_pictures(const RenderRequest& request, const ProgressFunction& progr
     }
     for (const auto& cloud : scene.clouds()) summary.outcome.points_in += cloud->info().points;
     summary.outcome.seconds = seconds_since(start);
-    return result_of(summary, request, screen);
+    Result result = result_of(summary, request, screen);
+    result.values["reads"] = reads_of(scene);
+    return result;
 }
 
 }  // namespace pcm::cli

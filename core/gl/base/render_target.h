@@ -81,6 +81,7 @@ public:
              const Finish& finish);
     // Draws the mean of `frames` pictures in place of draw(), with the depth of `picture`, which is one of them.
     void draw_mean(const PictureSum& sum, unsigned frames, const RenderTarget& picture, const GlStateGuard& host);
+    std::size_t programs() const { return programs_.size(); }  // number that were built
     void release();
 
 private:

@@ -122,6 +122,7 @@ struct Renderer::Impl {
         }
         cloud.format = feed.format_of(cloud.style, cloud.clips.by_point(), report.notice);
         report.style = cloud.style;
+        report.vertex_bytes = cloud.format.stride();
         report.range = cloud.values.range;
         return report;
     }
@@ -273,6 +274,7 @@ struct Renderer::Impl {
             if (!clouds[t].error.empty()) report.error = clouds[t].error;
         }
         report.clouds = std::move(clouds);
+        report.programs = splats.programs() + compositor.programs();
         report.frame_ms = milliseconds_since(frame.start);
         const double more_uploads = frame.converges ? std::max(0.0, report.upload_ms - options.upload_budget_ms) : 0;
         if (p.unmeasured == 0) p.budget.measured_overhead(report.frame_ms - frame.drawing_ms - more_uploads);

@@ -111,6 +111,7 @@ struct CloudReport {
     std::uint64_t points_drawn = 0;
     std::uint64_t points_hidden = 0;  // points in addition to these, hidden by the style's conditions
     CloudStyle style;                 // as it was drawn
+    std::uint32_t vertex_bytes = 0;   // size of a point in video memory
     std::optional<ValueRange> range;  // at the ends of the ramp; absent for other colours, and while it is not known
     ClassSet classes;                 // classes that occur in video memory, for colours by class
     std::string
@@ -128,6 +129,7 @@ struct FrameReport {
     std::uint64_t nodes_drawn = 0;  // in the picture
     std::uint64_t nodes_wanted = 0;
     std::uint64_t nodes_missing = 0;  // wanted, and absent from video memory or there with another style's attributes
+    std::size_t programs = 0;         // shader programs that the renderer has built so far, the compositor's among them
     std::uint64_t effective_point_budget = 0;  // allowed by the frame budget
     unsigned samples = 1;                      // samples of the picture
     unsigned frames_averaged = 1;              // in the picture

@@ -323,6 +323,7 @@ std::uint64_t SplatPass::preview(const VertexEntry& entry, std::vector<SplatPart
     return impl_->preview(entry, parts);
 }
 void SplatPass::end() { impl_->end(); }
+std::size_t SplatPass::programs() const { return impl_->programs.size(); }
 
 void SplatPass::release()
 {

@@ -96,6 +96,9 @@ public:
     std::uint64_t preview(const VertexEntry& entry, std::vector<SplatPart>& parts);
     void end();
 
+    // Number of programs that were built, a permutation each.
+    std::size_t programs() const;
+
     // Frees the GL objects. begin() may be called again afterwards.
     void release();
 

@@ -1,0 +1,1 @@
+"""Error over time of every feature, on one page: see run.py."""
