@@ -310,7 +310,7 @@ TEST_P(PointPickerTest, EndsWhereTheRayOrAnotherHitEndsIt)
     PointPicker picker(cloud_->cache());
     std::mt19937_64 random(9);
     int nearer = 0;
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < 600; ++i) {
         SCOPED_TRACE(i);
         PickRay ray = random_ray(random);
         PickOptions options;

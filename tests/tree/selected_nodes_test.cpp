@@ -86,7 +86,7 @@ TEST_F(SelectedNodesTest, HoldEverySelectedPointAndNoOthersWhereAllAreSelected)
             }
         }
     }
-    EXPECT_GT(inside, 30u);
+    EXPECT_GT(inside, 20u);
     EXPECT_GT(skipped, 1000u);
 }
 

@@ -229,7 +229,7 @@ TEST_F(SizesOfTree, AreFoundAgainByCompacting)
     const Sizes both = now();
     CompactOptions options;
     options.memory_bytes = 64 << 20;
-    options.chunk_points = 5000;  // all points are in one bin
+    options.chunk_points = 1000;
     options.threads = 2;
     compact_tree(path_, options);
     const Sizes compacted = now();
@@ -241,7 +241,7 @@ TEST_F(SizesOfTree, AreFoundAgainByCompacting)
         larger += compacted.at(point) > size;
     }
     EXPECT_GT(smaller, 1000u);
-    EXPECT_LT(10 * larger, smaller);
+    EXPECT_LT(5 * larger, smaller);  // the groups of points that bound a size are others in other bins
 }
 
 // Trees that were built before sizes were kept.
