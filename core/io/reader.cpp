@@ -3,6 +3,7 @@
 #include "pcm/io/file_text.h"
 #include "pcm/io/formats.h"
 #include "pcm/io/pipe/limited_reader.h"
+#include "pcm/io/record_batch.h"
 #include "pcm/system/work_done.h"
 
 #include <string_view>
@@ -75,6 +76,13 @@ public:
     bool read(PointBatch& batch, std::size_t max_points) override
     {
         const bool more = file_->read(batch, max_points);
+        count_points_read(batch.size);
+        return more;
+    }
+    bool has_records() const override { return file_->has_records(); }
+    bool read_records(RecordBatch& batch, std::size_t max_points) override
+    {
+        const bool more = file_->read_records(batch, max_points);
         count_points_read(batch.size);
         return more;
     }

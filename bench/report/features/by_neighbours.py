@@ -1,4 +1,4 @@
-"""What attributes that are computed of every point's neighbours have in common: ours at each level, and a sample of points with exact neighbours."""
+"""What attributes that are computed of every point's neighbours have in common: our filter, and a sample of points with exact neighbours."""
 import numpy
 
 from neighbours import scenes
@@ -26,14 +26,10 @@ def column_reader(lab, scene, result, columns):
     return read
 
 
-def ours_by_level(lab, scene, words, columns, k):
-    """A filter of ours with all points, and at levels from the one before the finest on."""
+def ours(lab, scene, words, columns, k):
     result = lab.work / "computed.pct"
-    common = ["pcmlab", *words, scene.tree, "-k", k, "-o", result, "--overwrite", "--json", "-q", "-t", 1]
-    read = column_reader(lab, scene, result, columns)
-    yield Command(lab, common, "all points", default=True, read=read)
-    for level in range(lab.levels(scene.tree) - 2, 0, -1):
-        yield Command(lab, [*common, "--level", level], f"level {level}", read=read)
+    command = ["pcmlab", *words, scene.tree, "-k", k, "-o", result, "--overwrite", "--json", "-q", "-t", 1]
+    return Command(lab, command, "all points", default=True, read=column_reader(lab, scene, result, columns))
 
 
 def p95(errors):

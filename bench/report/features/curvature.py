@@ -1,11 +1,11 @@
-"""Curvature, by level."""
+"""Curvature."""
 import numpy
 from scipy.spatial import cKDTree
 
 from report.features import by_neighbours
 from report.lab import Call
 
-TITLE = "Curvature by level"
+TITLE = "Curvature"
 WHAT = ("The share of the smallest eigenvalue in the sum of all three, of every point's 16 neighbours and itself, 0 to 1/3. The error is the difference to that " + by_neighbours.EXACT_WHERE +
         ", in double; the 95th percentile.")
 ERROR = "95 % error of the curvature"
@@ -34,7 +34,7 @@ def measure(lab):
         sample = by_neighbours.Sample(lab, scene, K)
         true = of_neighbours(scene.local, numpy.c_[sample.indices, sample.points])
         peers = [Call("SciPy and NumPy, doubles", "", lambda: by_scipy(scene.xyz), "cKDTree(positions).query, numpy.linalg.eigvalsh")]
-        programs = [*by_neighbours.ours_by_level(lab, scene, ["normals", "--no-confidence", "--curvature"], ["curvature"], K), *peers]
+        programs = [by_neighbours.ours(lab, scene, ["normals", "--no-confidence", "--curvature"], ["curvature"], K), *peers]
         rows += lab.take_turns(place, programs, lambda found, _: {"error": by_neighbours.p95(abs(found[sample.points] - true))})
     return rows
 

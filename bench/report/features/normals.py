@@ -1,4 +1,4 @@
-"""Normals, by level."""
+"""Normals."""
 import numpy
 from scipy.spatial import cKDTree
 
@@ -6,7 +6,7 @@ from neighbours import scenes
 from report.features import by_neighbours
 from report.lab import Call
 
-TITLE = "Normals by level"
+TITLE = "Normals"
 WHAT = ("The normal of every point of its 16 neighbours. The error is the angle to the plane " + by_neighbours.EXACT_WHERE + ", by principal components in double, of points whose neighbours "
         "define a plane; the 95th percentile. *To truth*: the mean angle to the generator's surface, whose points have noise of 3 mm: what no program can be rid of. *SciPy* is a k-d tree and NumPy's eigenvectors.")
 ERROR = "95 % angle to exact, degrees"
@@ -40,7 +40,7 @@ def measure(lab):
 
         peers = [Call("SciPy and NumPy, doubles", "", lambda: by_scipy(scene.xyz, numpy.float64), "cKDTree(positions).query, numpy.linalg.eigh"),
                  Call("SciPy and NumPy, floats", "", lambda: by_scipy(scene.xyz, numpy.float32), "the same with float32")]
-        rows += lab.take_turns(place, [*by_neighbours.ours_by_level(lab, scene, ["normals", "--no-confidence"], ["nx", "ny", "nz"], K), *peers], judge)
+        rows += lab.take_turns(place, [by_neighbours.ours(lab, scene, ["normals", "--no-confidence"], ["nx", "ny", "nz"], K), *peers], judge)
     return rows
 
 

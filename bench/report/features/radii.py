@@ -1,4 +1,4 @@
-"""Radii of splats, by level."""
+"""Radii of splats."""
 import laspy
 import numpy
 from scipy.spatial import cKDTree
@@ -6,8 +6,8 @@ from scipy.spatial import cKDTree
 from report.features import by_neighbours
 from report.lab import Call
 
-TITLE = "Radii by level"
-WHAT = ("The radius of every point's splat is the distance to its 6th neighbour. At a level the points of that level are computed and the others take the value of the nearest one. "
+TITLE = "Radii"
+WHAT = ("The radius of every point's splat is the distance to its 6th neighbour. "
         "The error is the difference to the distance " + by_neighbours.EXACT_WHERE + ", over that distance; the 95th percentile. *SciPy* is what a user writes in a line.")
 ERROR = "95 % error of a radius, %"
 EXACT = "NeighbourAttributes.AreThoseOfComparingAllPairs"
@@ -38,7 +38,7 @@ def measure(lab):
                  from_file_to_file(lab, scene),
                  Call("SciPy cKDTree, floats", "", lambda: cKDTree(scene.xyz.astype(numpy.float32)).query(scene.xyz.astype(numpy.float32), K + 1)[0][:, -1],
                       "the same with float32, as viewers keep positions")]
-        programs = [*by_neighbours.ours_by_level(lab, scene, ["radii"], ["radius"], K), *peers]
+        programs = [by_neighbours.ours(lab, scene, ["radii"], ["radius"], K), *peers]
         rows += lab.take_turns(place, programs, lambda found, _: {"error": by_neighbours.p95(100 * abs(found[sample.points] - true) / true)})
     return rows
 
