@@ -14,7 +14,7 @@ set(public_headers
   query/query.h query/point_cursor.h query/edit_cursor.h query/estimate.h query/nearest.h query/named_points.h query/point_set.h cache/l2_cache.h knn/neighbourhoods.h
   build/builder.h convert/convert.h update/append.h update/compact.h update/erase.h update/repair.h update/target.h
   filter/neighbour_attributes.h filter/outliers.h filter/voxel_grid.h filter/subsample.h filter/merge.h
-  tree/tree.h tree/tree_reader.h tree/verify.h tree/verify_levels.h bpc/bpc_array.h
+  tree/tree.h tree/tree_reader.h tree/tree_reads.h tree/verify.h tree/verify_levels.h bpc/bpc_array.h
   io/reader.h io/writer.h io/pipe/grid_choice.h io/pipe/selected_reader.h io/pipe/transformed_reader.h
   pick/pick_ray.h pick/point_picker.h pick/describe_point.h align/rigid_fit.h
   shapes/primitive.h shapes/shape.h shapes/fitted_shape.h fit/shape_fit.h shapes/bounds.h fit/fit_points.h cad/primitive_files.h shapes/primitive_list.h

@@ -46,6 +46,7 @@ def pictures(text):
 
 def selects_nothing(output):
     """Whether an output is that of a command that selected no point."""
+    output = re.sub(r"^error .*; .* read; peak memory .*$", "", output, flags=re.M)  # what it took, which may be no point
     counts = [int(number.replace(",", "")) for number in re.findall(r"([\d,]+) points", output)]
     return "no point is selected" in output or "the cloud's points lie" in output or (bool(counts) and counts[0] == 0)
 

@@ -189,6 +189,12 @@ def pcmlab(*arguments):
     return json.loads(done.stdout)
 
 
+def facts_of(tree):
+    """What pcmlab says of a tree, without what saying it took."""
+    taken = ("seconds", "cpu_seconds", "points_read", "bytes_read", "peak_memory")
+    return {key: value for key, value in pcmlab("info", tree).items() if key not in taken}
+
+
 def different(a, b, border=0):
     """The fraction of pixels that differ between two pictures, without a border of this width; 1 if the sizes differ."""
     done = subprocess.run([str(COMPARE), str(a), str(b), str(border)], capture_output=True, text=True, timeout=60, check=True)

@@ -8,7 +8,7 @@ import re
 import unittest
 
 from fitting_scene import FOUND, LIST, MESSAGE, FittingTest, kept_in, number, pipe_on_a_floor
-from meshlab import NO_TIME_LIMIT, different, pcmlab
+from meshlab import NO_TIME_LIMIT, different, facts_of, pcmlab
 
 FLOOR, PIPE = "-2 1 0", "3 0.5 1.5"
 
@@ -425,7 +425,7 @@ class LayersAndWork(FittingTest):
 
     def test_detection_is_cancelled_and_not_closed(self):
         """While the filter runs the window stays open, layers stay, and Esc leaves the list and the tree as they were."""
-        before = pcmlab("info", self.tree)
+        before = facts_of(self.tree)
         run = self.gui(f"""
             {self.start(self.tree)}
             trigger Fit Primitives
@@ -450,7 +450,7 @@ class LayersAndWork(FittingTest):
         self.assertEqual(run.tables(LIST), [[]])
         self.assertEqual(len(run.layers()), 1)
         self.assertIn("cancelled", run.text)
-        self.assertEqual(pcmlab("info", self.tree), before)
+        self.assertEqual(facts_of(self.tree), before)
 
 
 if __name__ == "__main__":

@@ -270,7 +270,7 @@ class Samples(MeshLabTest):
 
     def test_a_project_keeps_names_and_matrices(self):
         _, tree = self.generate("city", 400000, "--seed", 5)
-        names = ["roof", "city (16,718 of 400,000)", "city (16,718 of 400,000)"]
+        names = ["roof", "city (16,731 of 400,000)", "city (16,731 of 400,000)"]
         matrix = "1 0 0 5 \n0 1 0 0 \n0 0 1 0 \n0 0 0 1 \n"
         layers = "".join(f'<MLMesh label="{name}" filename="city.pct" visible="1"><MLMatrix44>\n{matrix}</MLMatrix44></MLMesh>'
                          for name in names)

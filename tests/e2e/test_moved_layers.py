@@ -61,7 +61,7 @@ class MovedLayers(MeshLabTest):
             trigger Measure
             wait-log Measure: click points
             field PointCloudMeasureKind = Profile
-            field PointCloudMeasureCloud = after (18,241 of 110,000)
+            field PointCloudMeasureCloud = after (18,263 of 110,000)
             field PointCloudMeasureWidth = 20
             click 0.4 0.5
             wait-label PointCloudMeasureHint 1 points
@@ -73,8 +73,8 @@ class MovedLayers(MeshLabTest):
             pick {out}
             wait-label {MESSAGE} moved by the layer's matrix
             field PointCloudMeasureKind = Volume
-            field PointCloudMeasureCloud = after (18,241 of 110,000)
-            field PointCloudMeasureCompared = before (18,241 of 110,000)
+            field PointCloudMeasureCloud = after (18,263 of 110,000)
+            field PointCloudMeasureCompared = before (18,263 of 110,000)
             field PointCloudMeasureCell = 10
             click 0.40 0.40
             wait-label PointCloudMeasureHint 1 points
