@@ -68,7 +68,7 @@ private:
         if (report.points_deleted == 0) result.notes.push_back("no point is selected; " + extent_text(cloud));
         if (options_.count_only) {
             result.line(target_.tree + ": " + grouped(report.points_deleted) + " of " +
-                        grouped(report.outcome.points_in) + " points would be deleted");
+                        points_text(report.outcome.points_in) + " would be deleted");
             return;
         }
         result.print("%s: %s points deleted, %s left; %s nodes rewritten (%s), %s now empty, in %.1f s",

@@ -277,9 +277,9 @@ private:
             result.line(labels.tree.string() + ": attribute " + label_ + " written, " +
                         grouped(labels.outcome.points_out) + " values changed");
         result.line(target_.tree + ": " + std::to_string(found.primitives.size()) + " primitives with " +
-                    grouped(found.outcome.points_out) + " of " + grouped(found.outcome.points_in) +
-                    " points; threshold " + brief(found.threshold) + ", cloud's noise " + brief(found.noise) +
-                    ", spacing " + brief(found.spacing));
+                    grouped(found.outcome.points_out) + " of " + points_text(found.outcome.points_in) + "; threshold " +
+                    brief(found.threshold) + ", cloud's noise " + brief(found.noise) + ", spacing " +
+                    brief(found.spacing));
     }
 
     TargetArguments target_;

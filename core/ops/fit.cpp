@@ -401,8 +401,8 @@ private:
                                    : fitted.rounds == 0         ? ""
                                                                 : ", grown by steps of " + brief(fitted.step);
         result.line(tree_ + ": " + grouped(fitted.points.size()) + " points belong to it; fitted to " +
-                    grouped(fitted.local.inliers) + " of " + grouped(fitted.near.ids.size()) +
-                    " points around the place" + growth);
+                    grouped(fitted.local.inliers) + " of " + points_text(fitted.near.ids.size()) + " around the place" +
+                    growth);
         if (fitted.rounds > 0 && !fitted.converged && fitted.left_surface.empty())
             result.print("note: the shape still changed in the last of %u rounds of growth", fitted.rounds);
     }

@@ -101,7 +101,7 @@ private:
     {
         const char* const done = options_.count_only ? "would be removed" : options_.label ? "labelled" : "removed";
         result.line((result.output.empty() ? target_.tree : result.output) + ": " + grouped(report.outliers) + " of " +
-                    grouped(report.outcome.points_in) + " points " + done);
+                    points_text(report.outcome.points_in) + " " + done);
         if (options_.method != OutlierMethod::radius)
             result.line("mean distance to " + std::to_string(options_.neighbours) +
                         " neighbours: " + (options_.method == OutlierMethod::robust ? "median " : "mean ") +

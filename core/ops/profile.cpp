@@ -117,7 +117,7 @@ private:
         values["stations"] = extent.range(0);
         values["offsets"] = extent.range(1);
         values["heights"] = extent.range(2);
-        result.line(grouped(outcome.points_out) + " points of the profile, which is " + exact(length) + " long, in " +
+        result.line(points_text(outcome.points_out) + " of the profile, which is " + exact(length) + " long, in " +
                     time_text(outcome.seconds));
         if (!extent.box.empty()) {
             result.line("station     " + extent.text(0));

@@ -160,7 +160,7 @@ private:
         json["seconds_expected"] = e.seconds ? Json(*e.seconds) : Json();
         result.line("points      about " + grouped(expected) + (e.conditions ? " before the conditions" : "") +
                     "; from " + grouped(e.points_least) + " to " + grouped(e.points_most));
-        result.line("to read     " + grouped(e.chunks) + " chunks, at most " + grouped(e.points_read) + " points and " +
+        result.line("to read     " + grouped(e.chunks) + " chunks, at most " + points_text(e.points_read) + " and " +
                     bytes_text(e.bytes));
         result.line(e.seconds ? "time        about " + time_text(*e.seconds)
                               : "time        unknown: nothing was read from this tree yet; --count measures it");
@@ -186,7 +186,7 @@ private:
         json["tree_bounds"] = json_of(cloud.info().bounds());
         json["chunks"] = statistics.chunks;
         json["spacing"] = finite(outcome.error);
-        result.line(grouped(outcome.points_out) + " points; " + grouped(statistics.points_read) + " points of " +
+        result.line(points_text(outcome.points_out) + "; " + points_text(statistics.points_read) + " of " +
                     grouped(statistics.chunks) + " chunks examined");
         if (found.empty()) {
             put_extent(cloud, result);
@@ -225,7 +225,7 @@ private:
                 ? "exact"
                 : "level " + std::to_string(*query.level) + " only: no point of the cloud is nearer than " +
                       brief(found.least_distance) + ", which is " + brief(outcome.error) + " less";
-        result.line(std::to_string(found.points.size()) + " points in " + time_text(outcome.seconds) + ", " +
+        result.line(points_text(found.points.size()) + " in " + time_text(outcome.seconds) + ", " +
                     grouped(outcome.points_in) + " compared; " + precision);
     }
 

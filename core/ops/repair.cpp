@@ -57,7 +57,7 @@ private:
             result.line("fault: " + file + "; " + (check ? "can be restored" : "restored") + " from the index");
         for (const std::string& file : report.healed)
             result.line(file + ": left by an interrupted update, " + (check ? "to be removed" : "removed"));
-        const std::string points = grouped(report.outcome.points_out) + " points";
+        const std::string points = points_text(report.outcome.points_out);
         const std::string now = check             ? ""
                                 : report.verified ? "; the tree was verified"
                                                   : "; the tree is still damaged";

@@ -32,7 +32,7 @@ double points_per_second(const Outcome& outcome)
 std::string traded_text(const Result& result)
 {
     return text_of(result.accuracy.value()) + "; " + time_text(result.outcome.seconds) + ", processor time " +
-           time_text(result.work.cpu_seconds) + "; " + grouped(result.work.points_read) + " points, " +
+           time_text(result.work.cpu_seconds) + "; " + points_text(result.work.points_read) + ", " +
            bytes_text(result.work.bytes_read) + " read; peak memory " + bytes_text(peak_memory_bytes());
 }
 

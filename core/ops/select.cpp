@@ -303,16 +303,15 @@ private:
         } else {
             check(context);
             const PointSet found = choose(context, cloud, result);
-            result.line(grouped(found.size()) + " points found" +
+            result.line(points_text(found.size()) + " found" +
                         (found.empty() ? "; " + extent_text(info.bounds()) + "." : "."));
             set.combine(set_operation(step_), found);
         }
         result.accuracy = LevelArguments::accuracy(*cloud.tree(), level_.of(*cloud.tree()));
         result.outcome.points_in = info.points;
         result.outcome.points_out = set.size();
-        result.line(grouped(set.size()) + " of the " + grouped(info.points) + " points of " + folder +
-                    " are selected.");
-        how += ", " + grouped(set.size()) + " points";
+        result.line(grouped(set.size()) + " of the " + points_text(info.points) + " of " + folder + " are selected.");
+        how += ", " + points_text(set.size());
         context.window.select(std::move(set), how);
     }
 
@@ -336,10 +335,10 @@ private:
         if (statistics.points == 0) {
             result.line("note: no point is selected; " + extent_text(cloud));
         } else {
-            result.line(tree_ + ": " + grouped(statistics.points) + " of " + grouped(set.tree().info().points) +
-                        " points selected, from " + exact(statistics.box.min) + " to " + exact(statistics.box.max));
+            result.line(tree_ + ": " + grouped(statistics.points) + " of " + points_text(set.tree().info().points) +
+                        " selected, from " + exact(statistics.box.min) + " to " + exact(statistics.box.max));
             for (const auto& [value, points] : statistics.classes)
-                result.line("  class " + std::to_string(value) + ": " + grouped(points) + " points");
+                result.line("  class " + std::to_string(value) + ": " + points_text(points));
         }
         put_done(result, done);
     }

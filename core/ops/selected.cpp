@@ -81,7 +81,7 @@ private:
     {
         SetDone done = save_set(set, attribute_, options);
         done.subject = "attribute " + attribute_ + " is 1 for " + grouped(set.size()) + " of " +
-                       grouped(done.outcome.points_in) + " points";
+                       points_text(done.outcome.points_in);
         return done;
     }
     std::string attribute_ = "selected";

@@ -48,7 +48,7 @@ std::string count_of(std::size_t faults) { return grouped(faults) + (faults == 1
 // The last line: what the tree is worth, and what to do where it is damaged.
 std::string verdict(const std::string& tree, const VerifyReport& report, const LevelsReport& levels)
 {
-    const std::string points = grouped(report.outcome.points_out) + " points";
+    const std::string points = points_text(report.outcome.points_out);
     const std::string command = repair_command(tree_folder_of(tree));
     if (!report.faults.empty())
         return "damaged, " + count_of(report.faults.size() + report.around.size()) +

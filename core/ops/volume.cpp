@@ -35,7 +35,7 @@ void put_volume_lines(Result& result, const VolumeReport& report, const std::str
         result.line(name + " " + text_of(value, unit) + (value.name == "net" ? ", " + headline(report) : ""));
     }
     result.line("cells       " + grouped(report.cells) + " of " + brief(report.side) + " wide; " +
-                grouped(report.outcome.points_out) + " points");
+                points_text(report.outcome.points_out));
     std::string area =
         "area        " + brief(report.area) + " in plan, " + brief(report.area_without_data) + " of it without points";
     if (report.area_interpolated > 0)

@@ -13,6 +13,8 @@ std::string grouped(std::uint64_t number)
     return text;
 }
 
+std::string points_text(std::uint64_t points) { return grouped(points) + (points == 1 ? " point" : " points"); }
+
 std::string exact(double value)
 {
     // Coordinates are read by people: no exponent where the number is not too long without.

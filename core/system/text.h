@@ -8,6 +8,7 @@
 namespace pcm {
 
 std::string grouped(std::uint64_t number);          // 1,234,567
+std::string points_text(std::uint64_t points);      // "1 point", "1,234 points"
 std::string exact(double value);                    // the fewest digits that read back as the same double
 std::string exact(const std::array<double, 3>& v);  // "x y z"
 std::string brief(double value);                    // three significant digits

@@ -17,6 +17,9 @@ TEST(Text, NumbersForPeople)
     EXPECT_EQ(grouped(0), "0");
     EXPECT_EQ(grouped(999), "999");
     EXPECT_EQ(grouped(1234567), "1,234,567");
+    EXPECT_EQ(points_text(0), "0 points");
+    EXPECT_EQ(points_text(1), "1 point");
+    EXPECT_EQ(points_text(1234), "1,234 points");
     EXPECT_EQ(exact(500000), "500000");
     EXPECT_EQ(exact(848935.2000000001), "848935.2000000001");
     EXPECT_EQ(exact(1e-9), "1e-09");

@@ -34,9 +34,9 @@ void put_attribute_report(Result& result, const WantedValues& wanted, const Neig
                                                 : Json();
     values["flipped"] = wanted.normal ? Json(report.flipped) : Json();
     result.line(result.output + ": " + outcome_text(noun_of(wanted), report));
-    result.line(grouped(report.outcome.points_out) + " points");
+    result.line(points_text(report.outcome.points_out));
     if (wanted.needs_shape())
-        result.line("neighbours on a line: " + grouped(report.lines) + " points; in a blob: " + grouped(report.blobs) +
+        result.line("neighbours on a line: " + points_text(report.lines) + "; in a blob: " + grouped(report.blobs) +
                     "; too few: " + grouped(report.too_few) + "; on two surfaces: " + grouped(report.two_surfaces));
     if (report.limited)
         result.line(grouped(report.limited) + " points are isolated: their radii are those of their surroundings");

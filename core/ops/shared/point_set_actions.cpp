@@ -58,7 +58,7 @@ SetDone classify_set(const PointSet& set, std::int64_t number, const std::string
     const SetChangeReport report = classify_points(set, number, attribute, options);
     SetDone done{"classified", report.tree.string(), report.outcome.points_out, report.outcome, {}, made(options)};
     done.number = number;
-    done.subject = class_text(number, attribute) + " given to " + grouped(set.size()) + " points";
+    done.subject = class_text(number, attribute) + " given to " + points_text(set.size());
     return done;
 }
 
@@ -175,7 +175,7 @@ void put_done(Result& result, const SetDone& done)
     else if (done.what == "saved")
         result.line(done.output + ": " + grouped(done.changed) + " values changed");
     else
-        result.line(done.output + ": " + grouped(done.changed) + " points " + done.what);
+        result.line(done.output + ": " + points_text(done.changed) + " " + done.what);
 }
 
 std::vector<ResultKey> with_done_keys(std::vector<ResultKey> keys)
