@@ -2,7 +2,6 @@
 
 #include "pcm/bpc/chunk_decoder.h"
 #include "pcm/system/error.h"
-#include "pcm/system/work_done.h"
 #include "pcm/tree/damage.h"
 #include "pcm/tree/data_file_pool.h"
 #include "pcm/tree/tree_index.h"
@@ -199,7 +198,6 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
         check(id, chunk.header);
         return chunk;
     });
-    count_points_read(node.points);
     add_missing_columns(decoded.chunk, info_.schema, columns);
     reads_->add(decoded.chunk, decoded.bytes_read);
     return std::move(decoded.chunk);
@@ -225,7 +223,6 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
     for (const std::uint32_t s : decoded.kept) {
         part.first.push_back(decoded.header.segments[s].first);
         part.count.push_back(decoded.header.segments[s].count);
-        count_points_read(part.count.back());
     }
     part.chunk = std::move(decoded.chunk);
     add_missing_columns(part.chunk, info_.schema, columns);

@@ -1,5 +1,7 @@
 #include "pcm/tree/tree_reads.h"
 
+#include "pcm/system/work_done.h"
+
 namespace pcm {
 
 std::vector<std::string> names_of(const ColumnSet& columns, const Schema& schema)
@@ -14,6 +16,7 @@ std::vector<std::string> names_of(const ColumnSet& columns, const Schema& schema
 
 void TreeReadCounter::add(const Chunk& chunk, std::uint64_t bytes)
 {
+    count_points_read(chunk.points);
     const std::lock_guard<std::mutex> lock(mutex_);
     ++reads_.chunks;
     reads_.points += chunk.points;

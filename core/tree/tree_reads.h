@@ -24,7 +24,7 @@ std::vector<std::string> names_of(const ColumnSet& columns, const Schema& schema
 // Any number of threads.
 class TreeReadCounter {
 public:
-    void add(const Chunk& chunk, std::uint64_t bytes);
+    void add(const Chunk& chunk, std::uint64_t bytes);  // counts the points for the process too (system/work_done.h)
     TreeReads reads() const;
 
 private:

@@ -2,8 +2,6 @@
 
 #include "pcm/system/round_number.h"
 
-#include <algorithm>
-
 namespace pcm::host {
 
 void propose_spacing(Parameters& parameters, const Scene& scene)
@@ -15,7 +13,7 @@ void propose_spacing(Parameters& parameters, const Scene& scene)
     for (const double spacing : tree->cloud->info().spacings)
         if (spacing > 0) finest = spacing;
     if (!(finest > 0)) return;
-    for (const Parameter& parameter : std::vector<Parameter>(parameters.begin(), parameters.end()))
+    for (const Parameter& parameter : parameters)
         if (parameter.is_spacing) parameters.set(parameter.name, static_cast<float>(round_number(finest)));
 }
 

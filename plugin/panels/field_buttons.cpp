@@ -225,30 +225,26 @@ void add_buttons(QLineEdit& field, const std::vector<Button>& buttons)
 
 }  // namespace
 
-void show_meanings_of_empty(const Parameters& parameters)
-{
-    std::map<QString, QString> by_label;
-    for (const Parameter& parameter : parameters)
-        if (!parameter.empty.isEmpty()) by_label[parameter.label] = parameter.empty;
-    if (by_label.empty() || QApplication::topLevelWidgets().isEmpty()) return;
-    when_form_is_shown(*qApp, [by_label](const QGridLayout& rows) {
-        for (const auto& [label, meaning] : by_label)
-            if (QLineEdit* const field = field_in(rows, label)) field->setPlaceholderText(meaning);
-    });
-}
-
 void add_field_buttons(const Parameters& parameters, Scene* scene)
 {
     if (QApplication::topLevelWidgets().isEmpty()) return;
-    std::map<QString, std::vector<Button>> by_label;
-    for (const Parameter& parameter : parameters)
-        if (auto buttons = buttons_of(parameter, scene); !buttons.empty())
-            by_label[parameter.label] = std::move(buttons);
+    struct Added {
+        std::vector<Button> buttons;
+        QString empty;
+    };
+    std::map<QString, Added> by_label;
+    for (const Parameter& parameter : parameters) {
+        Added added{buttons_of(parameter, scene), parameter.empty};
+        if (!added.buttons.empty() || !added.empty.isEmpty()) by_label[parameter.label] = std::move(added);
+    }
     if (by_label.empty()) return;
     when_form_is_shown(*qApp, [by_label](const QGridLayout& rows) {
-        for (const auto& [label, buttons] : by_label)
-            if (QLineEdit* const field = field_in(rows, label); field && field->actions().isEmpty())
-                add_buttons(*field, buttons);
+        for (const auto& [label, added] : by_label) {
+            QLineEdit* const field = field_in(rows, label);
+            if (!field) continue;
+            field->setPlaceholderText(added.empty);
+            if (field->actions().isEmpty()) add_buttons(*field, added.buttons);
+        }
     });
 }
 

@@ -10,12 +10,9 @@ namespace pcm::host {
 
 // The parameters that get buttons, by name: Inputs (files and folders), Tree, TreeBefore and Trees (tree folders),
 // Output and PointsOutput (trees, or files too), OutputFile, ListFile and PairsFile (files), TreeFolder (a folder),
-// Box. Called where MeshLab asks for the parameters of a
-// dialog, which it shows afterwards; does nothing where there is no window. `scene`: boxes are taken from its current
-// layer; null: there are no buttons for boxes.
+// Box. Fields that are empty say in grey what that means (Parameter::empty). Called where MeshLab asks for the
+// parameters of a dialog, which it shows afterwards; does nothing where there is no window. `scene`: boxes are taken
+// from its current layer; null: there are no buttons for boxes.
 void add_field_buttons(const Parameters& parameters, Scene* scene);
-
-// Fields that are empty say in grey what that means (Parameter::empty). Called like the other one.
-void show_meanings_of_empty(const Parameters& parameters);
 
 }  // namespace pcm::host

@@ -10,7 +10,7 @@ WHAT = ("A file becomes a tree; time is that of the whole process. Levels are Po
         "it makes no tree.")
 ERROR = "unevenness of a level, %"
 EXACT = ""
-WHY = "points at random are no tree: nothing is written, and no view can be drawn from them in part."
+WHY = "points at random make no tree: nothing is written, and a view cannot draw a part of them."
 
 
 def unevenness(points):

@@ -101,7 +101,6 @@ RichParameterList PointCloudFilters::parameters_for(PluginAction* action, const 
     if (filter.output) propose_output(asked, scene, filter.output);
     if (!is_server()) propose_spacing(asked, scene);
     add_field_buttons(asked, &scene);
-    show_meanings_of_empty(asked);
     keep_those_of_script(filter.name, asked);
     RichParameterList parameters;
     add_to(parameters, asked);
