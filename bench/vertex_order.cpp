@@ -87,7 +87,7 @@ struct Cloud {
         style.splats = mode;
         style.colour = ColourMode::uniform;
         format = format_of(usable_style(style, points->info().schema, nullptr));
-        const std::vector<Node>& all = points->cache().tree().nodes();
+        const NodeTable& all = points->cache().tree().nodes();
         std::vector<NodeId> by_depth(all.size());
         std::iota(by_depth.begin(), by_depth.end(), NodeId(0));
         std::stable_sort(by_depth.begin(), by_depth.end(),

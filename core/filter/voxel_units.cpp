@@ -27,7 +27,7 @@ Box3i voxels_of(const PointsInBoxes& cloud, const VoxelLattice& lattice, const B
 // The leaves' points, and those of the inner nodes, which are spread over the leaves below.
 std::vector<Share> shares_of(const PointsInBoxes& cloud, const VoxelLattice& lattice)
 {
-    const std::vector<Node>& nodes = cloud.tree().nodes();
+    const NodeTable& nodes = cloud.tree().nodes();
     std::vector<double> spread(nodes.size(), 0);
     std::vector<Share> shares;
     for (NodeId id = 0; id < nodes.size(); ++id) {

@@ -12,7 +12,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint32_t about_version = 3;  // the index's: both hold the same block
+constexpr std::uint32_t about_version = 3;
 constexpr std::uint8_t coverage_kept = 1;
 
 // Throws Error(corrupt) when the file is not as long as its contents need, before memory is taken for it.

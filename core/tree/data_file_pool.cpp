@@ -8,21 +8,36 @@
 
 namespace pcm {
 
+namespace {
+
+std::shared_ptr<const File> open_whole(const std::filesystem::path& folder, std::uint32_t number,
+                                       const DataFile& expected)
+{
+    auto file = std::make_shared<const File>(folder / data_file_name(number), File::Mode::read);
+    if (file->size() < expected.bytes)
+        throw Error(ErrorCode::truncated, file->path(),
+                    "the file has " + std::to_string(file->size()) + " bytes, the index expects " +
+                        std::to_string(expected.bytes));
+    return file;
+}
+
+}  // namespace
+
+void check_data_files(const std::filesystem::path& folder, const std::vector<DataFile>& files)
+{
+    for (std::uint32_t i = 0; i < files.size(); ++i)
+        if (files[i].bytes > 0) open_whole(folder, i, files[i]);
+}
+
 DataFilePool::DataFilePool(const std::filesystem::path& folder, const std::vector<DataFile>& files,
                            std::size_t most_open)
-    : folder_(folder), most_open_(std::max<std::size_t>(most_open, 1)), entries_(files.size())
+    : folder_(folder), files_(files), most_open_(std::max<std::size_t>(most_open, 1)), entries_(files.size())
 {
     std::size_t used = 0;
     for (const DataFile& file : files) used += file.bytes > 0;
-    for (std::uint32_t i = 0; i < files.size(); ++i) {
-        if (files[i].bytes == 0) continue;
-        auto file = std::make_shared<const File>(folder_ / data_file_name(i), File::Mode::read);
-        if (file->size() < files[i].bytes)
-            throw Error(ErrorCode::truncated, file->path(),
-                        "the file has " + std::to_string(file->size()) + " bytes, the index expects " +
-                            std::to_string(files[i].bytes));
-        if (used <= most_open_) keep(i, std::move(file));
-    }
+    if (used > most_open_) return;
+    for (std::uint32_t i = 0; i < files.size(); ++i)
+        if (files[i].bytes > 0) keep(i, open_whole(folder_, i, files[i]));
 }
 
 std::shared_ptr<const File> DataFilePool::get(std::uint32_t number)
@@ -36,7 +51,7 @@ std::shared_ptr<const File> DataFilePool::get(std::uint32_t number)
         }
     }
     // Without the lock: opening may take long, and readers of open files must not wait for it.
-    return keep(number, std::make_shared<const File>(folder_ / data_file_name(number), File::Mode::read));
+    return keep(number, open_whole(folder_, number, files_[number]));
 }
 
 std::size_t DataFilePool::open_files() const

@@ -17,14 +17,17 @@
 
 namespace pcm {
 
+// Throws Error(not_found | permission | truncated | io) unless every file with bytes in use exists and is long enough.
+void check_data_files(const std::filesystem::path& folder, const std::vector<DataFile>& files);
+
 class DataFilePool {
 public:
-    // Checks that every file with bytes in use exists and is long enough. Up to `most_open` files are all opened now
-    // and stay open, so that they can be read even after their names were removed from the folder. Throws
-    // Error(not_found | permission | truncated | io).
+    // Up to `most_open` files with bytes in use are all opened now and stay open, so that they can be read even after
+    // their names were removed from the folder; more are opened when they are used. Throws what get() throws.
     DataFilePool(const std::filesystem::path& folder, const std::vector<DataFile>& files, std::size_t most_open);
 
-    // Opens the file if necessary; when too many are open, the least recently used one is closed.
+    // Opens the file if necessary; when too many are open, the least recently used one is closed. Throws
+    // Error(not_found | permission | io), and Error(truncated) for a file that is shorter than its bytes in use.
     std::shared_ptr<const File> get(std::uint32_t number);
     std::size_t open_files() const;
 
@@ -37,6 +40,7 @@ private:
     std::shared_ptr<const File> keep(std::uint32_t number, std::shared_ptr<const File> file);
 
     std::filesystem::path folder_;
+    std::vector<DataFile> files_;
     std::size_t most_open_;
     mutable std::mutex mutex_;
     std::vector<Entry> entries_;

@@ -42,7 +42,7 @@ std::vector<SelectedNode> selected_nodes(const Tree& tree, const Selector& selec
                                          const std::optional<std::uint16_t>& level)
 {
     const SourceRounding rounding(tree.info());
-    const std::vector<Node>& nodes = tree.nodes();
+    const NodeTable& nodes = tree.nodes();
     std::vector<BoxRelation> relations(nodes.size(), BoxRelation::outside);
     std::vector<SelectedNode> result;
     for (NodeId id = 0; id < nodes.size(); ++id) {

@@ -106,41 +106,42 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
 
     // An update may replace the index or the folder while the data files of the old one are being opened.
     for (int tries = 1;; ++tries) {
-        File index_file;
+        std::shared_ptr<const File> index_file;
         std::shared_ptr<Tree> tree;
         try {
-            index_file = File(folder / index_file_name, File::Mode::read);
-            tree = without_files(folder, read_index(index_file));
+            index_file = std::make_shared<const File>(folder / index_file_name, File::Mode::read);
+            tree = without_files(folder, open_index(index_file));
         } catch (const Error& failure) {
             refuse_index(failure, folder);
         }
         try {
-            tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
+            tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files(), most_open_files);
         } catch (const Error& failure) {
-            if (tries == 10 || keeps_its_name(index_file)) refuse_data_file(failure, folder);
+            if (tries == 10 || keeps_its_name(*index_file)) refuse_data_file(failure, folder);
             continue;
         }
-        if (tries == 10 || keeps_its_name(index_file)) return tree;
+        if (tries == 10 || keeps_its_name(*index_file)) return tree;
     }
 }
 
-std::shared_ptr<Tree> Tree::without_files(const fs::path& folder, const std::vector<std::byte>& bytes)
+std::shared_ptr<Tree> Tree::without_files(const fs::path& folder, OpenIndex index)
 {
-    TreeIndex index = decode_index(bytes, folder / index_file_name);
     std::shared_ptr<Tree> tree(new Tree);
     tree->folder_ = folder;
-    tree->info_ = std::move(index.info);
+    tree->info_ = index.head->info;
     tree->nodes_ = std::move(index.nodes);
-    tree->part_roots_ = std::move(index.part_roots);
-    tree->data_files_ = std::move(index.data_files);
+    tree->head_ = std::move(index.head);
     return tree;
 }
 
-std::shared_ptr<const Tree> Tree::of_index(const fs::path& folder, const std::vector<std::byte>& index,
-                                           std::size_t most_open_files)
+const std::vector<NodeId>& Tree::part_roots() const { return head_->part_roots; }
+const std::vector<DataFile>& Tree::data_files() const { return head_->data_files; }
+
+std::shared_ptr<const Tree> Tree::of_index(const fs::path& folder, TreeIndex index, std::size_t most_open_files)
 {
-    const std::shared_ptr<Tree> tree = without_files(folder, index);
-    tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files_, most_open_files);
+    check_data_files(folder, index.data_files);
+    const std::shared_ptr<Tree> tree = without_files(folder, in_memory(std::move(index)));
+    tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files(), most_open_files);
     return tree;
 }
 
@@ -149,12 +150,12 @@ ChunkIdentity Tree::identity(NodeId id) const
     const Node& node = nodes_.at(id);
     ChunkIdentity identity;
     identity.part = node.part;
-    identity.generation = node.extent.bytes ? data_files_[node.extent.file].generation : info_.generation;
+    identity.generation = node.extent.bytes ? data_files()[node.extent.file].generation : info_.generation;
     identity.first_level = node.first_level;
     identity.level_points = node.level_points;
     identity.spacing = node.spacing;
     if (node.part == no_part) return identity;
-    const NodeId root = part_roots_[node.part];
+    const NodeId root = part_roots()[node.part];
     identity.path.depth = static_cast<std::uint16_t>(node.depth - nodes_[root].depth);
     for (NodeId below = id; below != root; below = nodes_[below].parent) {
         const Node& parent = nodes_[nodes_[below].parent];
@@ -176,6 +177,19 @@ Chunk Tree::empty_chunk(const ColumnSet& columns) const
     return chunk;
 }
 
+// Of a tree whose files are not all open, one may be gone by now.
+std::shared_ptr<const File> Tree::data_file(std::uint32_t number) const
+{
+    try {
+        return files_->get(number);
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::not_found)
+            throw Error(ErrorCode::not_found, error.path(), "this file of the tree is gone since the tree was opened",
+                        "if another program has changed the tree, open it again");
+        refuse_data_file(error, folder_);
+    }
+}
+
 // A chunk whose checksums match may still belong to another node.
 void Tree::check(NodeId id, const BpcHeader& header) const
 {
@@ -192,7 +206,7 @@ Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
     const Node& node = nodes_.at(id);
     if (node.points == 0) return empty_chunk(columns);
     const Extent& extent = node.extent;
-    const std::shared_ptr<const File> file = files_->get(extent.file);
+    const std::shared_ptr<const File> file = data_file(extent.file);
     DecodedChunk decoded = read_undamaged(folder_, [&] {
         DecodedChunk chunk = pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns);
         check(id, chunk.header);
@@ -213,7 +227,7 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
         return part;
     }
     const Extent& extent = node.extent;
-    const std::shared_ptr<const File> file = files_->get(extent.file);
+    const std::shared_ptr<const File> file = data_file(extent.file);
     DecodedPart decoded = read_undamaged(folder_, [&] {
         DecodedPart found =
             pcm::read_chunk_part(*file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
@@ -240,24 +254,11 @@ std::shared_ptr<const Tree> Tree::with_schema(const Schema& longer) const
     return tree;
 }
 
-std::vector<LevelSummary> Tree::level_summaries() const
-{
-    std::vector<LevelSummary> levels(info_.levels);
-    for (std::size_t k = 0; k < levels.size(); ++k) levels[k].spacing = info_.spacings[k];
-    for (const Node& node : nodes_)
-        for (std::size_t k = 0; k < node.level_points.size(); ++k) {
-            LevelSummary& level = levels[node.first_level + k];
-            if (node.level_points[k]) ++level.nodes;
-            level.points += node.level_points[k];
-        }
-    std::uint64_t sum = 0;
-    for (LevelSummary& level : levels) level.points_to_here = sum += level.points;
-    return levels;
-}
+const std::vector<LevelSummary>& Tree::level_summaries() const { return head_->levels; }
 
 std::uint64_t Tree::points_to_level(std::uint16_t level) const
 {
-    const auto levels = level_summaries();
+    const std::vector<LevelSummary>& levels = level_summaries();
     return levels.empty() ? 0 : levels[std::min<std::size_t>(level, levels.size() - 1)].points_to_here;
 }
 

@@ -1,4 +1,4 @@
-// A point cloud tree, opened for reading: the node vector in memory, the chunks on disk.
+// A point cloud tree, opened for reading: nodes come into memory when they are used, chunks stay on disk.
 //
 // A tree folder (by convention NAME.pct) holds `index.pct` and a few data files; see bpc/FORMAT.md. The tree is a k-d
 // tree with one chunk per node. Every point belongs to one level, and levels are additive: the points of levels 0..L
@@ -23,6 +23,7 @@
 #include "pcm/io/reader.h"
 #include "pcm/system/file.h"
 #include "pcm/system/tree_folder.h"
+#include "pcm/tree/node_table.h"
 #include "pcm/tree/tree_reads.h"
 
 #include <cstdint>
@@ -37,50 +38,12 @@ namespace pcm {
 
 struct BpcHeader;
 class DataFilePool;
-
-using NodeId = std::uint32_t;
-inline constexpr NodeId no_node = 0xffffffffu;
-inline constexpr std::uint32_t no_part = 0xffffffffu;
-
-// Where a chunk lies: `bytes` bytes at `offset` of data file number `file`. bytes == 0 for a node without points.
-struct Extent {
-    std::uint32_t file = 0;
-    std::uint64_t offset = 0;
-    std::uint64_t bytes = 0;
-    std::uint32_t header_bytes = 0;  // how many of them are the chunk's header
-    bool operator==(const Extent& o) const
-    {
-        return file == o.file && offset == o.offset && bytes == o.bytes && header_bytes == o.header_bytes;
-    }
-};
+struct IndexHead;
+struct OpenIndex;
+struct TreeIndex;
 
 // Each update writes new data files. A data file without bytes in use may be missing.
 using DataFile = CommitRecord::DataFile;
-
-struct Node {
-    NodeId parent = no_node;
-    std::array<NodeId, 2> children{no_node, no_node};
-    std::uint16_t depth = 0;        // 0 at the root
-    std::uint32_t part = 0;         // no_part for a node that joins parts
-    std::uint16_t first_level = 0;  // first level of its own points
-    std::uint32_t points = 0;       // number of points of this node's own chunk
-    // Number of points of first_level, of the next level, ..., in the order of the chunk; empty for a node without
-    // points.
-    std::vector<std::uint32_t> level_points;
-    std::uint64_t subtree_points = 0;  // number of points of this node and everything below
-    Box3i box;                         // tight around the points of the whole subtree
-    double spacing = 0;                // source units: distance between the points of the subtree's box once this node
-                                       // and its ancestors are drawn; 0 at a leaf, where no point is missing
-    Extent extent;
-    bool is_leaf() const { return children[0] == no_node && children[1] == no_node; }
-    // Number of points, from the first of the chunk, that belong to the cloud at `level`.
-    std::uint32_t points_to_level(std::size_t level) const
-    {
-        std::uint32_t sum = 0;
-        for (std::size_t k = 0; k < level_points.size() && first_level + k <= level; ++k) sum += level_points[k];
-        return sum;
-    }
-};
 
 // How the points of a level were chosen.
 enum class Sampling : std::uint8_t {
@@ -137,28 +100,34 @@ struct ChunkPart {
 
 class Tree {
 public:
-    // `path` is the tree folder or any file of the tree in it (tree_folder_of()). A tree with more than
-    // `most_open_files` data files opens them on demand and keeps at most that many open, in addition to those being
-    // read. Throws Error(not_found | not_a_tree | interrupted_build | corrupt | unsupported | permission | io).
-    static std::shared_ptr<const Tree> open(const std::filesystem::path& path, std::size_t most_open_files = 128);
+    static constexpr std::size_t usual_open_files = 128;
 
-    // The tree of an index that is about to be put into `folder`, where its data files are already. Throws what open()
-    // throws for them.
-    static std::shared_ptr<const Tree> of_index(const std::filesystem::path& folder,
-                                                const std::vector<std::byte>& index, std::size_t most_open_files = 128);
+    // `path` is the tree folder or any file of the tree in it (tree_folder_of()). A tree with more than
+    // `most_open_files` data files opens them when they are used, and keeps at most that many open, in addition to
+    // those being read; others are opened and checked now. Throws Error(not_found | not_a_tree | interrupted_build |
+    // corrupt | unsupported | permission | io).
+    static std::shared_ptr<const Tree> open(const std::filesystem::path& path,
+                                            std::size_t most_open_files = usual_open_files);
+
+    // The tree of a checked index that is about to be put into `folder`, where its data files are already. Throws what
+    // open() throws for them.
+    static std::shared_ptr<const Tree> of_index(const std::filesystem::path& folder, TreeIndex index,
+                                                std::size_t most_open_files = usual_open_files);
 
     const std::filesystem::path& folder() const { return folder_; }
     const TreeInfo& info() const { return info_; }
-    const std::vector<Node>& nodes() const { return nodes_; }
+    // A page of nodes is read when the first of them is asked for: so these and all that walk the tree throw
+    // DamagedTree (Error(corrupt | truncated)) and Error(io).
+    const NodeTable& nodes() const { return nodes_; }
     const Node& node(NodeId id) const { return nodes_[id]; }
     Box3d box(NodeId id) const { return info_.grid.to_source(nodes_[id].box); }
 
     // The root of each part; no_node for a part without points.
-    const std::vector<NodeId>& part_roots() const { return part_roots_; }
+    const std::vector<NodeId>& part_roots() const;
     // The identity that the header of the node's chunk must have. For a node without a chunk the generation is the
     // tree's.
     ChunkIdentity identity(NodeId id) const;
-    const std::vector<DataFile>& data_files() const { return data_files_; }
+    const std::vector<DataFile>& data_files() const;
     // The same tree with attributes added at the end of its schema; their values are zero. Nothing changes on disk;
     // both trees share their open files.
     std::shared_ptr<const Tree> with_schema(const Schema& longer) const;
@@ -179,20 +148,19 @@ public:
 
     // The finest level whose cloud has at most `points` points; 0 if level 0 has more.
     std::uint16_t level_with_at_most(std::uint64_t points) const;
-    std::vector<LevelSummary> level_summaries() const;
+    const std::vector<LevelSummary>& level_summaries() const;
     // Number of points at level 0..level.
     std::uint64_t points_to_level(std::uint16_t level) const;
 
 private:
     Tree() = default;
-    static std::shared_ptr<Tree> without_files(const std::filesystem::path& folder,
-                                               const std::vector<std::byte>& index);
+    static std::shared_ptr<Tree> without_files(const std::filesystem::path& folder, OpenIndex index);
     Chunk empty_chunk(const ColumnSet& columns) const;
+    std::shared_ptr<const File> data_file(std::uint32_t number) const;
     std::filesystem::path folder_;
     TreeInfo info_;
-    std::vector<Node> nodes_;
-    std::vector<NodeId> part_roots_;
-    std::vector<DataFile> data_files_;
+    NodeTable nodes_;
+    std::shared_ptr<const IndexHead> head_;
     std::shared_ptr<DataFilePool> files_;
     std::shared_ptr<TreeReadCounter> reads_ = std::make_shared<TreeReadCounter>();
 };

@@ -23,20 +23,20 @@ namespace {
 namespace fs = std::filesystem;
 
 // Finds bytes that belong to two chunks.
-void check_extents(const std::vector<Node>& nodes, VerifyReport& report)
+void check_extents(const NodeTable& nodes, VerifyReport& report)
 {
-    std::vector<const Node*> by_place;
-    for (const Node& node : nodes)
-        if (node.extent.bytes) by_place.push_back(&node);
-    std::sort(by_place.begin(), by_place.end(), [](const Node* p, const Node* q) {
-        return p->extent.file != q->extent.file ? p->extent.file < q->extent.file : p->extent.offset < q->extent.offset;
+    std::vector<NodeId> by_place;
+    for (NodeId id = 0; id < nodes.size(); ++id)
+        if (nodes[id].extent.bytes) by_place.push_back(id);
+    std::sort(by_place.begin(), by_place.end(), [&](NodeId p, NodeId q) {
+        const Extent &a = nodes[p].extent, &b = nodes[q].extent;
+        return a.file != b.file ? a.file < b.file : a.offset < b.offset;
     });
     for (std::size_t i = 1; i < by_place.size(); ++i) {
-        const Extent &a = by_place[i - 1]->extent, &b = by_place[i]->extent;
+        const Extent &a = nodes[by_place[i - 1]].extent, &b = nodes[by_place[i]].extent;
         if (a.file == b.file && a.offset + a.bytes > b.offset)
-            report.faults.push_back("nodes " + std::to_string(by_place[i - 1] - nodes.data()) + " and " +
-                                    std::to_string(by_place[i] - nodes.data()) + " share bytes of data file " +
-                                    std::to_string(a.file));
+            report.faults.push_back("nodes " + std::to_string(by_place[i - 1]) + " and " + std::to_string(by_place[i]) +
+                                    " share bytes of data file " + std::to_string(a.file));
     }
 }
 
@@ -182,7 +182,7 @@ private:
     }
 
     const Tree& tree_;
-    const std::vector<Node>& nodes_;
+    const NodeTable& nodes_;
     VerifyReport& report_;
     std::vector<Box3i> own_box_;  // box of each node's own points
     std::atomic<std::size_t> next_{0};

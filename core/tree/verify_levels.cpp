@@ -1,10 +1,10 @@
 #include "pcm/tree/verify_levels.h"
 
 #include "pcm/cloud/numbers.h"
-#include "pcm/cloud/vector.h"
 #include "pcm/threads/crew.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
+#include "pcm/tree/level_cubes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,63 +35,6 @@ struct Sums {
         points += o.points;
         isolated += o.isolated;
     }
-};
-
-// Points in cubes of one side, found by hashing the cubes' coordinates.
-class Cubes {
-public:
-    Cubes(const std::vector<Vec3i>& points, const Vec3i& base, const Vec3d& scale, double side)
-        : points_(points), base_(base), side_(side * (1 + 1e-6)), next_(points.size(), none)  // room for rounding
-    {
-        for (std::size_t a = 0; a < 3; ++a) scale_[a] = scale[a], squared_scale_[a] = scale[a] * scale[a];
-        std::size_t slots = 16;
-        while (slots < 2 * points.size()) slots *= 2;
-        head_.assign(slots, none);
-        for (std::size_t i = 0; i < points.size(); ++i) {
-            std::uint32_t& head = head_[slot(cube_of(points[i]))];
-            next_[i] = head;
-            head = static_cast<std::uint32_t>(i);
-        }
-    }
-
-    double squared(const Vec3i& p, const Vec3i& q) const { return squared_distance(p, q, squared_scale_); }
-
-    // The smallest squared distance from p to a point other than number `self` within `reach` cubes. If it is at most
-    // (reach * side)², no other point is nearer.
-    double nearest(const Vec3i& p, int reach, std::uint32_t self) const
-    {
-        double best = infinity;
-        const Vec3i cube = cube_of(p);
-        for (std::int64_t z = cube[2] - reach; z <= cube[2] + reach; ++z)
-            for (std::int64_t y = cube[1] - reach; y <= cube[1] + reach; ++y)
-                for (std::int64_t x = cube[0] - reach; x <= cube[0] + reach; ++x)
-                    for (std::uint32_t i = head_[slot({x, y, z})]; i != none; i = next_[i])
-                        if (i != self) best = std::min(best, squared(p, points_[i]));
-        return best;
-    }
-
-    static constexpr std::uint32_t none = 0xffffffffu;
-
-private:
-    Vec3i cube_of(const Vec3i& p) const
-    {
-        Vec3i cube;
-        for (std::size_t a = 0; a < 3; ++a)
-            cube[a] = static_cast<std::int64_t>(std::floor(static_cast<double>(p[a] - base_[a]) * scale_[a] / side_));
-        return cube;
-    }
-    std::size_t slot(const Vec3i& cube) const
-    {
-        std::uint64_t hash = 0;
-        for (const std::int64_t c : cube)
-            hash = (hash ^ static_cast<std::uint64_t>(c)) * 0x9E3779B97F4A7C15u, hash ^= hash >> 32;
-        return hash & (head_.size() - 1);
-    }
-    const std::vector<Vec3i>& points_;
-    const Vec3i base_;
-    Vec3d scale_{}, squared_scale_{};
-    const double side_;
-    std::vector<std::uint32_t> head_, next_;
 };
 
 class Measurement {
@@ -151,7 +94,7 @@ private:
     template <class Use>
     void for_points(const Box3i& box, std::size_t level, const Use& use)
     {
-        const std::vector<Node>& nodes = tree_.nodes();
+        const NodeTable& nodes = tree_.nodes();
         std::vector<NodeId> open{0};
         while (!open.empty() && !signal_.stopped) {
             const NodeId id = open.back();
@@ -193,23 +136,50 @@ private:
         return wide;
     }
 
+    // The points of the tile's level in it and within twice the spacing around it. Of more than tile_points_ only every
+    // n-th, with n > 1 in `every`, unless `all`.
+    std::vector<Vec3i> chosen_around(const Tile& tile, bool all, std::size_t& every)
+    {
+        std::vector<Vec3i> chosen;
+        std::size_t number = 0;
+        every = 1;
+        for_points(around(tile.box, 2 * info_.spacings[tile.level]), tile.level, [&](const Vec3i& p, std::size_t) {
+            if (number++ % every != 0) return;
+            chosen.push_back(p);
+            if (all || chosen.size() <= tile_points_) return;
+            for (std::size_t i = 0; 2 * i < chosen.size(); ++i) chosen[i] = chosen[2 * i];
+            chosen.resize((chosen.size() + 1) / 2);
+            every *= 2;
+        });
+        return chosen;
+    }
+
     // Measures a tile. A tile with too many chosen points is divided instead, and its halves are returned in `parts`.
     Sums measure_tile(const Tile& tile, std::vector<Tile>& parts)
     {
-        const double spacing = info_.spacings[tile.level], squared_spacing = spacing * spacing;
-        std::vector<Vec3i> chosen;
-        for_points(around(tile.box, 2 * spacing), tile.level,
-                   [&](const Vec3i& p, std::size_t) { chosen.push_back(p); });
+        std::size_t every = 1;
+        std::vector<Vec3i> chosen = chosen_around(tile, false, every);
+        if (every > 1) {
+            if (divide(tile, chosen, parts)) return {};
+            chosen = chosen_around(tile, true, every);
+            if (divide(tile, chosen, parts)) return {};
+        }
+        const LevelCubes cubes(chosen, tile.box.min, info_.grid.scale, info_.spacings[tile.level]);
         Sums sums;
-        if (chosen.size() > tile_points_ && divide(tile, chosen, parts)) return sums;
+        measure_chosen(tile, cubes, chosen, sums);
+        measure_others(tile, cubes, sums);
+        return sums;
+    }
 
-        const Cubes cubes(chosen, tile.box.min, info_.grid.scale, spacing);
-        for (std::size_t i = 0; i < chosen.size(); ++i) {
-            if (!tile.box.contains(chosen[i])) continue;
+    void measure_chosen(const Tile& tile, const LevelCubes& cubes, const std::vector<Vec3i>& chosen, Sums& sums) const
+    {
+        const double spacing = info_.spacings[tile.level];
+        for (const Vec3i& p : chosen) {
+            if (!tile.box.contains(p)) continue;
             ++sums.points;
-            const double nearest = cubes.nearest(chosen[i], 2, static_cast<std::uint32_t>(i));
+            const double nearest = cubes.nearest(p, true);
             sums.least = std::min(sums.least, nearest);
-            if (nearest <= 4 * squared_spacing) {
+            if (nearest <= 4 * spacing * spacing) {
                 const double d = std::sqrt(nearest) / spacing - 1;
                 sums.sum += d;
                 sums.sum_of_squares += d * d;
@@ -217,20 +187,27 @@ private:
                 ++sums.isolated;
             }
         }
+    }
+
+    // Most points have a chosen one nearer than the farthest so far, and need no more.
+    void measure_others(const Tile& tile, const LevelCubes& cubes, Sums& sums)
+    {
+        const double most = 4 * info_.spacings[tile.level] * info_.spacings[tile.level];
         std::uint64_t tested = 0;
+        LevelCubes::Recent recent;
         for_points(tile.box, info_.levels, [&](const Vec3i& p, std::size_t level) {
             ++tested;
-            if (level <= tile.level) return;
-            double nearest = cubes.nearest(p, 1, Cubes::none);
-            if (nearest >= squared_spacing) nearest = cubes.nearest(p, 2, Cubes::none);
-            sums.farthest = std::max(sums.farthest, nearest > 4 * squared_spacing ? infinity : nearest);
+            if (level <= tile.level || sums.farthest == infinity) return;
+            if (cubes.has_within(p, sums.farthest, recent)) return;
+            const double nearest = cubes.nearest(p, false);
+            if (nearest <= sums.farthest) return;
+            sums.farthest = nearest > most ? infinity : nearest;
         });
         const std::lock_guard lock(signal_.mutex);
         points_done_ += tested;
-        return sums;
     }
 
-    // Divides the tile at the median of the points inside, along the axis of their largest extent.
+    // Divides the tile at the median of these points inside, along the axis of their largest extent.
     bool divide(const Tile& tile, std::vector<Vec3i>& chosen, std::vector<Tile>& parts) const
     {
         // All of them stay: a tile that is not divided is measured with the points around it.

@@ -41,6 +41,6 @@ struct LevelsReport {
 // processor. `tile_points`: number of a level's points that a thread measures together, which changes the memory, and
 // the result by rounding alone. Throws Error(cancelled) and what reading the tree throws.
 LevelsReport verify_levels(const Tree& tree, unsigned threads = 0, const ProgressFunction& progress = {},
-                           std::size_t tile_points = 1'000'000);
+                           std::size_t tile_points = 250'000);
 
 }  // namespace pcm

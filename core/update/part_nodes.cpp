@@ -1,5 +1,7 @@
 #include "pcm/update/part_nodes.h"
 
+#include "pcm/tree/node_order.h"
+
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -51,21 +53,15 @@ public:
         const std::size_t parts_end = entries_.size();  // entries that join parts follow
         const std::size_t top = join(roots.data(), roots.data() + roots.size());
 
-        std::vector<std::size_t> order{top};
-        result.nodes.emplace_back();
+        const auto order = order_nodes<std::size_t>(
+            top, none, [&](std::size_t entry, unsigned side) { return entries_[entry].children[side]; });
+        result.nodes = linked_nodes(order);
         for (std::size_t i = 0; i < order.size(); ++i) {
-            const Entry& entry = entries_[order[i]];
-            if (order[i] < parts_end && entry.path.depth == 0) result.part_roots[entry.part] = static_cast<NodeId>(i);
-            for (std::size_t side = 0; side < 2; ++side) {
-                if (entry.children[side] == none) continue;
-                result.nodes[i].children[side] = static_cast<NodeId>(order.size());
-                order.push_back(entry.children[side]);
-                result.nodes.emplace_back();
-                result.nodes.back().parent = static_cast<NodeId>(i);
-                result.nodes.back().depth = static_cast<std::uint16_t>(result.nodes[i].depth + 1);
-            }
+            const Entry& entry = entries_[order[i].item];
+            const bool in_part = order[i].item < parts_end;
+            if (in_part && entry.path.depth == 0) result.part_roots[entry.part] = static_cast<NodeId>(i);
             Node& node = result.nodes[i];
-            node.part = order[i] < parts_end ? entry.part : no_part;
+            node.part = in_part ? entry.part : no_part;
             node.subtree_points = entry.points;
             node.box = entry.box;
             node.spacing = node.is_leaf() ? 0 : entry.spacing;

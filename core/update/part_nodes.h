@@ -30,7 +30,7 @@ struct NodeVector {
     std::vector<NodeId> part_roots;
 };
 
-// The node vector of these nodes: breadth first, so parents first. Subtrees without points are removed. Missing inner
+// The node vector of these nodes, in the order of node_order.h. Subtrees without points are removed. Missing inner
 // nodes are added, with the spacing of the node above. The parts are joined by a balanced tree of nodes without points,
 // each half of the parts on one side of a plane as far as their boxes allow. The result does not depend on the order of
 // `nodes`; each (part, path) occurs once. `spacings` are those of the tree's levels.

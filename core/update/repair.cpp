@@ -381,7 +381,6 @@ private:
     void put_in_place(TreeIndex& index)
     {
         watch_.report("Writing the index", 0.74);
-        find_parts(index, folder_ / index_file_name);
         const std::vector<std::byte> bytes = encode_index(index);
         decode_index(bytes, folder_ / index_file_name);  // checks the invariants before the old index is replaced
         write_about(folder_, index.info);

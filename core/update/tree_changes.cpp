@@ -146,7 +146,7 @@ void TreeChanges::commit()
     check_open();
     TreeInfo info = tree_->info();
     info.content_hash = longer_schema_ ? hash_with_added_attributes() : hash_;
-    NodeVector nodes{tree_->nodes(), tree_->part_roots()};
+    NodeVector nodes{tree_->nodes().all(), tree_->part_roots()};
     for (const auto& [node, place] : places_) nodes.nodes[node].extent = place.extent;
     try {
         update_->commit_and_continue(std::move(info), std::move(nodes));

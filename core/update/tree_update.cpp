@@ -183,7 +183,6 @@ void TreeUpdate::replace_index(TreeInfo info, NodeVector joined, bool another_fo
         index.part_roots.resize(std::max(index.part_roots.size(), tree_->part_roots().size()), no_node);
     index.data_files = tree_->data_files();
     index.data_files.insert(index.data_files.end(), files_.begin(), files_.end());
-    find_parts(index, folder() / index_file_name);
     write_commit(folder(), index);
     const OpenFolder open_folder(folder());
     open_folder.sync();
@@ -193,7 +192,7 @@ void TreeUpdate::replace_index(TreeInfo info, NodeVector joined, bool another_fo
     fs::path ready = path;
     ready += ".new";
     const std::vector<std::byte> bytes = encode_index(index);
-    decode_index(bytes, ready);  // an index that Tree::open would refuse does not replace a good one
+    TreeIndex again = decode_index(bytes, ready);  // what Tree::open would refuse does not replace a good index
     {
         File file(ready, File::Mode::create_or_truncate);
         file.write_at(bytes.data(), bytes.size(), 0);
@@ -201,7 +200,7 @@ void TreeUpdate::replace_index(TreeInfo info, NodeVector joined, bool another_fo
         file.close();
     }
     // Only checked where no other change follows: one file open at a time is enough.
-    next_ = another_follows ? Tree::of_index(folder(), bytes) : Tree::of_index(folder(), bytes, 1);
+    next_ = Tree::of_index(folder(), std::move(again), another_follows ? Tree::usual_open_files : 1);
     about_ahead_ = true;
     write_about(folder(), index.info);
     rename_path(ready, path, "putting the new index in place");

@@ -56,7 +56,7 @@ private:
 
     void consider(std::uint32_t tree, NodeId id, std::uint32_t ancestor)
     {
-        const std::vector<Node>& nodes = *trees_[tree].nodes;
+        const NodeTable& nodes = *trees_[tree].nodes;
         const Node& node = nodes[id];
         if (node.subtree_points == 0) return;
         const Box3d box = trees_[tree].grid->to_source(node.box);
@@ -117,7 +117,7 @@ SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLi
     return Selecting(trees, limits).run();
 }
 
-DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const Camera& view,
+DetailSelection select_detail(const NodeTable& nodes, const Grid& grid, const Camera& view,
                               const DetailLimits& limits)
 {
     return std::move(select_scene({{&nodes, &grid, view, nullptr}}, limits).trees.front());

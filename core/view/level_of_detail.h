@@ -59,7 +59,7 @@ struct DetailSelection {
 // One of several trees in a picture. `view` has the projection and size of the scene, and the tree's own modelview and
 // origin.
 struct TreeInView {
-    const std::vector<Node>* nodes = nullptr;
+    const NodeTable* nodes = nullptr;
     const Grid* grid = nullptr;
     Camera view;
     const std::vector<Clip>* clips = nullptr;  // nodes of which they leave nothing are left out
@@ -83,7 +83,7 @@ struct SceneSelection {
 SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits);
 
 // The same for one tree.
-DetailSelection select_detail(const std::vector<Node>& nodes, const Grid& grid, const Camera& view,
+DetailSelection select_detail(const NodeTable& nodes, const Grid& grid, const Camera& view,
                               const DetailLimits& limits);
 inline DetailSelection select_detail(const Tree& tree, const Camera& view, const DetailLimits& limits)
 {

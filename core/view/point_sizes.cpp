@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace pcm {
 namespace {
@@ -24,23 +25,30 @@ double spacing_of_leaf(const Node& leaf, const std::vector<double>& spacings)
 
 }  // namespace
 
-PointSizes::PointSizes(const Tree& tree) : schema_(tree.info().schema), unknown_(tree.nodes().size(), 0.0f)
+PointSizes::PointSizes(const Tree& tree)
+    : schema_(tree.info().schema), nodes_(tree.nodes()), spacings_(tree.info().spacings)
 {
     const Box3d box = tree.info().bounds();
-    const double most = std::min<double>(
+    most_ = std::min<double>(
         std::numeric_limits<float>::max(),
         most_of_cloud * std::max({box.max[0] - box.min[0], box.max[1] - box.min[1], box.max[2] - box.min[2]}));
     const double least = least_point_size(tree.info().grid);
     for (std::size_t code = 1; code < radius_.size(); ++code)
-        radius_[code] = static_cast<float>(std::min(most, point_size(static_cast<std::uint8_t>(code), least)));
-    // Parents come first in the node vector.
-    const std::vector<Node>& nodes = tree.nodes();
-    for (std::size_t id = nodes.size(); id-- > 0;) {
-        const Node& node = nodes[id];
-        if (node.children[0] == no_node && node.children[1] == no_node)
-            unknown_[id] = static_cast<float>(std::min(most, spacing_of_leaf(node, tree.info().spacings)));
-        if (node.parent != no_node) unknown_[node.parent] = std::max(unknown_[node.parent], unknown_[id]);
+        radius_[code] = static_cast<float>(std::min(most_, point_size(static_cast<std::uint8_t>(code), least)));
+}
+
+float PointSizes::unknown_radius(NodeId node) const
+{
+    double coarsest = 0;
+    std::vector<NodeId> open{node};
+    while (!open.empty()) {
+        const Node& next = nodes_[open.back()];
+        open.pop_back();
+        if (next.is_leaf()) coarsest = std::max(coarsest, spacing_of_leaf(next, spacings_));
+        for (const NodeId child : next.children)
+            if (child != no_node) open.push_back(child);
     }
+    return static_cast<float>(std::min(most_, coarsest));
 }
 
 void PointSizes::find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii,
@@ -57,9 +65,11 @@ void PointSizes::fill_in(NodeId node, const Column& codes, std::vector<float>& r
                          const std::vector<PointShape>* shapes) const
 {
     const auto* code = codes.as<std::uint8_t>();
+    std::optional<float> unknown;  // all nodes below are looked at: only where a size is missing
     for (std::size_t i = 0; i < radii.size(); ++i)
         if (radii[i] == 0) {
-            radii[i] = code[i] == unknown_size ? unknown_[node] : radius_[code[i]];
+            if (code[i] == unknown_size && !unknown) unknown = unknown_radius(node);
+            radii[i] = code[i] == unknown_size ? *unknown : radius_[code[i]];
             if (shapes) radii[i] *= static_cast<float>(size_factor((*shapes)[i]));
         }
 }

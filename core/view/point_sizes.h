@@ -20,15 +20,19 @@ public:
     void find_radii(NodeId node, const Chunk& chunk, std::vector<float>& radii,
                     const std::vector<PointShape>* shapes = nullptr) const;
     // Replaces each radius of 0 by the size of that point of the node, source units. Points whose size is not known get
-    // the spacing of the finest level below the node. No size is larger than a twentieth of the cloud, so that a
+    // the largest spacing of the leaves below the node. No size is larger than a twentieth of the cloud, so that a
     // handful of points stay points.
     void fill_in(NodeId node, const Column& codes, std::vector<float>& radii,
                  const std::vector<PointShape>* shapes = nullptr) const;
 
 private:
+    float unknown_radius(NodeId node) const;
+
     const Schema schema_;
+    const NodeTable nodes_;
+    const std::vector<double> spacings_;
+    double most_ = 0;                  // source units
     std::array<float, 256> radius_{};  // radius for each code
-    std::vector<float> unknown_;       // radius for each node
 };
 
 }  // namespace pcm

@@ -94,15 +94,23 @@ std::vector<SampledChunk> coarsest_chunks(const Tree& tree)
 {
     // Chunks above which there is none with points.
     std::vector<NodeId> first;
-    const std::vector<Node>& nodes = tree.nodes();
-    std::vector<bool> is_below(nodes.size(), false);
-    for (NodeId id = 0; id < nodes.size(); ++id) {
-        const NodeId parent = nodes[id].parent;
-        is_below[id] = parent != no_node && (is_below[parent] || nodes[parent].points > 0);
-        if (!is_below[id] && nodes[id].points > 0) first.push_back(id);
+    const NodeTable& nodes = tree.nodes();
+    std::vector<NodeId> open;
+    if (!nodes.empty()) open.push_back(0);
+    while (!open.empty()) {
+        const NodeId id = open.back();
+        open.pop_back();
+        if (nodes[id].points > 0) {
+            first.push_back(id);
+            continue;
+        }
+        for (const NodeId child : nodes[id].children)
+            if (child != no_node) open.push_back(child);
     }
-    std::stable_sort(first.begin(), first.end(),
-                     [&](NodeId a, NodeId b) { return nodes[a].subtree_points > nodes[b].subtree_points; });
+    std::sort(first.begin(), first.end(), [&](NodeId a, NodeId b) {
+        const std::uint64_t of_a = nodes[a].subtree_points, of_b = nodes[b].subtree_points;
+        return of_a != of_b ? of_a > of_b : a < b;
+    });
     if (first.size() > most_sampled_chunks) first.resize(most_sampled_chunks);
     std::size_t level = ~std::size_t(0);
     for (const NodeId id : first)  // a leaf holds all points that there are

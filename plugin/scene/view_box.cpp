@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/matrix.h"
 #include "pcm/cloud/vector.h"
+#include "pcm/system/error.h"
 #include "plugin/scene/origin.h"
 #include "plugin/scene/scene.h"
 
@@ -83,16 +84,35 @@ std::optional<Box3d> in_source(Box3d box, const Vec3d& origin)
 
 Vec3d origin_of(const SceneLayer& layer) { return layer.scene().origin().value_or(Vec3d{0, 0, 0}); }
 
-// The chunks at the leaves have tight boxes, and coarser points lie among theirs.
-Box3d seen_of_tree(const Tree& tree, const std::vector<HalfSpace>& spaces, const Vec3d& origin, const Vec3d& eye)
+// Boxes of nodes are tight around the points of their subtrees: of a node that is seen in part, those below count.
+Box3d seen_of_nodes(const Tree& tree, const std::vector<HalfSpace>& spaces, const Vec3d& origin, const Vec3d& eye)
 {
     Box3d seen;
-    for (NodeId id = 0; id < tree.nodes().size(); ++id) {
-        if (!tree.nodes()[id].is_leaf() || tree.nodes()[id].subtree_points == 0) continue;
-        const Box3d box = tree.box(id);
-        seen.extend(clipped({box.min - origin, box.max - origin}, spaces, eye));
+    std::vector<NodeId> open{0};
+    while (!open.empty()) {
+        const Node& node = tree.node(open.back());
+        const Box3d around = tree.box(open.back()), box{around.min - origin, around.max - origin};
+        open.pop_back();
+        const Box3d inside = clipped(box, spaces, eye);
+        if (inside.empty() || seen.contains(inside)) continue;
+        if (node.is_leaf() || inside == box) {
+            seen.extend(inside);
+            continue;
+        }
+        for (const NodeId child : node.children)
+            if (child != no_node) open.push_back(child);
     }
     return seen;
+}
+
+Box3d seen_of_tree(const Tree& tree, const std::vector<HalfSpace>& spaces, const Vec3d& origin, const Vec3d& eye)
+{
+    if (tree.nodes().empty()) return {};
+    try {
+        return seen_of_nodes(tree, spaces, origin, eye);
+    } catch (const Error&) {  // nodes that cannot be read, which views report: the box of all
+        return clipped({tree.box(0).min - origin, tree.box(0).max - origin}, spaces, eye);
+    }
 }
 
 }  // namespace

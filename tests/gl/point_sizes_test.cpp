@@ -80,7 +80,7 @@ TEST(PointSizes, WithoutThemTheSpacingBelowCounts)
         const auto cloud =
             make_cloud(folder, "two" + std::to_string(chunk_points), grid_at(map_offset), points, chunk_points);
         const Tree& tree = *cloud->tree();
-        const std::vector<Node>& nodes = tree.nodes();
+        const NodeTable& nodes = tree.nodes();
         std::vector<double> unknown;
         for (NodeId id = 0; id < nodes.size(); ++id) {
             const std::vector<float> radii = radii_of(tree, id, {0, 20, 0});

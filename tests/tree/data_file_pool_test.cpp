@@ -1,5 +1,7 @@
 #include "pcm/tree/data_file_pool.h"
 
+#include "pcm/system/error.h"
+#include "pcm/tree/damage.h"
 #include "pcm/tree/verify.h"
 #include "tests/tree/small_tree.h"
 
@@ -73,6 +75,43 @@ TEST_F(DataFilePoolTest, ManyDataFilesKeepFewOpen)
     EXPECT_LE(after, before + 8);
     EXPECT_EQ(open_descriptors(), before);
     EXPECT_TRUE(verify_tree(tree(), 2).faults.empty());
+}
+
+// Of a tree that opens its files when they are used, one may be gone or cut: the others are read, and it is named.
+TEST_F(DataFilePoolTest, AFileThatIsGoneOrTooShortIsNamedWhenItIsUsed)
+{
+    build(100000, 1000);
+    scatter();
+    const auto node_in = [&](const Tree& tree, std::uint32_t file) {
+        NodeId id = 0;
+        while (tree.node(id).extent.bytes == 0 || tree.node(id).extent.file != file) ++id;
+        return id;
+    };
+    fs::remove(tree() / data_file_name(40));
+    const auto whole = read_file(tree() / data_file_name(50));
+    write_file(tree() / data_file_name(50), std::vector<std::byte>(whole.begin(), whole.end() - 1));
+    EXPECT_THROW(Tree::open(tree(), 100000), DamagedTree);
+    const auto opened = Tree::open(tree(), 8);
+    EXPECT_GT(opened->read_chunk(node_in(*opened, 41), ColumnSet::only_positions()).points, 0u);
+    try {
+        opened->read_chunk(node_in(*opened, 40), ColumnSet::only_positions());
+        ADD_FAILURE() << "read";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::not_found) << error.what();
+        EXPECT_NE(std::string(error.what()).find(data_file_name(40)), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("open it again"), std::string::npos) << error.what();
+    }
+    try {
+        opened->read_chunk(node_in(*opened, 50), ColumnSet::only_positions());
+        ADD_FAILURE() << "read";
+    } catch (const DamagedTree& error) {
+        EXPECT_EQ(error.code(), ErrorCode::truncated) << error.what();
+    }
+    EXPECT_THROW(check_data_files(tree(), opened->data_files()), Error);
+    const VerifyReport report = verify_tree(tree(), 1);
+    ASSERT_EQ(report.faults.size(), 2u);
+    EXPECT_NE(report.faults[0].find(data_file_name(40)), std::string::npos) << report.faults[0];
+    EXPECT_NE(report.faults[1].find(data_file_name(50)), std::string::npos) << report.faults[1];
 }
 
 // After many calls the pool holds the files used last.

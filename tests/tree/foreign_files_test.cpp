@@ -199,7 +199,7 @@ TEST_F(ForeignFiles, AnIndexOrAboutFarTooLongTakesNoMemory)
     constexpr std::uint64_t long_bytes = std::uint64_t(3) << 30;
     const long before = peak_kb();
     fs::resize_file(index_path(), long_bytes);  // zeros after the index
-    expect_refused(ErrorCode::corrupt, "the index has 3221225472 bytes; with the nodes that it states");
+    expect_refused(ErrorCode::corrupt, "the index has 3221225472 bytes; with the pages that it states");
     write_file(index_path(), {});
     fs::resize_file(index_path(), long_bytes);  // nothing but zeros
     expect_refused(ErrorCode::not_a_tree, "this is not the index");

@@ -10,6 +10,7 @@
 
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -29,6 +30,15 @@ inline void write_file(const std::filesystem::path& path, const std::vector<std:
 {
     std::filesystem::remove(path);
     File(path, File::Mode::create_new).write_at(bytes.data(), bytes.size(), 0);
+}
+
+// Pages of an index with so many nodes each.
+inline std::vector<std::uint32_t> pages_of(std::uint32_t nodes_a_page, std::size_t nodes)
+{
+    std::vector<std::uint32_t> pages;
+    for (std::size_t first = 0; first < nodes; first += nodes_a_page)
+        pages.push_back(static_cast<std::uint32_t>(std::min<std::size_t>(nodes_a_page, nodes - first)));
+    return pages;
 }
 
 inline std::size_t open_descriptors()

@@ -152,7 +152,7 @@ TEST_F(SizesOfTree, OfANodeThatBecomesALeaf)
     {
         const auto cloud = PointCloud::open(path_, {}, Access::write);
         const std::shared_ptr<const Tree> tree = cloud->tree();
-        const std::vector<Node>& nodes = tree->nodes();
+        const NodeTable& nodes = tree->nodes();
         std::size_t parent = nodes.size();
         do --parent;
         while (nodes[parent].points == 0 || nodes[parent].is_leaf());

@@ -21,7 +21,7 @@ struct BruteForce {
     bool budget_reached = false;
 };
 
-NodeId ancestor_with_points(const std::vector<Node>& nodes, NodeId id)
+NodeId ancestor_with_points(const NodeTable& nodes, NodeId id)
 {
     for (NodeId a = nodes[id].parent; a != no_node; a = nodes[a].parent)
         if (nodes[a].points > 0) return a;

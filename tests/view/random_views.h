@@ -138,7 +138,7 @@ inline Camera random_view(std::mt19937_64& random, const Vec3d& eye, const Vec3d
 }
 
 struct SyntheticTree {
-    std::vector<Node> nodes;
+    NodeTable nodes;
     Grid grid;
 };
 
@@ -147,6 +147,7 @@ inline SyntheticTree random_tree(std::mt19937_64& random, std::size_t size, cons
 {
     std::uniform_real_distribution<double> unit(0, 1);
     SyntheticTree tree;
+    std::vector<Node> nodes;
     tree.grid.scale = {0.001, 0.001, 0.001};
     tree.grid.offset = offset;
     Node root;
@@ -155,10 +156,10 @@ inline SyntheticTree random_tree(std::mt19937_64& random, std::size_t size, cons
     if (unit(random) < 0.2) root.box.max[random() % 3] = 0;  // flat
     root.spacing = 5;
     root.subtree_points = 1;
-    tree.nodes.push_back(root);
-    for (std::size_t parent = 0; parent < tree.nodes.size() && tree.nodes.size() < size; ++parent) {
+    nodes.push_back(root);
+    for (std::size_t parent = 0; parent < nodes.size() && nodes.size() < size; ++parent) {
         const std::size_t axis = random() % 3;
-        const Box3i box = tree.nodes[parent].box;
+        const Box3i box = nodes[parent].box;
         const std::int64_t split =
             box.min[axis] +
             static_cast<std::int64_t>(unit(random) * static_cast<double>(box.max[axis] - box.min[axis]));
@@ -166,20 +167,21 @@ inline SyntheticTree random_tree(std::mt19937_64& random, std::size_t size, cons
             if (parent > 0 && unit(random) < 0.1) continue;
             Node child;
             child.parent = static_cast<NodeId>(parent);
-            child.depth = static_cast<std::uint16_t>(tree.nodes[parent].depth + 1);
+            child.depth = static_cast<std::uint16_t>(nodes[parent].depth + 1);
             child.box = box;
             (c == 0 ? child.box.max : child.box.min)[axis] = split;
             if (unit(random) < 0.03) child.box.max = child.box.min;  // coincident points
-            child.spacing = tree.nodes[parent].spacing * (0.6 + 0.4 * unit(random));
+            child.spacing = nodes[parent].spacing * (0.6 + 0.4 * unit(random));
             child.points = unit(random) < 0.05 ? 0 : 1 + static_cast<std::uint32_t>(random() % 5000);
             child.subtree_points = 1;
-            tree.nodes[parent].children[c] = static_cast<NodeId>(tree.nodes.size());
-            tree.nodes.push_back(child);
+            nodes[parent].children[c] = static_cast<NodeId>(nodes.size());
+            nodes.push_back(child);
         }
     }
-    for (Node& node : tree.nodes)
+    for (Node& node : nodes)
         if (node.is_leaf()) node.spacing = 0;
-    tree.nodes[0].points = unit(random) < 0.1 ? 0 : 3000;
+    nodes[0].points = unit(random) < 0.1 ? 0 : 3000;
+    tree.nodes = NodeTable(std::move(nodes));
     return tree;
 }
 

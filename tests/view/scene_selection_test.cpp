@@ -41,7 +41,7 @@ Scene random_scene(std::mt19937_64& random)
 
 using Pick = std::pair<std::uint32_t, NodeId>;
 
-NodeId ancestor_of(const std::vector<Node>& nodes, NodeId id)
+NodeId ancestor_of(const NodeTable& nodes, NodeId id)
 {
     for (NodeId a = nodes[id].parent; a != no_node; a = nodes[a].parent)
         if (nodes[a].points > 0) return a;

@@ -17,7 +17,7 @@ constexpr std::uint32_t chunk = 1000;
 
 // Nodes of 1000 points, one below the other, each box half as large as the one above, towards the origin: what is near
 // the eye in a large cloud.
-std::vector<Node> chain(int depth)
+NodeTable chain(int depth)
 {
     std::vector<Node> nodes(static_cast<std::size_t>(depth));
     for (std::size_t d = 0; d < nodes.size(); ++d) {
@@ -31,7 +31,7 @@ std::vector<Node> chain(int depth)
         node.box = {{0, 0, 0}, {side, side, side}};
         node.spacing = 0.001 * side;
     }
-    return nodes;
+    return NodeTable(std::move(nodes));
 }
 
 // Sees the cube from 0 to `side` source units, and nothing else.
@@ -85,7 +85,7 @@ TEST(SeenPoints, AreThoseOfTheBoxesInView)
 
 TEST(SeenPoints, OfClipsOnlyWhatTheyLeave)
 {
-    const std::vector<Node> nodes = chain(1);
+    const NodeTable nodes = chain(1);
     const Grid grid{{0.001, 0.001, 0.001}, {0, 0, 0}};
     const double side = 0.001 * (1 << 20);
     const std::vector<Clip> clips{
@@ -102,7 +102,7 @@ TEST(SeenPoints, OfClipsOnlyWhatTheyLeave)
 
 TEST(SeenPoints, ABudgetThatShowsHardlyAnythingIsRaised)
 {
-    const std::vector<Node> nodes = chain(20);
+    const NodeTable nodes = chain(20);
     const Grid grid{{0.001, 0.001, 0.001}, {0, 0, 0}};
     // The boxes of the nodes 10 to 19 are inside.
     const std::vector<TreeInView> trees{{&nodes, &grid, view_of_corner(1.03)}};

@@ -1,5 +1,7 @@
 #include "pcm/build/nodes/draft_index.h"
 
+#include "pcm/tree/node_order.h"
+
 #include <vector>
 
 namespace pcm {
@@ -18,26 +20,16 @@ std::uint64_t subtree_points(const Draft& draft)
 TreeIndex index_of_drafts(const Draft* root)
 {
     TreeIndex index;
-    std::vector<const Draft*> order;
-    if (root && subtree_points(*root) > 0) {
-        order.push_back(root);
-        index.nodes.emplace_back();
-    }
+    if (!root || subtree_points(*root) == 0) return index;
+    const Draft* const none = nullptr;
+    const auto order = order_nodes<const Draft*>(root, none, [&](const Draft* draft, unsigned side) {
+        const Draft* const child = draft->children[side];
+        return child && subtree_points(*child) > 0 ? child : none;
+    });
+    index.nodes = linked_nodes(order);
     for (std::size_t i = 0; i < order.size(); ++i) {
-        const Draft& draft = *order[i];
-        std::size_t side = 0;
-        for (const Draft* child : draft.children) {
-            if (child && subtree_points(*child) > 0) {
-                const auto id = static_cast<NodeId>(order.size());
-                index.nodes[i].children[side] = id;
-                index.nodes.emplace_back();
-                index.nodes.back().parent = static_cast<NodeId>(i);
-                order.push_back(child);
-            }
-            ++side;
-        }
+        const Draft& draft = *order[i].item;
         Node& node = index.nodes[i];
-        node.depth = draft.path.depth;
         node.points = draft.points;
         node.first_level = draft.first_level;
         node.level_points = draft.level_points;

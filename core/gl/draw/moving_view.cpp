@@ -15,7 +15,7 @@ void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::v
     const std::size_t count = selection.wanted.size();
     cloud.residual.assign(count, 0.0f);
     cloud.gaps.assign(count, {});
-    const std::vector<Node>& nodes = cloud.tree->nodes();
+    const NodeTable& nodes = cloud.tree->nodes();
     const auto leave = [&](const DetailNode& node) {
         if (node.ancestor == no_ancestor) return;
         float& residual = cloud.residual[node.ancestor];
