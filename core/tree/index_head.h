@@ -28,7 +28,7 @@ struct IndexHead {
     std::vector<LevelSummary> levels;
     std::uint32_t nodes = 0;
     std::vector<NodePage> pages;
-    std::uint64_t file_bytes = 0;  // of the index file, as it follows from the pages
+    std::uint64_t file_bytes = 0;  // size of the index file, as it follows from the pages
 };
 
 std::vector<std::byte> encode_head(const IndexHead& head);

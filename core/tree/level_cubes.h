@@ -18,8 +18,8 @@ public:
     // grid; no point, here or in a question, has a coordinate that is more than four cubes below it.
     LevelCubes(const std::vector<Vec3i>& points, const Vec3i& base, const Vec3d& scale, double side);
 
-    // The square of the smallest distance from p to a point of another place or, of those at p's place, to all but one
-    // when `is_one_of_them`; infinite when none is within two sides. Exact.
+    // The square of the smallest distance from p to a point, exact; infinite when none is within two sides. Where p is
+    // one of the points, that one does not count.
     double nearest(const Vec3i& p, bool is_one_of_them) const;
 
     // Whether a point lies within the square root of `squared` of p; may be false for distances beyond two sides.
@@ -46,8 +46,8 @@ private:
     Vec3d sides_per_step_{}, squared_scale_{};
     double squared_side_;
     std::size_t blocks_ = 1;            // a power of two
-    std::vector<std::uint32_t> begin_;  // of each slot in points_; slots share points of cubes that are far apart
-    std::vector<Vec3i> points_;         // by slot
+    std::vector<std::uint32_t> begin_;  // place of each slot's first point in points_; cubes far apart may share a slot
+    std::vector<Vec3i> points_;         // sorted by slot
 };
 
 }  // namespace pcm

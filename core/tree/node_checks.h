@@ -37,7 +37,7 @@ private:
     void check_links(NodeId id, const Node& node, const NodeAt& at) const;
     void check_part(NodeId id, const Node& node, const NodeAt& at) const;
     void check_contents(NodeId id, const Node& node) const;
-    // The part whose root is the node; no_part when it is no root.
+    // The part whose root is the node; no_part when it is not a root.
     std::uint32_t part_with_root(NodeId id) const;
 
     const TreeInfo& info_;

@@ -10,7 +10,7 @@
 
 namespace pcm {
 
-inline constexpr std::size_t node_bytes = 116;  // of one node, without the counts of its levels
+inline constexpr std::size_t node_bytes = 116;  // bytes of one node, without the counts of its levels
 
 // The nodes [first, first + count) of a vector.
 std::vector<std::byte> encode_page(const std::vector<Node>& nodes, std::size_t first, std::size_t count);

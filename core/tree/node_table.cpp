@@ -29,7 +29,7 @@ struct NodeTable::State {
     std::vector<NodeId> first;
     std::vector<std::uint32_t> page_of_block;
     std::atomic<std::size_t> loaded{0};
-    std::map<std::uint32_t, std::vector<Claim>> claims;  // of checked nodes, on nodes of a page that is not loaded yet
+    std::map<std::uint32_t, std::vector<Claim>> claims;  // claims on nodes of pages that are not loaded yet, by page
     std::mutex mutex;
 
     // `nodes_of_pages`: the number of nodes of each page.

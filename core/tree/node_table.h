@@ -79,7 +79,7 @@ public:
 
     std::vector<Node> all() const { return {begin(), end()}; }
 
-    std::size_t pages() const;         // of the index
+    std::size_t pages() const;         // number of pages of the index
     std::size_t pages_loaded() const;  // so far
 
 private:
@@ -96,7 +96,7 @@ private:
     const Node* load(std::uint32_t page) const;
 
     std::shared_ptr<State> state_;
-    // Of the state, at hand for operator[].
+    // Parts of the state, at hand for operator[].
     const std::atomic<const Node*>* pages_;  // the nodes of each page; null until they are loaded
     const NodeId* first_;                    // the first node of each page, and the number of nodes
     const std::uint32_t* page_of_block_;     // the page of every 2^block_shift-th node

@@ -177,7 +177,7 @@ Chunk Tree::empty_chunk(const ColumnSet& columns) const
     return chunk;
 }
 
-// Of a tree whose files are not all open, one may be gone by now.
+// Where not all files are open, one may be gone by now.
 std::shared_ptr<const File> Tree::data_file(std::uint32_t number) const
 {
     try {

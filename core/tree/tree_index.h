@@ -13,7 +13,7 @@ namespace pcm {
 
 std::string data_file_name(std::uint32_t number);  // "chunks-000.bpc"
 
-// An index as a whole, in memory: for those who write one, and for changes that touch every node.
+// An index as a whole, in memory: for writers, and for changes that touch every node.
 struct TreeIndex {
     TreeInfo info;
     std::vector<Node> nodes;
@@ -38,7 +38,7 @@ std::vector<LevelSummary> summaries_of_levels(const std::vector<Node>& nodes, co
 // index or is longer than its own counts allow, before memory is taken for it, and Error(io).
 std::vector<std::byte> read_index(const File& file);
 
-// Of version 4, or of version 3. Checks magic, version, checksums and every invariant that tree.h states for nodes.
+// Decodes version 4 and version 3. Checks magic, version, checksums and every invariant that tree.h states for nodes.
 // Throws Error(not_a_tree | corrupt | unsupported).
 TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesystem::path& path);
 

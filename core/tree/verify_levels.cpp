@@ -136,8 +136,8 @@ private:
         return wide;
     }
 
-    // The points of the tile's level in it and within twice the spacing around it. Of more than tile_points_ only every
-    // n-th, with n > 1 in `every`, unless `all`.
+    // The points of the tile's level in it and within twice the spacing around it. More than tile_points_ are
+    // thinned to every n-th, with n in `every`, unless `all`.
     std::vector<Vec3i> chosen_around(const Tile& tile, bool all, std::size_t& every)
     {
         std::vector<Vec3i> chosen;

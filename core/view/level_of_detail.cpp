@@ -117,8 +117,7 @@ SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLi
     return Selecting(trees, limits).run();
 }
 
-DetailSelection select_detail(const NodeTable& nodes, const Grid& grid, const Camera& view,
-                              const DetailLimits& limits)
+DetailSelection select_detail(const NodeTable& nodes, const Grid& grid, const Camera& view, const DetailLimits& limits)
 {
     return std::move(select_scene({{&nodes, &grid, view, nullptr}}, limits).trees.front());
 }

@@ -83,8 +83,7 @@ struct SceneSelection {
 SceneSelection select_scene(const std::vector<TreeInView>& trees, const DetailLimits& limits);
 
 // The same for one tree.
-DetailSelection select_detail(const NodeTable& nodes, const Grid& grid, const Camera& view,
-                              const DetailLimits& limits);
+DetailSelection select_detail(const NodeTable& nodes, const Grid& grid, const Camera& view, const DetailLimits& limits);
 inline DetailSelection select_detail(const Tree& tree, const Camera& view, const DetailLimits& limits)
 {
     return select_detail(tree.nodes(), tree.info().grid, view, limits);

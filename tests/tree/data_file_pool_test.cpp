@@ -77,7 +77,7 @@ TEST_F(DataFilePoolTest, ManyDataFilesKeepFewOpen)
     EXPECT_TRUE(verify_tree(tree(), 2).faults.empty());
 }
 
-// Of a tree that opens its files when they are used, one may be gone or cut: the others are read, and it is named.
+// A tree that opens its files when they are used may have lost one: the others are read, and it is named.
 TEST_F(DataFilePoolTest, AFileThatIsGoneOrTooShortIsNamedWhenItIsUsed)
 {
     build(100000, 1000);

@@ -32,7 +32,7 @@ inline void write_file(const std::filesystem::path& path, const std::vector<std:
     File(path, File::Mode::create_new).write_at(bytes.data(), bytes.size(), 0);
 }
 
-// Pages of an index with so many nodes each.
+// Pages of an index with this number of nodes each.
 inline std::vector<std::uint32_t> pages_of(std::uint32_t nodes_a_page, std::size_t nodes)
 {
     std::vector<std::uint32_t> pages;
