@@ -2,8 +2,10 @@
 
 #include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/numbers.h"
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/io/crs/coordinate_system.h"
+#include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/local_fit.h"
@@ -68,8 +70,8 @@ public:
     {
         for (const Vec3d& p : not_places) leave_out(p);
         FittedPrimitive result = best_in_time();
-        find_bounds(result, part_of(options_.progress, 0.9, 0.95));
         compare_stations(result);
+        find_bounds(result, part_of(options_.progress, 0.95, 1));
         result.primitive.fit.seconds = seconds_since(start_);
         return result;
     }
@@ -98,7 +100,7 @@ private:
         options.registration = registration();
         options.place = places_.front();
         options.threads = options_.threads;
-        options.progress = part_of(options_.progress, 0.95, 1);
+        options.progress = part_of(options_.progress, 0.9, 0.95);
         add_station_errors(result.points, options, result.agreement, result.primitive);
         if (result.agreement > 1)
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
@@ -186,7 +188,10 @@ private:
         const Way way = narrow ? Way::uneven : Way::even;
         FittedPrimitive of_wide = followed(wide, way, 0.4, narrow ? 0.65 : 0.9);
         is_cut_early_ = cuts_noise_ && wide.is_first_threshold;
-        if (other_kind_) follow_other_kind(std::move(wide), way, of_wide);
+        if (other_kind_)
+            follow_other_kind(std::move(wide), way, of_wide);
+        else
+            follow_next_kind(std::move(wide), way, of_wide);
         if (!narrow) return of_wide;
         const bool is_good = of_wide.primitive.fit.verdict == FitVerdict::good;
         if (is_good && has_points_of(*narrow, of_wide.primitive.fit.shape)) return of_wide;
@@ -216,6 +221,20 @@ private:
             doubt_kind(other_doubt, result.primitive.fit);
         else if (agreement_ <= enough)
             result = std::move(other);
+    }
+
+    // The best kind of a neighbourhood that is hardly more than a piece of the shape cannot be followed: the end of an
+    // elbow is a cylinder, as far as it goes. Then the next best one may be, where it has more numbers.
+    void follow_next_kind(LocalFit local, Way way, FittedPrimitive& result)
+    {
+        if (result.primitive.fit.verdict == FitVerdict::good || !local.next || !is_determined(*local.next)) return;
+        if (model_of(local.next->shape.kind).rank <= model_of(local.fit.shape.kind).rank) return;
+        const std::string first = std::string("next best kind: ") + traits_of(local.fit.shape.kind).name +
+                                  ", which cannot be followed through the cloud";
+        local.fit = *std::exchange(local.next, std::nullopt);
+        local.next_kind = first;
+        FittedPrimitive next = followed(std::move(local), way, 0.9, 1);
+        if (next.primitive.fit.verdict == FitVerdict::good) result = std::move(next);
     }
 
     static void doubt_kind(const std::string& why, ShapeFit& fit)
