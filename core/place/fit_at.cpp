@@ -228,7 +228,8 @@ private:
     void follow_next_kind(LocalFit local, Way way, FittedPrimitive& result)
     {
         if (result.primitive.fit.verdict == FitVerdict::good || !local.next || !is_determined(*local.next)) return;
-        if (model_of(local.next->shape.kind).rank <= model_of(local.fit.shape.kind).rank) return;
+        const int rank = model_of(local.fit.shape.kind).rank;
+        if (rank == 0 || model_of(local.next->shape.kind).rank <= rank) return;  // a plane may be terrain
         const std::string first = std::string("next best kind: ") + traits_of(local.fit.shape.kind).name +
                                   ", which cannot be followed through the cloud";
         local.fit = *std::exchange(local.next, std::nullopt);
