@@ -15,7 +15,7 @@ namespace pcm {
 namespace {
 
 constexpr int share_steps = 10;
-constexpr std::size_t least_points = 24;  // of a station whose rays have a direction
+constexpr std::size_t least_points = 24;  // minimum number of a station's points that show the direction of its rays
 
 struct OnShape {
     Vec3d place{}, normal{};  // in units of the extent, about the middle
@@ -101,7 +101,7 @@ using Gradient = std::array<double, most_parameters>;
 void add_point(const ShapeModel& model, const SurfacePatch& patch, const Vec3d& place, const Vec3d& direction,
                double variance, double step, PatchSums& sums, Gradient& bias)
 {
-    std::array<std::array<double, 3>, 3> at{};  // by axis: the place, a step before and a step after it
+    std::array<std::array<double, 3>, 3> at{};  // coordinates of the place, a step before and a step after it
     for (std::size_t a = 0; a < 3; ++a)
         at[a] = {place[a], place[a] - step * direction[a], place[a] + step * direction[a]};
     PatchBlock seen;
@@ -120,8 +120,8 @@ std::map<std::uint32_t, Rays> rays_of(const Shape& shape, const std::vector<Poin
 {
     std::map<std::uint32_t, Rays> stations;
     for (const PointOfStation& p : points)
-        stations[p.station].points.push_back({(1 / extent) * (p.place - middle), normal_at(shape, p.place),
-                                              signed_distance(shape, p.place) / extent});
+        stations[p.station].points.push_back(
+            {(1 / extent) * (p.place - middle), normal_at(shape, p.place), signed_distance(shape, p.place) / extent});
     for (auto station = stations.begin(); station != stations.end();) {
         if (station->second.set_direction()) {
             station->second.take_away_shift();

@@ -16,7 +16,7 @@ namespace {
 constexpr int parameters = 9;
 enum Parameter { centre, tilt = 3, bend = 5, tube = 6, first_end = 7, last_end = 8 };
 constexpr int most_steps = 12;
-constexpr double enough_gain = 1e-4;  // of the sum of squares: a step that gains less is the last one
+constexpr double enough_gain = 1e-4;  // share of the sum of squares; a step that gains less is the last one
 
 using Numbers = Eigen::Matrix<double, parameters, 1>;
 using Products = Eigen::Matrix<double, parameters, parameters>;

@@ -19,9 +19,9 @@ struct BentTube {
 double angle_about(const Shape& torus, const Vec3d& start, const Vec3d& p);
 
 // The one with the least sum of squared distances, from a torus that is near, of which the direction `start` is in a
-// gap of the points: Gauss-Newton steps (Levenberg, Marquardt) from ends at several places between the points' first angle `low`
-// and their last one `high`. Nothing where no step helps. `points`: source coordinates, at least 20. One thread; some
-// milliseconds for 2000 points.
+// gap of the points: Gauss-Newton steps (Levenberg, Marquardt) from ends at several places between the points' first
+// angle `low` and their last one `high`. Nothing where no step helps. `points`: source coordinates, at least 20. One
+// thread; some milliseconds for 2000 points.
 std::optional<BentTube> fit_bent_tube(const Shape& torus, const Vec3d& start, double low, double high,
                                       const std::vector<Vec3d>& points);
 

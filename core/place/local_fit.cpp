@@ -288,7 +288,7 @@ private:
 
     struct BestKind {
         ShapeFit fit;
-        std::optional<ShapeFit> next;  // of the next best kind
+        std::optional<ShapeFit> next;  // fit of the next best kind
         std::string next_text;
     };
 

@@ -155,8 +155,7 @@ ShapeErrors difference_of(const Shape& from, const Shape& to, const Vec3d& middl
                           ? std::fabs(signed_distance(from, middle) - side * signed_distance(to, middle))
                           : length(traits.place_near(from, middle) - traits_of(to.kind).place_near(to, middle));
     if (traits.has_axis()) change.angle = std::asin(std::min(1.0, length(cross(from.axis, to.axis))));
-    for (const ShapeSize& size : traits.sizes)
-        change.*size.error = std::fabs(from.*size.value - to.*size.value);
+    for (const ShapeSize& size : traits.sizes) change.*size.error = std::fabs(from.*size.value - to.*size.value);
     return change;
 }
 

@@ -153,8 +153,7 @@ bool patch_of(std::vector<StationPoint> points, StationPatch& patch)
                           of_station.transpose() * terms * solver.solve(terms.transpose() * of_station);
     // Stations that see different parts of it differ by what is assumed of the surface between them.
     const PatchVector counts_of = of_station.colwise().sum();
-    if (h.trace() <
-        tuned.min_overlap * (static_cast<double>(n) - counts_of.squaredNorm() / static_cast<double>(n)))
+    if (h.trace() < tuned.min_overlap * (static_cast<double>(n) - counts_of.squaredNorm() / static_cast<double>(n)))
         return false;
     const PatchVector u =
         of_station.transpose() * heights - of_station.transpose() * terms * solver.solve(terms.transpose() * heights);
@@ -188,7 +187,8 @@ public:
             if (is_enough()) break;
         }
         const PatchTuning& tuned = place_tuning().patches;
-        return {smooth_patches(), mixed_by_chance_ < tuned.enough_by_chance || mixed_ >= tuned.min_mixed * mixed_by_chance_};
+        return {smooth_patches(),
+                mixed_by_chance_ < tuned.enough_by_chance || mixed_ >= tuned.min_mixed * mixed_by_chance_};
     }
 
 private:

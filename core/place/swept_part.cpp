@@ -54,8 +54,7 @@ public:
         std::size_t own = 0;
         for (const Vec3d& p : points_) own += part_.has(p);
         if (own == points_.size()) return {};
-        if (static_cast<double>(own) < tuned_.min_swept * static_cast<double>(points_.size()) || !fit_part())
-            return {};
+        if (static_cast<double>(own) < tuned_.min_swept * static_cast<double>(points_.size()) || !fit_part()) return {};
         return part_;
     }
 

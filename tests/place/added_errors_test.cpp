@@ -318,7 +318,9 @@ TEST_F(AddedErrors, ProgressIsThatOfFourPasses)
     run(true);
     EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
     for (const double begin : {0.0, 0.25, 0.5, 0.75})
-        EXPECT_TRUE(std::any_of(fractions.begin(), fractions.end(), [=](double f) { return std::fabs(f - begin) < 1e-9; })) << begin;
+        EXPECT_TRUE(std::any_of(fractions.begin(), fractions.end(), [=](double f) {
+            return std::fabs(f - begin) < 1e-9;
+        })) << begin;
     EXPECT_LE(fractions.back(), 1);
     EXPECT_THROW(run(false), Error);
 }

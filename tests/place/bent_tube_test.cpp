@@ -42,7 +42,10 @@ struct Bend {
                              (torus.second + tube_noise * dice.normal()) * n);
         }
     }
-    double angle_of(double angle) const { return angle_about(torus, start, tube_middle + std::cos(angle) * u + std::sin(angle) * v); }
+    double angle_of(double angle) const
+    {
+        return angle_about(torus, start, tube_middle + std::cos(angle) * u + std::sin(angle) * v);
+    }
 };
 
 TEST(BentTube, AnglesAreCountedFromTheDirectionThatIsGiven)
