@@ -180,9 +180,12 @@ private:
         LocalFitOptions options = local_options();
         options.first_threshold = first_threshold;
         options.progress = part_of(whole_progress_, 0, 0.3);
+        const bool is_needed = options_.grow && (options_.found_at_place || options_.fit.seconds > 0) && !is_kept_;
+        if (is_needed) options.found_first = [this](const LocalFit& nearest) { keep(nearest); };
         LocalFit wide = fit_locally(cloud_, places_, options);
-        const bool is_needed = options_.found_at_place || options_.fit.seconds > 0;
-        if (is_needed && options_.grow && !at_places_) keep(wide);
+        options.found_first = {};
+        if (is_needed && !(at_places_ && at_places_->near.found == wide.near.found)) keep(wide);
+        is_kept_ = true;
         options.progress = part_of(whole_progress_, 0.3, 0.4);
         std::optional<LocalFit> narrow = fit_narrowly(cloud_, places_, options, wide);
         const Way way = narrow ? Way::uneven : Way::even;
@@ -271,7 +274,7 @@ private:
         at_places_->reached.turned_angle = angle_of(Way::even);
         if (!options_.found_at_place || !local.fit.has_shape()) return;
         FittedPrimitive found = *at_places_;
-        find_bounds(found, part_of(whole_progress_, 0.3, 0.3));
+        find_bounds(found, {});
         options_.found_at_place(found.primitive);
     }
 
@@ -464,6 +467,7 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     bool is_late_ = false;
     std::optional<FittedPrimitive> at_places_;  // the shape before it is followed
+    bool is_kept_ = false;                      // whether that is the one of the widest neighbourhood
     ProgressFunction progress_in_time_;         // ends what follows the shape when the time is over
     KnownErrors known_;
     std::optional<ShapeFit> other_kind_;  // FollowedVerdict::other_kind()

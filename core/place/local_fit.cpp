@@ -44,6 +44,7 @@ public:
         }
         best.near = best.close;
         take(fitted(best.near, 0.1, 0.2), best);
+        if (options_.found_first && is_at_places(best)) options_.found_first(best);
         std::size_t count = is_at_places(best) ? tuned_.first_points : look_closer(best);
         for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
             count *= tuned_.widening;
