@@ -59,6 +59,10 @@ std::vector<TunedValue> fit_tuned_values()
         PCM_TUNED(fit.sampling.score_deviations),
         PCM_TUNED(fit.sampling.even_samples),
         PCM_TUNED(fit.sampling.min_share_points),
+        PCM_TUNED(fit.ray_errors.min_mean_normal),
+        PCM_TUNED(fit.ray_errors.min_along),
+        PCM_TUNED(fit.ray_errors.left),
+        PCM_TUNED(fit.ray_errors.min_evidence),
     }};
     return {all.begin(), all.end()};
 }

@@ -165,6 +165,22 @@ struct SamplingTuning {
     std::size_t min_share_points = 50;  // points
 };
 
+// What errors along a scanner's rays do to a curved shape (ray_errors.h).
+struct RayErrorTuning {
+    // Minimum length of the mean normal of a station's points, which is the direction of its rays.
+    // Chosen: half a cylinder has 0.64 and more; not swept.
+    double min_mean_normal = 0.25;  // unit vectors
+    // Minimum variance of a surface that rays graze: their beam is wide.
+    // Chosen: rays at 80 degrees from the normal have 0.03; not swept.
+    double min_along = 0.03;  // variance of the errors along the rays
+    // What is left of the bias: the width of a scanner's beam bends a surface as its errors do, and is not known.
+    // Chosen: pipes of 20 to 600 mm of a ray-cast plant, beam 4 mm wide; not swept.
+    double left = 0.8;  // share of the bias
+    // Evidence that errors lie along the rays.
+    // Chosen: half the square of three standard deviations.
+    double min_evidence = 4.5;  // logarithm of the likelihood ratio
+};
+
 struct FitTuning {
     ThresholdTuning thresholds;
     ConsensusTuning consensus;
@@ -174,6 +190,7 @@ struct FitTuning {
     ChanceTestTuning chance_test;
     SupportTuning support;
     SamplingTuning sampling;
+    RayErrorTuning ray_errors;
 };
 
 // The values above, unless a benchmark has set one (tuned_values.h). Constant while anything works. A loop over points

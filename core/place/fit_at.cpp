@@ -2,8 +2,10 @@
 
 #include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/numbers.h"
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/io/crs/coordinate_system.h"
+#include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/local_fit.h"
@@ -68,8 +70,8 @@ public:
     {
         for (const Vec3d& p : not_places) leave_out(p);
         FittedPrimitive result = best_in_time();
-        find_bounds(result, part_of(options_.progress, 0.9, 0.95));
         compare_stations(result);
+        find_bounds(result, part_of(options_.progress, 0.95, 1));
         result.primitive.fit.seconds = seconds_since(start_);
         return result;
     }
@@ -98,7 +100,7 @@ private:
         options.registration = registration();
         options.place = places_.front();
         options.threads = options_.threads;
-        options.progress = part_of(options_.progress, 0.95, 1);
+        options.progress = part_of(options_.progress, 0.9, 0.95);
         add_station_errors(result.points, options, result.agreement, result.primitive);
         if (result.agreement > 1)
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
@@ -178,15 +180,21 @@ private:
         LocalFitOptions options = local_options();
         options.first_threshold = first_threshold;
         options.progress = part_of(whole_progress_, 0, 0.3);
+        const bool is_needed = options_.grow && (options_.found_at_place || options_.fit.seconds > 0) && !is_kept_;
+        if (is_needed) options.found_first = [this](const LocalFit& nearest) { keep(nearest); };
         LocalFit wide = fit_locally(cloud_, places_, options);
-        const bool is_needed = options_.found_at_place || options_.fit.seconds > 0;
-        if (is_needed && options_.grow && !at_places_) keep(wide);
+        options.found_first = {};
+        if (is_needed && !(at_places_ && at_places_->near.found == wide.near.found)) keep(wide);
+        is_kept_ = true;
         options.progress = part_of(whole_progress_, 0.3, 0.4);
         std::optional<LocalFit> narrow = fit_narrowly(cloud_, places_, options, wide);
         const Way way = narrow ? Way::uneven : Way::even;
         FittedPrimitive of_wide = followed(wide, way, 0.4, narrow ? 0.65 : 0.9);
         is_cut_early_ = cuts_noise_ && wide.is_first_threshold;
-        if (other_kind_) follow_other_kind(std::move(wide), way, of_wide);
+        if (other_kind_)
+            follow_other_kind(std::move(wide), way, of_wide);
+        else
+            follow_next_kind(std::move(wide), way, of_wide);
         if (!narrow) return of_wide;
         const bool is_good = of_wide.primitive.fit.verdict == FitVerdict::good;
         if (is_good && has_points_of(*narrow, of_wide.primitive.fit.shape)) return of_wide;
@@ -216,6 +224,21 @@ private:
             doubt_kind(other_doubt, result.primitive.fit);
         else if (agreement_ <= enough)
             result = std::move(other);
+    }
+
+    // The best kind of a neighbourhood that is hardly more than a piece of the shape cannot be followed: the end of an
+    // elbow is a cylinder, as far as it goes. Then the next best one may be, where it has more numbers.
+    void follow_next_kind(LocalFit local, Way way, FittedPrimitive& result)
+    {
+        if (result.primitive.fit.verdict == FitVerdict::good || !local.next || !is_determined(*local.next)) return;
+        const int rank = model_of(local.fit.shape.kind).rank;
+        if (rank == 0 || model_of(local.next->shape.kind).rank <= rank) return;  // a plane may be terrain
+        const std::string first = std::string("next best kind: ") + traits_of(local.fit.shape.kind).name +
+                                  ", which cannot be followed through the cloud";
+        local.fit = *std::exchange(local.next, std::nullopt);
+        local.next_kind = first;
+        FittedPrimitive next = followed(std::move(local), way, 0.9, 1);
+        if (next.primitive.fit.verdict == FitVerdict::good) result = std::move(next);
     }
 
     static void doubt_kind(const std::string& why, ShapeFit& fit)
@@ -251,7 +274,7 @@ private:
         at_places_->reached.turned_angle = angle_of(Way::even);
         if (!options_.found_at_place || !local.fit.has_shape()) return;
         FittedPrimitive found = *at_places_;
-        find_bounds(found, part_of(whole_progress_, 0.3, 0.3));
+        find_bounds(found, {});
         options_.found_at_place(found.primitive);
     }
 
@@ -444,6 +467,7 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     bool is_late_ = false;
     std::optional<FittedPrimitive> at_places_;  // the shape before it is followed
+    bool is_kept_ = false;                      // whether that is the one of the widest neighbourhood
     ProgressFunction progress_in_time_;         // ends what follows the shape when the time is over
     KnownErrors known_;
     std::optional<ShapeFit> other_kind_;  // FollowedVerdict::other_kind()

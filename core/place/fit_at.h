@@ -38,8 +38,9 @@ struct FitAtOptions {
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     ProgressFunction progress;
     // Is given the shape of the points around the places before it is followed over the cloud, which takes most of the
-    // time: with bounds, without what stations add to its errors. The answer may be another shape. Not called where no
-    // shape is found there, or none is followed. On the calling thread.
+    // time: with bounds, without what stations add to its errors. Called twice at most: for the nearest points, and
+    // for a wider neighbourhood where that is chosen. The answer may be another shape. Not called where no shape is
+    // found there, or none is followed. On the calling thread.
     std::function<void(const Primitive&)> found_at_place;
 };
 

@@ -168,7 +168,7 @@ const FollowedVerdict::Stations& FollowedVerdict::stations()
     if (stations.source() == StationSource::none) return *stations_;
     const StationSurvey survey = station_survey(*cloud_.tree(), stations, places_.front());
     if (!survey.names_stations) return *stations_;
-    const StationSpread found = survey.evidence.spread();
+    const StationSpread found = survey.evidence().spread();
     const double most = found.spread > 0 ? found.spread * student_factor(found.freedom) : 0;
     stations_ = {std::max(found.spread, known_.registration), std::max(most, known_.registration), true};
     return *stations_;

@@ -131,7 +131,7 @@ private:
     std::optional<SweptPart> swept_part_of(const PointSet& points, const GrownShape& grown) const
     {
         if (grown.fit.shape.kind != ShapeKind::torus) return {};
-        return swept_part(grown.fit.shape, grown.fit.noise, threshold_,
+        return swept_part(grown.fit.shape, threshold_,
                           random_points(points, most_sliced, options_.threads, part_of(options_.progress, 0.5, 0.5)));
     }
 

@@ -38,12 +38,13 @@ public:
         gather_close(best);
         if (options_.radius > 0 || options_.count > 0) {
             best.near = neighbourhood(options_.radius, options_.count, 1000000, 0.1, 0.3);
-            best.fit = fitted(best.near, 0.3, 1, best.next_kind);
+            take(fitted(best.near, 0.3, 1), best);
             doubt_several_surfaces(best);
             return best;
         }
         best.near = best.close;
-        best.fit = fitted(best.near, 0.1, 0.2, best.next_kind);
+        take(fitted(best.near, 0.1, 0.2), best);
+        if (options_.found_first && is_at_places(best)) options_.found_first(best);
         std::size_t count = is_at_places(best) ? tuned_.first_points : look_closer(best);
         for (std::size_t round = 1; round <= most_widenings && is_worth_widening(best); ++round) {
             count *= tuned_.widening;
@@ -51,15 +52,13 @@ public:
                          end = 0.3 + 0.7 * static_cast<double>(round) / most_widenings;
             NearPoints near = neighbourhood(0, count, most_points, begin, (begin + end) / 2);
             if (near.found <= best.near.found) break;  // these are all points
-            std::string next_kind;
-            ShapeFit fit = fitted(near, (begin + end) / 2, end, next_kind);
-            if (!is_improvement(fit, near, best)) {
+            BestKind kind = fitted(near, (begin + end) / 2, end);
+            if (!is_improvement(kind.fit, near, best)) {
                 if (best.fit.has_shape()) break;
                 continue;
             }
             best.near = std::move(near);
-            best.fit = std::move(fit);
-            best.next_kind = std::move(next_kind);
+            take(std::move(kind), best);
         }
         if (best.near.found < best.close.found)
             best.notes.push_back("the neighbourhood was narrowed to " + grouped(best.near.found) + " points");
@@ -91,7 +90,7 @@ public:
         noise_ = fit_tuning().thresholds.inlier_noises * even.noise;
         narrow.noise = noise_;
         narrow.near = narrow.close = neighbourhood(0, even.count, even.count, 0.2, 0.3);
-        narrow.fit = fitted(narrow.near, 0.3, 1, narrow.next_kind);
+        take(fitted(narrow.near, 0.3, 1), narrow);
         if (!is_at_places(narrow)) return {};
         narrow.notes.push_back("the neighbourhood was narrowed to " + grouped(narrow.near.found) +
                                " points: beyond these the noise rises");
@@ -214,14 +213,13 @@ private:
     std::size_t look_closer(LocalFit& best)
     {
         NearPoints near = neighbourhood(0, tuned_.closer_points, tuned_.closer_points, 0.2, 0.22);
-        std::string next_kind;
-        ShapeFit fit = fitted(near, 0.22, 0.3, next_kind);
+        BestKind kind = fitted(near, 0.22, 0.3);
+        const ShapeFit& fit = kind.fit;
         if (near.found >= best.near.found || fit.verdict != FitVerdict::good || !passes(fit, near) ||
             !is_of_one_surface(fit, near))
             return tuned_.first_points;
         best.near = std::move(near);
-        best.fit = std::move(fit);
-        best.next_kind = std::move(next_kind);
+        take(std::move(kind), best);
         return tuned_.closer_points;
     }
 
@@ -289,9 +287,22 @@ private:
         return 2 * near >= best.fit.inliers;
     }
 
+    struct BestKind {
+        ShapeFit fit;
+        std::optional<ShapeFit> next;  // fit of the next best kind
+        std::string next_text;
+    };
+
+    static void take(BestKind kind, LocalFit& to)
+    {
+        to.fit = std::move(kind.fit);
+        to.next = std::move(kind.next);
+        to.next_kind = std::move(kind.next_text);
+    }
+
     // The fit of the best kind. Kinds that hold several surfaces are used only where no kind holds one surface that
     // passes through the places.
-    ShapeFit fitted(const NearPoints& near, double begin, double end, std::string& next_kind) const
+    BestKind fitted(const NearPoints& near, double begin, double end) const
     {
         std::vector<ShapeFit> fits, of_one_surface;
         for (std::size_t k = 0; k < kinds_.size(); ++k) {
@@ -304,8 +315,13 @@ private:
         if (!of_one_surface.empty()) fits = std::move(of_one_surface);
         leave_out_noisier(near, fits);
         const KindChoice choice = choose_kind(fits, near.points);
-        next_kind = choice.next ? text_of_next(fits[*choice.next], choice.log_ratio) : std::string();
-        return std::move(fits[choice.best.value_or(0)]);
+        BestKind best;
+        if (choice.next) {
+            best.next_text = text_of_next(fits[*choice.next], choice.log_ratio);
+            best.next = std::move(fits[*choice.next]);
+        }
+        best.fit = std::move(fits[choice.best.value_or(0)]);
+        return best;
     }
 
     static std::string text_of_next(const ShapeFit& next, double log_ratio)

@@ -24,22 +24,12 @@
 #include "pcm/point_cloud.h"
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
 
 namespace pcm {
-
-struct LocalFitOptions {
-    ShapeFitOptions fit;           // threshold 0: chosen
-    std::vector<ShapeKind> kinds;  // candidates of choose_kind(); empty: fit.kind
-    double radius = 0;             // neighbourhood of a place, source units
-    std::size_t count = 0;         // or its number of points; both 0: chosen
-    // Whether the first threshold that holds a surface of the places with all of its noise ends the search for one.
-    bool first_threshold = true;
-    Selection limit;
-    ProgressFunction progress;
-};
 
 struct LocalFit {
     NearPoints near;   // points around all places, each point once; thinned where they are many
@@ -51,7 +41,22 @@ struct LocalFit {
     bool is_first_threshold = false;  // whether wider ones were not tried (`first_threshold`)
     EvenNoise even;                   // points around the places; empty where a threshold is given
     std::string next_kind;            // the next best kind with its numbers, for people; empty: there is none
+    std::optional<ShapeFit> next;     // its fit to `near`
     std::vector<std::string> notes;
+};
+
+struct LocalFitOptions {
+    ShapeFitOptions fit;           // threshold 0: chosen
+    std::vector<ShapeKind> kinds;  // candidates of choose_kind(); empty: fit.kind
+    double radius = 0;             // neighbourhood of a place, source units
+    std::size_t count = 0;         // or its number of points; both 0: chosen
+    // Whether the first threshold that holds a surface of the places with all of its noise ends the search for one.
+    bool first_threshold = true;
+    Selection limit;
+    ProgressFunction progress;
+    // Is given the shape of the nearest points, where it is one of the places, before wider neighbourhoods are looked
+    // at, which takes longer. Not called for a neighbourhood of given size. On the calling thread.
+    std::function<void(const LocalFit&)> found_first;
 };
 
 // `places` are not empty, and finite. Throws what points_near() and fit_shape() throw.

@@ -98,7 +98,8 @@ bool SurfaceEvidence::has_shared_errors() const { return bend > place_tuning().e
 bool SurfaceEvidence::is_turned() const
 {
     const EvidenceTuning& tuned = place_tuning().evidence;
-    return bend > tuned.min_turned_bend && slope > tuned.max_slope;
+    return (bend > tuned.min_turned_bend && slope > tuned.max_slope) ||
+           (bend > tuned.min_own_bend && slope > tuned.max_own_slope && !has_shared_errors());
 }
 
 std::string SurfaceEvidence::reason() const

@@ -83,6 +83,7 @@ ColumnSet PointStations::columns() const
 
 std::uint32_t PointStations::at(const Chunk& chunk, std::size_t i) const
 {
+    if (source_ == StationSource::none) return 0;
     const double value = chunk.attributes[place_]->value(i);
     if (source_ == StationSource::attribute) return static_cast<std::uint32_t>(value);
     const auto after = std::upper_bound(begins_.begin(), begins_.end(), value * scale_ + offset_);

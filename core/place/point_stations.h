@@ -24,7 +24,7 @@ public:
     StationSource source() const { return source_; }
     const std::string& attribute() const { return attribute_; }  // its name; empty without a source
     ColumnSet columns() const;                                   // positions, and what at() looks at
-    std::uint32_t at(const Chunk& chunk, std::size_t i) const;   // only with a source
+    std::uint32_t at(const Chunk& chunk, std::size_t i) const;   // 0 without a source
 
 private:
     void look_at_times(std::vector<double> times);

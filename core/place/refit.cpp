@@ -146,19 +146,24 @@ double quotient(double change, double error)
 
 }  // namespace
 
-double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle)
+ShapeErrors difference_of(const Shape& from, const Shape& to, const Vec3d& middle)
 {
     const double side = dot(from.axis, to.axis) < 0 ? -1 : 1;  // a plane's normal has any sign
     const ShapeTraits& traits = traits_of(from.kind);
-    const double moved = traits.is_flat()
-                             ? std::fabs(signed_distance(from, middle) - side * signed_distance(to, middle))
-                             : length(traits.place_near(from, middle) - traits_of(to.kind).place_near(to, middle));
-    double most = quotient(moved, errors.position);
-    if (traits.has_axis())
-        most = std::max(most, quotient(std::asin(std::min(1.0, length(cross(from.axis, to.axis)))), errors.angle));
-    for (const ShapeSize& size : traits.sizes)
-        most = std::max(most, quotient(std::fabs(from.*size.value - to.*size.value), errors.*size.error));
-    return most;
+    ShapeErrors change;
+    change.position = traits.is_flat()
+                          ? std::fabs(signed_distance(from, middle) - side * signed_distance(to, middle))
+                          : length(traits.place_near(from, middle) - traits_of(to.kind).place_near(to, middle));
+    if (traits.has_axis()) change.angle = std::asin(std::min(1.0, length(cross(from.axis, to.axis))));
+    for (const ShapeSize& size : traits.sizes) change.*size.error = std::fabs(from.*size.value - to.*size.value);
+    return change;
+}
+
+double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle)
+{
+    const ShapeErrors change = difference_of(from, to, middle);
+    return std::max({quotient(change.position, errors.position), quotient(change.angle, errors.angle),
+                     quotient(change.radius, errors.radius), quotient(change.second, errors.second)});
 }
 
 RefittedShape refit_shape(const PointSet& points, const Shape& start, const RefitOptions& options)

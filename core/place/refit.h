@@ -33,6 +33,9 @@ struct RefittedShape {
 // throws, Error(cancelled), and what reading throws.
 RefittedShape refit_shape(const PointSet& points, const Shape& start, const RefitOptions& options);
 
+// How far two shapes of one kind are apart near a place, by their numbers: planes along the normal, axes across them.
+ShapeErrors difference_of(const Shape& from, const Shape& to, const Vec3d& middle);
+
 // How far two shapes of one kind are apart near a place, in units of the errors: the largest quotient of a change and
 // its error. 0 where all errors are infinite; infinite for a change where the error is 0.
 double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle);

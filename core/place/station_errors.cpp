@@ -1,20 +1,27 @@
 #include "pcm/place/station_errors.h"
 
 #include "pcm/fit/models/shape_model.h"
+#include "pcm/fit/ray_errors.h"
 #include "pcm/fit/station_sums.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/point_stations.h"
+#include "pcm/place/progress_part.h"
+#include "pcm/place/refit.h"
+#include "pcm/place/station_sample.h"
 #include "pcm/place/station_scan.h"
 #include "pcm/place/station_survey.h"
 #include "pcm/place/tuning.h"
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
+#include <cstddef>
+#include <vector>
 
 namespace pcm {
 namespace {
+
+constexpr std::size_t most_sampled_points = 4000;  // from which the bias of errors along rays is found
 
 double together(double a, double b) { return std::hypot(a, b); }
 
@@ -62,16 +69,29 @@ double agreement_within(StationScan& scan, const StationSums& sums, double sprea
         .factor();
 }
 
-}  // namespace
+// Takes the bias of errors along the rays from the shape, and adds what may be left of it to its errors.
+void leave_ray_errors(const PointSet& points, const PointStations& stations, const StationErrorOptions& options,
+                      ShapeFit& fit)
+{
+    if (traits_of(fit.shape.kind).is_flat()) return;
+    const std::vector<PointOfStation> sample =
+        station_sample(points, stations, most_sampled_points, options.threads, part_of(options.progress, 0.75, 1));
+    Box3d box;
+    for (const PointOfStation& p : sample) box.extend(p.place);
+    const auto better = without_ray_errors(fit.shape, sample, box.centre(), box.diagonal());
+    if (!better) return;
+    ShapeErrors left = difference_of(fit.shape, better->shape, box.centre());
+    enlarge(left, fit_tuning().ray_errors.left);
+    fit.shape = better->shape;
+    add_in_quadrature(fit.errors, left);
+}
 
-void add_station_errors(const PointSet& points, const StationErrorOptions& options, double& agreement,
-                        Primitive& primitive)
+void add_spread_of_stations(const PointSet& points, const PointStations& stations, const StationErrorOptions& options,
+                            double& agreement, Primitive& primitive)
 {
     ShapeFit& fit = primitive.fit;
-    if (!fit.has_shape() || points.empty()) return;
     StationFacts& facts = primitive.stations.emplace();
     facts.registration = options.registration;
-    const PointStations stations(points.tree());
     facts.source = stations.source();
     StationSurvey survey;
     if (facts.source != StationSource::none) survey = station_survey(points.tree(), stations, options.place);
@@ -81,7 +101,7 @@ void add_station_errors(const PointSet& points, const StationErrorOptions& optio
         add_in_quadrature(fit.errors, errors_of_unknown_stations(fit, options.registration));
         return doubt_uncertain_size(fit);
     }
-    StationScan scan(points, stations, {options.threads, options.progress, 3});
+    StationScan scan(points, stations, {options.threads, part_of(options.progress, 0, 0.75), 3});
     const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });
     const StationSums sums =
         scan.sums(StationSums(fit.shape, box.centre(), box.diagonal()),
@@ -94,14 +114,14 @@ void add_station_errors(const PointSet& points, const StationErrorOptions& optio
         return doubt_uncertain_size(fit);
     }
     const double as_one = sums.noise_as_one(), within = sums.noise_within();
-    StationEvidence evidence = std::move(survey.evidence);
+    StationEvidence own;
     double new_agreement = agreement;
     if (facts.stations > 1) {
         const double spread = sums.evidence(within).spread().spread;
         if (agreement > 1) new_agreement = std::min(agreement, agreement_within(scan, sums, spread, within, box));
-        evidence.add(sums.evidence(within * new_agreement));
+        own = sums.evidence(within * new_agreement);
     }
-    const StationSpread found = evidence.spread();
+    const StationSpread found = survey.evidence(own).spread();
     facts.freedom = found.freedom;
     facts.spread = found.spread;
     if (facts.stations > 1 && as_one > 0)
@@ -111,6 +131,17 @@ void add_station_errors(const PointSet& points, const StationErrorOptions& optio
     if (!(spread > 0)) return;
     add_in_quadrature(fit.errors, sums.errors_of_spread(spread));
     doubt_uncertain_size(fit);
+}
+
+}  // namespace
+
+void add_station_errors(const PointSet& points, const StationErrorOptions& options, double& agreement,
+                        Primitive& primitive)
+{
+    if (!primitive.fit.has_shape() || points.empty()) return;
+    const PointStations stations(points.tree());
+    add_spread_of_stations(points, stations, options, agreement, primitive);
+    leave_ray_errors(points, stations, options, primitive.fit);
 }
 
 }  // namespace pcm

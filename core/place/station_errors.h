@@ -24,9 +24,10 @@ struct StationErrorOptions {
     ProgressFunction progress;
 };
 
-// Changes the fit's errors, sets `stations`, and doubts a good fit whose size is then uncertain. `points`: those of the
-// primitive. `agreement`: factor by which its errors were enlarged because neighbours share errors
-// (RefittedShape::agreement); becomes the factor within stations. Streams, three times. The result depends neither on
+// Takes the bias of errors along the rays from the shape (ray_errors.h), and changes its errors: the ray errors of
+// unknown stations are those of one. Sets `stations`, and doubts a good fit whose size is then uncertain. `points`:
+// those of the primitive. `agreement`: factor by which its errors were enlarged because neighbours share errors
+// (RefittedShape::agreement); becomes the factor within stations. Streams, four times. The result depends neither on
 // threads nor on memory. Throws Error(cancelled), and what reading throws.
 void add_station_errors(const PointSet& points, const StationErrorOptions& options, double& agreement,
                         Primitive& primitive);

@@ -23,6 +23,7 @@ namespace {
 using PatchMatrix = Eigen::MatrixXd;
 using PatchVector = Eigen::VectorXd;
 
+constexpr int most_agreeing_rounds = 8;
 constexpr Eigen::Index surface_terms = 6;  // coefficients of a height of the second degree
 
 struct StationPoint {
@@ -30,43 +31,39 @@ struct StationPoint {
     std::uint32_t station = 0;
 };
 
-// A patch of surface that several stations see.
-struct Patch {
-    std::vector<std::uint32_t> stations;
-    Vec3d normal{};
-    // Normal equations h * x = u of the stations' heights x, after the surface is eliminated.
-    PatchMatrix h;
-    PatchVector u;
-    double noise = 0;
-    double mixed = 0, mixed_by_chance = 0;  // numbers of points whose nearest neighbour is of another station
+// Residual of the normal equations for the found shifts, relative to their weight.
+double deviation_of(const StationPatch& patch, const StationSpread& found)
+{
+    const std::size_t count = patch.stations.size();
+    std::vector<double> shift(count);
+    for (std::size_t s = 0; s < count; ++s) {
+        const auto at = found.shifts.find(patch.stations[s]);
+        shift[s] = at == found.shifts.end() ? 0 : dot(patch.normal, at->second);
+    }
+    double weight = 0, squares = 0;
+    for (std::size_t s = 0; s < count; ++s) {
+        double left = patch.u[s];
+        for (std::size_t t = 0; t < count; ++t) left -= patch.h[s * count + t] * shift[t];
+        squares += left * left;
+        weight += patch.h[s * count + s];
+    }
+    return weight > 0 ? std::sqrt(squares) / weight : 0;
+}
 
-    // Residual of the normal equations for the found shifts, relative to their weight.
-    double deviation(const StationSpread& found) const
-    {
-        PatchVector shift(u.size());
-        for (std::size_t s = 0; s < stations.size(); ++s) {
-            const auto at = found.shifts.find(stations[s]);
-            shift[static_cast<Eigen::Index>(s)] = at == found.shifts.end() ? 0 : dot(normal, at->second);
+void add_patch(const StationPatch& patch, StationEvidence& evidence)
+{
+    const std::size_t count = patch.stations.size(), columns = 3 * count;
+    std::vector<double> whole(columns * columns), pulls(columns);
+    for (std::size_t s = 0; s < count; ++s)
+        for (std::size_t a = 0; a < 3; ++a) {
+            pulls[3 * s + a] = patch.u[s] * patch.normal[a];
+            for (std::size_t t = 0; t < count; ++t)
+                for (std::size_t b = 0; b < 3; ++b)
+                    whole[(3 * s + a) * columns + 3 * t + b] =
+                        patch.h[s * count + t] * patch.normal[a] * patch.normal[b];
         }
-        const double weight = h.trace();
-        return weight > 0 ? (u - h * shift).norm() / weight : 0;
-    }
-
-    void add_to(StationEvidence& evidence) const
-    {
-        const std::size_t count = stations.size(), columns = 3 * count;
-        std::vector<double> whole(columns * columns), pulls(columns);
-        for (std::size_t s = 0; s < count; ++s)
-            for (std::size_t a = 0; a < 3; ++a) {
-                pulls[3 * s + a] = u[static_cast<Eigen::Index>(s)] * normal[a];
-                for (std::size_t t = 0; t < count; ++t)
-                    for (std::size_t b = 0; b < 3; ++b)
-                        whole[(3 * s + a) * columns + 3 * t + b] =
-                            h(static_cast<Eigen::Index>(s), static_cast<Eigen::Index>(t)) * normal[a] * normal[b];
-            }
-        evidence.add(stations, whole, pulls, noise);
-    }
-};
+    evidence.add(patch.stations, whole, pulls, patch.noise);
+}
 
 // The frame of a patch: its middle, and its axes, the normal last; false where the points do not lie along a surface.
 bool frame_of(const std::vector<StationPoint>& points, Vec3d& middle, std::array<Vec3d, 3>& axes, double& size)
@@ -93,7 +90,7 @@ bool frame_of(const std::vector<StationPoint>& points, Vec3d& middle, std::array
 
 // Points of stations that see the same surface have neighbours of each other's.
 void count_mixed(const std::vector<std::array<double, 2>>& places, const std::vector<StationPoint>& points,
-                 Patch& patch)
+                 StationPatch& patch)
 {
     const auto n = static_cast<double>(points.size());
     std::map<std::uint32_t, std::size_t> counts;
@@ -114,7 +111,7 @@ void count_mixed(const std::vector<std::array<double, 2>>& places, const std::ve
 
 // False unless the points are a smooth surface that several stations see all of. `mixed` is set where they lie along
 // any surface.
-bool patch_of(std::vector<StationPoint> points, Patch& patch)
+bool patch_of(std::vector<StationPoint> points, StationPatch& patch)
 {
     const PatchTuning& tuned = place_tuning().patches;
     std::map<std::uint32_t, std::size_t> counts;
@@ -152,15 +149,16 @@ bool patch_of(std::vector<StationPoint> points, Patch& patch)
     PatchMatrix normal = terms.transpose() * terms;
     normal.diagonal().array() += 1e-9 * static_cast<double>(n);
     const Eigen::LDLT<PatchMatrix> solver(normal);
-    patch.h = of_station.transpose() * of_station -
-              of_station.transpose() * terms * solver.solve(terms.transpose() * of_station);
+    const PatchMatrix h = of_station.transpose() * of_station -
+                          of_station.transpose() * terms * solver.solve(terms.transpose() * of_station);
     // Stations that see different parts of it differ by what is assumed of the surface between them.
     const PatchVector counts_of = of_station.colwise().sum();
-    if (patch.h.trace() <
-        tuned.min_overlap * (static_cast<double>(n) - counts_of.squaredNorm() / static_cast<double>(n)))
+    if (h.trace() < tuned.min_overlap * (static_cast<double>(n) - counts_of.squaredNorm() / static_cast<double>(n)))
         return false;
-    patch.u =
+    const PatchVector u =
         of_station.transpose() * heights - of_station.transpose() * terms * solver.solve(terms.transpose() * heights);
+    patch.h.assign(h.data(), h.data() + h.size());  // symmetric
+    patch.u.assign(u.data(), u.data() + u.size());
     PatchMatrix joint(n, surface_terms + stations);
     joint << terms, of_station;
     PatchMatrix products = joint.transpose() * joint;
@@ -189,7 +187,8 @@ public:
             if (is_enough()) break;
         }
         const PatchTuning& tuned = place_tuning().patches;
-        return {agreeing(), mixed_by_chance_ < tuned.enough_by_chance || mixed_ >= tuned.min_mixed * mixed_by_chance_};
+        return {smooth_patches(),
+                mixed_by_chance_ < tuned.enough_by_chance || mixed_ >= tuned.min_mixed * mixed_by_chance_};
     }
 
 private:
@@ -245,7 +244,7 @@ private:
             std::vector<StationPoint> in_cube;
             for (end = begin; end < order.size() && order[end].first == order[begin].first; ++end)
                 in_cube.push_back(inside[order[end].second]);
-            Patch patch;
+            StationPatch patch;
             const bool shows = in_cube.size() <= tuned.max_points && patch_of(in_cube, patch);
             mixed_ += patch.mixed;
             mixed_by_chance_ += patch.mixed_by_chance;
@@ -291,34 +290,22 @@ private:
     bool is_enough() const
     {
         std::set<std::uint32_t> stations;
-        for (const Patch& patch : patches_) stations.insert(patch.stations.begin(), patch.stations.end());
+        for (const StationPatch& patch : patches_) stations.insert(patch.stations.begin(), patch.stations.end());
         return patches_.size() >= place_tuning().patches.enough &&
                stations.size() >= place_tuning().patches.enough_stations;
     }
 
-    StationEvidence agreeing() const
+    std::vector<StationPatch> smooth_patches() const
     {
-        const PatchTuning& tuned = place_tuning().patches;
-        StationEvidence all;
-        if (patches_.empty()) return all;
+        std::vector<StationPatch> smooth;
+        if (patches_.empty()) return smooth;
         std::vector<double> noises;
-        for (const Patch& patch : patches_) noises.push_back(patch.noise);
+        for (const StationPatch& patch : patches_) noises.push_back(patch.noise);
         const auto quarter = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 4);
         std::nth_element(noises.begin(), quarter, noises.end());
-        std::vector<const Patch*> smooth;
-        for (const Patch& patch : patches_)
-            if (patch.noise <= tuned.max_noise * *quarter) smooth.push_back(&patch);
-        for (const Patch* patch : smooth) patch->add_to(all);
-        const StationSpread first = all.spread();
-        std::vector<double> deviations;
-        for (const Patch* patch : smooth) deviations.push_back(patch->deviation(first));
-        std::vector<double> sorted = deviations;
-        const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-        std::nth_element(sorted.begin(), middle, sorted.end());
-        StationEvidence agreeing;
-        for (std::size_t i = 0; i < smooth.size(); ++i)
-            if (deviations[i] <= tuned.max_deviation * *middle) smooth[i]->add_to(agreeing);
-        return agreeing;
+        for (const StationPatch& patch : patches_)
+            if (patch.noise <= place_tuning().patches.max_noise * *quarter) smooth.push_back(patch);
+        return smooth;
     }
 
     const Tree& tree_;
@@ -326,11 +313,44 @@ private:
     const SourceRounding rounding_;
     std::vector<StationPoint> points_;
     std::vector<View> views_;
-    std::vector<Patch> patches_;
+    std::vector<StationPatch> patches_;
     double mixed_ = 0, mixed_by_chance_ = 0;
 };
 
+// Those that deviate from the shifts by a few medians of the deviations of those that have agreed, at most.
+std::vector<bool> agreeing_with(const StationSpread& found, const std::vector<StationPatch>& patches,
+                                const std::vector<bool>& agreed)
+{
+    std::vector<double> deviations, sorted;
+    for (std::size_t i = 0; i < patches.size(); ++i) {
+        deviations.push_back(deviation_of(patches[i], found));
+        if (agreed[i]) sorted.push_back(deviations.back());
+    }
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::nth_element(sorted.begin(), middle, sorted.end());
+    std::vector<bool> agrees;
+    for (const double deviation : deviations)
+        agrees.push_back(deviation <= place_tuning().patches.max_deviation * *middle);
+    return agrees;
+}
+
 }  // namespace
+
+StationEvidence StationSurvey::evidence(const StationEvidence& known) const
+{
+    std::vector<bool> agrees(patches.size(), true);
+    StationEvidence evidence;
+    for (int round = 0; round < most_agreeing_rounds; ++round) {
+        evidence = known;
+        for (std::size_t i = 0; i < patches.size(); ++i)
+            if (agrees[i]) add_patch(patches[i], evidence);
+        if (patches.empty()) break;
+        const std::vector<bool> now = agreeing_with(evidence.spread(), patches, agrees);
+        if (now == agrees) break;
+        agrees = now;
+    }
+    return evidence;
+}
 
 StationSurvey station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place)
 {

@@ -5,20 +5,38 @@
 #include "pcm/place/point_stations.h"
 #include "pcm/tree/tree.h"
 
+#include <cstdint>
+#include <vector>
+
 namespace pcm {
 
+// A patch of surface that several stations see.
+struct StationPatch {
+    std::vector<std::uint32_t> stations;
+    Vec3d normal{};
+    // Normal equations h * x = u of the stations' heights x, after the surface is eliminated; h row by row.
+    std::vector<double> h, u;
+    double noise = 0;                       // source units
+    double mixed = 0, mixed_by_chance = 0;  // numbers of points whose nearest neighbour is of another station
+};
+
 struct StationSurvey {
-    StationEvidence evidence;
+    std::vector<StationPatch> patches;  // those of little noise
     // False where points of different numbers do not mix on the surfaces: points of stations do, those of tiles,
     // objects or classes do not, so the attribute names something else.
     bool names_stations = true;
+
+    // What patches show that agree with each other and with what is known of the stations from elsewhere, that
+    // included: the two faces of a plate, each seen by another station, contradict others by as much as the plate is
+    // thick.
+    StationEvidence evidence(const StationEvidence& known = {}) const;
 };
 
 // The points of the node at the place and of the nodes above it, in the box of the lowest of these, then of the next
 // one until there is enough, are divided into cubes of some tens of points. A cube with points of several stations on
 // one smooth surface (a height of the second degree over a plane, of as little noise as most) is evidence; one that
-// contradicts the others by more than four of their deviations is not. Reads the chunks from the root to the place,
-// once. The result does not depend on the order of points. Throws what reading throws.
+// contradicts the others by more than four of their deviations is left out of evidence(). Reads the chunks from the
+// root to the place, once. The result does not depend on the order of points. Throws what reading throws.
 StationSurvey station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place);
 
 }  // namespace pcm

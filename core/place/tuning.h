@@ -84,6 +84,12 @@ struct EvidenceTuning {
     // Slope above which a surface is turned, where it has that bend.
     // Chosen: as max_two_peaks; not swept.
     double max_slope = 0.7;  // tangent
+    // The same where a scanner's errors, which neighbours share, do not explain the bend: true shapes have slopes up to
+    // 0.2 there, racks as planes and as wide cylinders 0.56.
+    // Chosen: 180 clicks on a ray-cast and a sampled plant; not swept.
+    double min_own_bend = 0.25;  // share of the squared distances
+    // Chosen: with min_own_bend; not swept.
+    double max_own_slope = 0.45;  // tangent
     // Above this bend errors are those of a scanner that neighbours share. Plates, racks and posts have bends up to
     // 0.39, the whole mug 0.47 to 0.53 of two_peaks.
     // Chosen: as max_two_peaks; not swept.
@@ -150,10 +156,10 @@ struct KindTuning {
 
 // Whether points leave their shape together (departure.h).
 struct DepartureTuning {
-    // Minimum share of what is out of round, bulged or dented. Points of true shapes have 0 to 0.07, ovals of nine to
-    // ten 0.3 to 0.8, a wall of 1000 m radius 0.5 to 0.8.
-    // Chosen: 250 clicks on ray-cast plants and sampled surfaces; not swept.
-    double min_share = 0.2;  // share of the squared distances
+    // Minimum share of what is out of round, bulged or dented. Points of true shapes have 0 to 0.1, ovals of nine to
+    // ten 0.3 to 0.8, and 0.18 where their flat side alone was reached; a wall of 1000 m radius 0.5 to 0.8.
+    // Chosen: 430 clicks on ray-cast plants and sampled surfaces; not swept.
+    double min_share = 0.15;  // share of the squared distances
     // Minimum share of what shifts of stations hide: elbows have 0.21 there where stations are 1.5 mm apart, by what a
     // scanner's beam does at their sides; pipes of 560 mm whose half axes differ by 20 mm 0.4 and more.
     // Chosen: 85 clicks on such plants; not swept.
@@ -203,20 +209,19 @@ struct GrowthTuning {
     // Gap that a torus leaves, below which it is a ring without ends.
     // Chosen: not swept.
     double min_swept_gap = 0.35;  // radians
-    // Minimum mean number of points of a slice of a swept shape.
+    // Fewer points of a torus show no ends.
     // Chosen: not swept.
-    std::size_t min_slice_points = 24;  // points
-    // Maximum chi-square of a slice's centre and radius, of three degrees of freedom. Elbows of 90 degrees with
-    // straight pipes have radii 4 to 15 standard deviations off with all points, and within three without.
-    //
-    // Chosen: once in a thousand slices.
-    double max_slice_gain = 16.3;  // variances of the noise
-    // Maximum chi-square per degree of freedom of the slices that fit best: more is of errors that neighbours share.
-    // Chosen: 1 plus three and a half of its standard deviations; not swept.
-    double max_usual_gain = 1.6;  // variances of the noise
+    std::size_t min_swept_points = 200;  // points
+    // Minimum gain of straight tubes at a torus's ends. Elbows of 90 degrees have radii 3 to 25 standard deviations off
+    // with their pipes' points, and within three without.
+    // Chosen: chance gives two ends 20 once in ten thousand.
+    double min_tangent_gain = 20;  // variances of the noise
+    // How far within the ends found points are the elbow's.
+    // Chosen: not swept.
+    double end_errors = 2;  // standard deviations of an end
     // Minimum share of the points that the swept part has.
-    // Chosen: not swept.
-    double min_swept = 0.4;  // share of the points
+    // Chosen: elbows of three radii with pipes of ten; not swept.
+    double min_swept = 0.1;  // share of the points
 };
 
 // A narrower neighbourhood, beyond which the noise rises (even_noise.h).

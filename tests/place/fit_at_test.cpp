@@ -253,28 +253,31 @@ TEST_F(FitAt, PCM_NOT_UNDER_THREAD(OptionsOutOfRangeAreRefused))
     EXPECT_TRUE(refused({at}, options));
 }
 
-// Before it is followed, which takes most of the time; once, although the pipe is followed with two thresholds.
+// Before it is followed, which takes most of the time, and before wider neighbourhoods are looked at; no more often,
+// although the pipe is followed with two thresholds.
 TEST_F(FitAt, PCM_NOT_UNDER_THREAD(TheShapeAtThePlaceIsGivenFirst))
 {
     int calls = 0;
     double fraction = 0;
-    std::uint64_t points = 0;
+    std::uint64_t points = 0, first_points = 0;
     FitAtOptions options = of_any();
     options.progress = [&](const ProgressUpdate& update) { return fraction = update.fraction, true; };
     options.found_at_place = [&](const Primitive& found) {
         ++calls;
-        EXPECT_LT(fraction, 0.25);
+        EXPECT_LT(fraction, calls == 1 ? 0.06 : 0.25);
         EXPECT_EQ(found.fit.shape.kind, ShapeKind::cylinder);
         EXPECT_TRUE(found.bounds.known(ShapeKind::cylinder));
         points = found.points;
+        if (calls == 1) first_points = points;
     };
     const FittedPrimitive found = fit({pick(ShapeKind::cylinder)}, options);
-    EXPECT_EQ(calls, 1);
+    EXPECT_EQ(calls, 2) << "for 500 points, and for the neighbourhood that was widened";
+    EXPECT_LE(first_points, 500u);
     EXPECT_EQ(points, found.local.inliers);
     EXPECT_GT(found.points.size(), 3 * points);
     options.grow = false;
     fit({pick(ShapeKind::cylinder)}, options);
-    EXPECT_EQ(calls, 1) << "the answer is that shape";
+    EXPECT_EQ(calls, 2) << "the answer is that shape";
 }
 
 TEST_F(FitAt, PCM_NOT_UNDER_THREAD(WhenTheTimeIsOverTheShapeIsThatOfThePlace))
@@ -289,6 +292,7 @@ TEST_F(FitAt, PCM_NOT_UNDER_THREAD(WhenTheTimeIsOverTheShapeIsThatOfThePlace))
     EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
     EXPECT_NE(found.primitive.fit.message.find("points around the place alone"), std::string::npos);
     EXPECT_EQ(found.points.size(), found.local.inliers);
+    EXPECT_LE(found.near.found, 500u) << "wider neighbourhoods are not looked at any more";
     EXPECT_TRUE(found.primitive.bounds.known(ShapeKind::cylinder));
     EXPECT_EQ(found.reached.turned_angle, whole.reached.turned_angle);
     EXPECT_LT(std::fabs(found.primitive.fit.shape.radius - whole.primitive.fit.shape.radius),

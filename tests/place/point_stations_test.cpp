@@ -203,7 +203,7 @@ protected:
                 return Numbers{0, static_cast<std::uint16_t>(8 + station), 0, middle + place};
             },
             3000);
-        return station_survey(*room, PointStations(*room), middle + Vec3d{2, 2, 0}).evidence.spread();
+        return station_survey(*room, PointStations(*room), middle + Vec3d{2, 2, 0}).evidence().spread();
     }
 };
 
@@ -232,6 +232,35 @@ TEST_F(StationSurveyTest, WhatContradictsTheOthersIsLeftOut)
     EXPECT_LT(length(found.shifts.at(9) - found.shifts.at(8) - shift), 0.0003);
 }
 
+// Stations at both sides of plates see another face of each: more patches than those that show the truth, and as
+// consistent with each other. The shape that is fitted knows better.
+TEST_F(StationSurveyTest, WhatContradictsTheShapeIsLeftOut)
+{
+    const auto patch = [](const Vec3d& normal, double difference) {
+        StationPatch made;
+        made.stations = {3, 7};
+        made.normal = normal;
+        made.h = {10, -10, -10, 10};
+        made.u = {-10 * difference, 10 * difference};
+        made.noise = 0.001;
+        return made;
+    };
+    StationSurvey survey;
+    for (int i = 0; i < 30; ++i) survey.patches.push_back(patch({0, 0, 1}, i % 2 ? 1e-4 : -1e-4));
+    for (int i = 0; i < 8; ++i) survey.patches.push_back(patch({1, 0, 0}, 0.02 + 1e-5 * i));
+    EXPECT_GT(survey.evidence().spread().spread, 0.004);
+    StationEvidence known;
+    std::vector<double> h(36, 0.0);
+    for (std::size_t a = 0; a < 3; ++a) {
+        h[6 * a + a] = h[6 * (a + 3) + a + 3] = 1000;
+        h[6 * a + a + 3] = h[6 * (a + 3) + a] = -1000;
+    }
+    known.add({3, 7}, h, {0.1, 0, 0, -0.1, 0, 0}, 0.001);
+    EXPECT_LT(survey.evidence(known).spread().spread, 0.0003);
+    survey.patches.clear();
+    EXPECT_EQ(survey.evidence(known).spread().spread, known.spread().spread);
+}
+
 // A vault whose heights within a cube are forty times its noise: heights of the second degree explain them. It is as
 // smooth as the floor then, and alone shows the shifts along it.
 TEST_F(StationSurveyTest, CurvedSurfacesAreAsSmoothAsFlatOnes)
@@ -247,7 +276,7 @@ TEST_F(StationSurveyTest, CurvedSurfacesAreAsSmoothAsFlatOnes)
             return Numbers{0, static_cast<std::uint16_t>(8 + station), 0, place};
         },
         3000);
-    const StationSpread found = station_survey(*vault, PointStations(*vault), {2, 2, 1}).evidence.spread();
+    const StationSpread found = station_survey(*vault, PointStations(*vault), {2, 2, 1}).evidence().spread();
     EXPECT_EQ(found.freedom, 3u);
     EXPECT_LT(length(found.shifts.at(9) - found.shifts.at(8) - shift), 0.0003);
     EXPECT_NEAR(found.spread, length(shift) / std::sqrt(6.0), 0.0003);
@@ -265,7 +294,7 @@ TEST_F(StationSurveyTest, StationsThatSeeDifferentPartsOfAWallAreNotCompared)
         const PointStations stations(*made);
         EXPECT_EQ(stations.source(), StationSource::attribute);
         if (stations.source() == StationSource::none) return std::size_t{99};
-        return station_survey(*made, stations, {}).evidence.stations();
+        return station_survey(*made, stations, {}).evidence().stations();
     };
     const auto any = [&] { return dice_.between(0, 1); };
     const auto small = [&] { return 0.001 * dice_.normal(); };

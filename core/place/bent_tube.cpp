@@ -1,0 +1,169 @@
+#include "pcm/place/bent_tube.h"
+
+#include "pcm/cloud/numbers.h"
+
+#include <Eigen/Cholesky>
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+// Centre along three axes, tilt of the axis along two of them, radii of the bend and of the tube, ends.
+constexpr int parameters = 9;
+enum Parameter { centre, tilt = 3, bend = 5, tube = 6, first_end = 7, last_end = 8 };
+constexpr int most_steps = 12;
+constexpr double enough_gain = 1e-4;  // share of the sum of squares; a step that gains less is the last one
+
+using Numbers = Eigen::Matrix<double, parameters, 1>;
+using Products = Eigen::Matrix<double, parameters, parameters>;
+
+// From 0 to 2 pi.
+double turned(double angle) { return angle < 0 ? angle + 2 * pi : angle; }
+
+class TubeFit {
+public:
+    TubeFit(const Shape& torus, const Vec3d& start, const std::vector<Vec3d>& points)
+        : origin_(torus.point),
+          axis_(torus.axis),
+          u_(normalised(start - dot(start, torus.axis) * torus.axis)),
+          v_(cross(axis_, u_))
+    {
+        for (const Vec3d& p : points) {
+            const Vec3d d = p - origin_;
+            points_.push_back({dot(d, u_), dot(d, v_), dot(d, axis_)});
+        }
+    }
+
+    // From these numbers to the nearest minimum; returns the sum of squares there.
+    double improve(Numbers& at)
+    {
+        double squares = linearise(at), damping = 1e-3;
+        for (int step = 0; step < most_steps; ++step) {
+            Products damped = products_;
+            damped.diagonal() += damping * products_.diagonal();
+            damped.diagonal().array() += 1e-12 * products_.trace();
+            const Numbers next = at - damped.ldlt().solve(pulls_);
+            const double there = next.allFinite() && next[bend] > 0 && next[tube] > 0 ? squares_of(next) : infinity;
+            if (!(there < squares)) {
+                damping *= 10;
+                continue;
+            }
+            const bool is_enough = squares - there < enough_gain * squares;
+            at = next;
+            squares = there;
+            if (is_enough) break;
+            damping /= 5;
+            linearise(at);
+        }
+        return squares;
+    }
+
+    BentTube tube_at(const Numbers& at, double squares)
+    {
+        linearise(at);
+        BentTube result;
+        const Vec3d axis = axis_at(at);
+        result.torus.kind = ShapeKind::torus;
+        result.torus.point = origin_ + at[0] * u_ + at[1] * v_ + at[2] * axis_;
+        result.torus.axis = axis[0] * u_ + axis[1] * v_ + axis[2] * axis_;
+        result.torus.radius = at[bend];
+        result.torus.second = at[tube];
+        result.from = at[first_end];
+        result.to = at[last_end];
+        result.squares = squares;
+        Products damped = products_;
+        damped.diagonal().array() += 1e-12 * products_.trace();
+        const Products inverse = damped.ldlt().solve(Products::Identity());
+        const double variance = squares / static_cast<double>(points_.size());
+        const auto error = [&](Parameter end) {
+            return products_(end, end) > 0 ? std::sqrt(variance * inverse(end, end)) : infinity;
+        };
+        result.from_error = error(first_end);
+        result.to_error = error(last_end);
+        return result;
+    }
+
+private:
+    static Vec3d axis_at(const Numbers& at) { return normalised({at[tilt], at[tilt + 1], 1}); }
+
+    // Signed distance of a place along the three axes from the tube.
+    double distance(const Numbers& at, const Vec3d& place) const
+    {
+        const Vec3d axis = axis_at(at), d = place - Vec3d{at[0], at[1], at[2]};
+        const Vec3d u = normalised(Vec3d{1, 0, 0} - axis[0] * axis), v = cross(axis, u);
+        const double x = dot(d, u), y = dot(d, v), h = dot(d, axis);
+        const double angle = turned(std::atan2(y, x));
+        if (angle >= at[first_end] && angle <= at[last_end])
+            return std::hypot(std::hypot(x, y) - at[bend], h) - at[tube];
+        const double end = angle < at[first_end] ? at[first_end] : at[last_end];
+        const double out = x * std::cos(end) + y * std::sin(end) - at[bend];  // across the tangent at the end
+        return std::hypot(out, h) - at[tube];
+    }
+
+    double squares_of(const Numbers& at) const
+    {
+        double squares = 0;
+        for (const Vec3d& p : points_) squares += std::pow(distance(at, p), 2);
+        return squares;
+    }
+
+    // Normal equations by differences.
+    double linearise(const Numbers& at)
+    {
+        std::array<Numbers, parameters> moved;
+        Numbers step = Numbers::Constant(1e-6);
+        for (const int length : {int(centre), centre + 1, centre + 2, int(bend), int(tube)}) step[length] *= at[bend];
+        for (int j = 0; j < parameters; ++j) {
+            moved[static_cast<std::size_t>(j)] = at;
+            moved[static_cast<std::size_t>(j)][j] += step[j];
+        }
+        products_.setZero();
+        pulls_.setZero();
+        double squares = 0;
+        for (const Vec3d& p : points_) {
+            const double here = distance(at, p);
+            Numbers by;
+            for (int j = 0; j < parameters; ++j)
+                by[j] = (distance(moved[static_cast<std::size_t>(j)], p) - here) / step[j];
+            products_ += by * by.transpose();
+            pulls_ += here * by;
+            squares += here * here;
+        }
+        return squares;
+    }
+
+    const Vec3d origin_, axis_, u_, v_;
+    std::vector<Vec3d> points_;  // about the first centre, along the three axes
+    Products products_ = Products::Zero();
+    Numbers pulls_ = Numbers::Zero();
+};
+
+}  // namespace
+
+double angle_about(const Shape& torus, const Vec3d& start, const Vec3d& p)
+{
+    const Vec3d d = p - torus.point;
+    const Vec3d u = normalised(start - dot(start, torus.axis) * torus.axis);
+    return turned(std::atan2(dot(d, cross(torus.axis, u)), dot(d, u)));
+}
+
+std::optional<BentTube> fit_bent_tube(const Shape& torus, const Vec3d& start, double low, double high,
+                                      const std::vector<Vec3d>& points)
+{
+    TubeFit fit(torus, start, points);
+    std::optional<std::pair<double, Numbers>> best;
+    for (const double share : {0.1, 0.25, 0.4}) {
+        Numbers at;
+        at << 0, 0, 0, 0, 0, torus.radius, torus.second, low + share * (high - low), high - share * (high - low);
+        const double squares = fit.improve(at);
+        if (at[first_end] < at[last_end] && (!best || squares < best->first)) best = {squares, at};
+    }
+    if (!best) return {};
+    return fit.tube_at(best->second, best->first);
+}
+
+}  // namespace pcm
