@@ -21,12 +21,12 @@
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/joined_report.h"
 #include "pcm/detect/point_labels.h"
+#include "pcm/detect/sample_units.h"
 #include "pcm/detect/shape_search.h"
 #include "pcm/detect/surface_sample.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/wider_shapes.h"
 #include "pcm/fit/models/shape_model.h"
-#include "pcm/knn/unit_plan.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -41,7 +41,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t unit_points = 200000;  // points of a sample, estimated by the numbers of points of nodes
 constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // memory of a thread for them
 constexpr std::uint64_t survey_points = 20000;
@@ -90,7 +89,7 @@ void check(const DetectOptions& options, const std::filesystem::path& tree)
 class Detection {
 public:
     Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options, CloudPart part = {})
-        : tree_(tree), options_(options), points_(tree, options.limit, std::move(part)), watch_(options.progress)
+        : tree_(tree), options_(options), points_(tree, options.limit, std::move(part)), units_(points_, 1), watch_(options.progress)
     {
         const std::uint64_t most = std::max<std::uint64_t>(1, options.memory_bytes / unit_bytes);
         threads_ = static_cast<unsigned>(std::min<std::uint64_t>(thread_count(options.threads), most));
@@ -100,7 +99,7 @@ public:
     CloudPart quiet()
     {
         if (!survey() || options_.threshold > 0) return {};
-        return quiet_part(points_, plan(region_points), plan(4 * region_points), report_.noise,
+        return quiet_part(points_, units_.with_points(region_points), units_.with_points(4 * region_points), report_.noise,
                           [&] { watch_.report("Looking at the cloud", 0.01); });
     }
 
@@ -128,7 +127,7 @@ private:
         if (is_surveyed_) return report_.spacing > 0;
         is_surveyed_ = true;
         watch_.report("Looking at the cloud", 0, true);
-        const std::vector<Box3i> all = plan(survey_points);
+        const std::vector<Box3i> all = units_.with_points(survey_points);
         std::vector<Box3i> places;
         const std::size_t count = std::min(all.size(), survey_places);
         for (std::size_t i = 0; i < count; ++i) places.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
@@ -157,104 +156,6 @@ private:
         return true;
     }
 
-    // Boxes with about this number of points of the cloud, among those that the selection touches.
-    std::vector<Box3i> plan(std::uint64_t count) const
-    {
-        const Selector selector(options_.limit, tree_->info().schema);
-        std::vector<Box3i> boxes;
-        for (const Box3i& box : plan_units(*tree_, count))
-            if (points_.part().touches(box) && selector.relation(points_.source_box(box)) != BoxRelation::outside)
-                boxes.push_back(box);
-        return boxes;
-    }
-
-    // The coarsest level that has the points of such cells.
-    std::uint16_t level_of(double cell) const
-    {
-        const TreeInfo& info = tree_->info();
-        for (std::uint16_t level = 0; level < info.levels; ++level)
-            if (info.spacings[level] > 0 && info.spacings[level] <= cell) return level;
-        return static_cast<std::uint16_t>(std::max(1, int(info.levels)) - 1);
-    }
-
-    // The finest level whose points are no nearer than a cell, or the coarsest one; and how many points of a sample
-    // there are for each point up to it. 0: not known.
-    struct LevelGrowth {
-        std::uint16_t level = 0;
-        double growth = 0;
-    };
-    LevelGrowth level_growth(double cell) const
-    {
-        const std::vector<double>& spacings = tree_->info().spacings;
-        LevelGrowth found;
-        while (found.level + 1u < spacings.size() && spacings[found.level + 1u] >= cell) ++found.level;
-        if (!spacings.empty()) found.growth = spacings[found.level] * spacings[found.level] / (cell * cell);
-        return found;
-    }
-
-    // About how many points a sample of the whole cloud has.
-    double sample_points(double cell) const
-    {
-        const auto all = static_cast<double>(tree_->info().points);
-        const auto [level, growth] = level_growth(cell);
-        const double points = growth > 0 ? static_cast<double>(tree_->points_to_level(level)) * growth : all;
-        return std::clamp(points, 1.0, all);
-    }
-
-    // About how many of them lie in a box.
-    double sample_points(const Box3i& box, double cell) const
-    {
-        const auto [level, growth] = level_growth(cell);
-        double all = 0, coarse = 0;
-        std::vector<NodeId> open{0};
-        while (!open.empty()) {
-            const Node& node = tree_->node(open.back());
-            open.pop_back();
-            const double share = shared(node.box, box);
-            if (share <= 0) continue;
-            all += share * node.points;
-            for (std::size_t k = 0; k < node.level_points.size() && node.first_level + k <= level; ++k)
-                coarse += share * node.level_points[k];
-            for (const NodeId child : node.children)
-                if (child != no_node) open.push_back(child);
-        }
-        return growth > 0 ? std::min(all, coarse * growth) : all;
-    }
-
-    // The part of a box that lies in another, counted in grid positions.
-    static double shared(const Box3i& box, const Box3i& other)
-    {
-        if (box.empty()) return 0;
-        double share = 1;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const double low = static_cast<double>(std::max(box.min[a], other.min[a]));
-            const double high = static_cast<double>(std::min(box.max[a], other.max[a]));
-            if (high < low) return 0;
-            share *= (high - low + 1) / (static_cast<double>(box.max[a]) - static_cast<double>(box.min[a]) + 1);
-        }
-        return share;
-    }
-
-    // Boxes with about unit_points of the sample, none with many more.
-    std::vector<Box3i> units_of(double cell) const
-    {
-        const double points = static_cast<double>(tree_->info().points);
-        std::vector<Box3i> open = plan(static_cast<std::uint64_t>(static_cast<double>(unit_points) * points /
-                                                                  sample_points(cell))),
-                           units;
-        std::reverse(open.begin(), open.end());
-        while (!open.empty()) {
-            const Box3i box = open.back();
-            open.pop_back();
-            const std::vector<Box3i> halves = halves_of(box, tree_->info().grid.scale);
-            if (halves.empty() || sample_points(box, cell) <= unit_points)
-                units.push_back(box);
-            else
-                open.insert(open.end(), halves.rbegin(), halves.rend());
-        }
-        return units;
-    }
-
     std::vector<Resolution> resolutions() const
     {
         std::vector<Resolution> all;
@@ -262,8 +163,8 @@ private:
         for (;; cell *= tuned_.coarser) {
             Resolution resolution;
             resolution.sample = {
-                level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, {}};
-            resolution.units = units_of(cell);
+                units_.level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, {}};
+            resolution.units = units_.with_cell(cell);
             all.push_back(std::move(resolution));
             if (all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
         }
@@ -299,7 +200,7 @@ private:
     AssignOptions assign_options(double cell, double begin, double end)
     {
         AssignOptions assign;
-        assign.sample = {level_of(cell > report_.sample ? cell : 0),
+        assign.sample = {units_.level_of(cell > report_.sample ? cell : 0),
                          cell,
                          std::max(margin_cells * cell, 1.01 * options_.step),
                          options_.step,
@@ -319,7 +220,7 @@ private:
     {
         const auto sample = [&](double cells) {
             const double cell = cells * report_.sample;
-            return WidenSample{assign_options(cell, 0.6, 0.65), units_of(cell)};
+            return WidenSample{assign_options(cell, 0.6, 0.65), units_.with_cell(cell)};
         };
         WidenOptions widen;
         widen.fine = sample(detect_tuning().widening.cells);
@@ -385,7 +286,7 @@ private:
     // Which points belong to which primitive, and what these are.
     void settle()
     {
-        const std::vector<Box3i> units = units_of(report_.sample);
+        const std::vector<Box3i> units = units_.with_cell(report_.sample);
         auto labels = std::make_shared<PointLabels>(*tree_);
         AssignedPoints assigned =
             assign_points(points_, units, hypotheses_, assign_options(report_.sample, 0.65, 0.85), labels.get());
@@ -415,6 +316,7 @@ private:
     const DetectOptions& options_;
     const ResolutionTuning& tuned_ = detect_tuning().resolution;
     const ChosenPoints points_;
+    const SampleUnits units_;
     Watch watch_;
     unsigned threads_ = 1;
     bool is_surveyed_ = false;
