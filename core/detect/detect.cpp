@@ -98,7 +98,7 @@ public:
     // The part that has to be searched by itself; the whole: none has.
     CloudPart quiet()
     {
-        if (!survey() || options_.threshold > 0) return {};
+        if (!survey() || !is_automatic()) return {};
         return quiet_part(points_, units_.with_points(region_points), units_.with_points(4 * region_points), report_.noise,
                           [&] { watch_.report("Looking at the cloud", 0.01); });
     }
@@ -109,7 +109,7 @@ public:
         report_.labels = std::make_shared<PointLabels>(*tree_);
         if (survey()) {
             for (Resolution& resolution : resolutions()) search(resolution);
-            if (!(options_.threshold > 0)) widen();
+            if (is_automatic()) widen();
             settle();
         }
         report_.outcome.seconds = watch_.seconds();
@@ -122,6 +122,9 @@ public:
     }
 
 private:
+    // Whether thresholds come from the noise.
+    bool is_automatic() const { return !(options_.threshold > 0); }
+
     bool survey()
     {
         if (is_surveyed_) return report_.spacing > 0;
@@ -250,6 +253,7 @@ private:
         search.threshold = report_.threshold;
         search.normal_angle = options_.normal_angle;
         search.seed = options_.seed;
+        if (is_automatic()) search.least_sagitta = detect_tuning().search.sagitta_thresholds * report_.threshold;
         search.least = resolution.sample.cell > report_.sample
                            ? tuned_.min_coarse_points
                            : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
@@ -293,8 +297,9 @@ private:
         FinalFitOptions fit;
         fit.least_points = options_.least_points;
         fit.keep_pieces = options_.pieces;
-        fit.is_automatic = !(options_.threshold > 0);
+        fit.is_automatic = is_automatic();
         fit.noise = report_.noise;
+        fit.cell = report_.sample;
         fit.threads = threads_;
         fit.progress = [&](double fraction) { watch_.report("Fitting primitives", 0.85 + 0.14 * fraction); };
         FinalFit result = fit_parts(points_, hypotheses_, assigned, *labels, fit);

@@ -17,6 +17,7 @@ struct FinalFitOptions {
     // not those of one surface of that shape.
     bool is_automatic = false;
     double noise = 0;
+    double cell = 0;  // of the sample that the parts come from, source units
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
 };

@@ -1,6 +1,7 @@
 #include "pcm/detect/shape_search.h"
 
 #include "pcm/detect/local_surface.h"
+#include "pcm/detect/sagitta.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_fit.h"
 
@@ -137,19 +138,10 @@ private:
     // Whether the normals of the points turn too much for a plane.
     bool is_curved(const FoundShape& found) const
     {
-        const Vec3d first = normal_at(found.shape, sample_.at[found.points[0]]);
-        // The point whose normal is farthest from the first one's, and the one farthest from that.
-        Vec3d far = first;
-        double turn = 1;
-        for (int round = 0; round < 2; ++round) {
-            const Vec3d from = far;
-            turn = 1;
-            for (const std::uint32_t i : found.points) {
-                const Vec3d normal = normal_at(found.shape, sample_.at[i]);
-                if (dot(normal, from) < turn) turn = dot(normal, from), far = normal;
-            }
-        }
-        return turn < std::cos(tuned_.min_arc);
+        std::vector<Vec3d> at;
+        for (const std::uint32_t i : found.points) at.push_back(sample_.at[i]);
+        const double turn = turn_of(found.shape, at);
+        return turn > tuned_.min_arc && sagitta_of(found.shape, turn) >= options_.least_sagitta;
     }
 
     bool fits_here(std::uint32_t i, const Shape& shape) const

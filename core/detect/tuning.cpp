@@ -28,6 +28,8 @@ std::vector<TunedValue> detect_tuned_values()
         PCM_TUNED(detect.resolution.edge_spacings), PCM_TUNED(detect.search.shadow),
         PCM_TUNED(detect.search.smooth_share),      PCM_TUNED(detect.search.max_rough),
         PCM_TUNED(detect.search.curved_gain),       PCM_TUNED(detect.search.min_arc),
+        PCM_TUNED(detect.search.sagitta_thresholds), PCM_TUNED(detect.search.width_thresholds),
+        PCM_TUNED(detect.pieces.kept_sagitta), PCM_TUNED(detect.pieces.doubtful_edge), PCM_TUNED(detect.pieces.doubtful_bend), PCM_TUNED(detect.pieces.curved_bend), PCM_TUNED(detect.pieces.kept_width),
         PCM_TUNED(detect.search.tried_points),      PCM_TUNED(detect.pieces.min_edge),
         PCM_TUNED(detect.pieces.min_bend),          PCM_TUNED(detect.pieces.min_outline),
         PCM_TUNED(detect.pieces.flat_rms),          PCM_TUNED(detect.pieces.flat_outline),

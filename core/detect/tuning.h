@@ -77,6 +77,14 @@ struct ShapeSearchTuning {
     // Minimum turn of a curved shape's normals.
     // Chosen: not swept.
     double min_arc = 0.5;  // radians
+    // Sagitta of a curved shape where its points are (sagitta.h), and width of a plane: below, the threshold hides what
+    // bends there, and a plane or several shapes have the points as well.
+    // Chosen: a third of the sagitta is the largest threshold at which pipes seen from one side keep their radius; not
+    // swept.
+    double sagitta_thresholds = 3;  // thresholds
+    // Chosen: the chord within a threshold of a plane in a pipe of three thresholds' radius, the thinnest one that is
+    // not refused, is 5.7; not swept.
+    double width_thresholds = 6;  // thresholds
     // Points around a seed without a shape that are not tried again.
     // Chosen: not swept.
     std::size_t tried_points = 12;  // points
@@ -101,6 +109,23 @@ struct PieceTuning {
     double flat_rms = 0.2;  // thresholds
     // Chosen: with flat_rms; not swept.
     double flat_outline = 4;  // roots of the number of points
+    // Sagitta of a curved shape as wide as its part's box, from which on a piece is kept, as doubtful: vessels between
+    // round heads, pipes between elbows.
+    // Chosen: a vessel of a plant has 100, pieces of hills 3; not swept.
+    double kept_sagitta = 10;  // thresholds
+    // Share of its edge where a surface continues, and bend as min_bend, from which on a primitive is doubted.
+    // Chosen: planes and cylinders of hills have more, but for 4 of 430, those of a plant less; not swept.
+    double doubtful_edge = 0.05;  // share of the edge
+    // Chosen: with doubtful_edge; not swept.
+    double doubtful_bend = 0.49;  // rms of the means per rms of the distances
+    // Bend from which on a curved primitive is doubted whether its surface continues or not.
+    // Chosen: right cylinders and spheres of a plant whose stations are apart by their noise have up to 0.58, cones and
+    // hills that are taken for cylinders 0.63 to 0.95; not swept.
+    double curved_bend = 0.6;  // rms of the means per rms of the distances
+    // Mean width of a plane's part, its area by its box's diagonal, from which on a piece is kept, as doubtful: floors,
+    // ceilings and walls.
+    // Chosen: floors of an indoor scan have 130, pieces of hills 20; not swept.
+    double kept_width = 50;  // thresholds
     // A surface continues at a point where this many neighbours' surroundings are next to the threshold.
     // Chosen: not swept.
     std::size_t min_neighbours = 3;  // points
