@@ -68,11 +68,11 @@ private:
         for (std::uint32_t h = 0; h < hypotheses_.size(); ++h) {
             options_.sample.check();
             const Shape shape = shape_here(h);
-            const double threshold = hypotheses_[h].threshold;
+            const double threshold = hypotheses_[h].threshold, least_cosine = hypotheses_[h].thin ? -1 : cos_angle;
             const Box3d box = reached_box(hypotheses_[h], options_.reach);
             for_points_near(sample_, box, shape, threshold, [&](std::uint32_t i) {
                 const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]) / threshold);
-                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, cos_angle)) return;
+                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, least_cosine)) return;
                 best[i] = distance;
                 owner_[i] = h;
             });

@@ -20,6 +20,7 @@
 #include "pcm/detect/final_fit.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/joined_report.h"
+#include "pcm/detect/pipe_search.h"
 #include "pcm/detect/point_labels.h"
 #include "pcm/detect/sample_units.h"
 #include "pcm/detect/shape_search.h"
@@ -88,11 +89,19 @@ void check(const DetectOptions& options, const std::filesystem::path& tree)
 
 class Detection {
 public:
-    Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options, CloudPart part = {})
-        : tree_(tree), options_(options), points_(tree, options.limit, std::move(part)), units_(points_, 1), watch_(options.progress)
+    // `first`: what was found in this part; those points are searched again that belong to none of it. Null: all are.
+    Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options, CloudPart part = {},
+              const DetectReport* first = nullptr)
+        : tree_(tree),
+          options_(options),
+          points_(tree, options.limit, std::move(part), first ? first->labels : nullptr),
+          units_(points_, first ? left_share(*first, *tree) : 1),
+          watch_(options.progress),
+          is_again_(first != nullptr)
     {
         const std::uint64_t most = std::max<std::uint64_t>(1, options.memory_bytes / unit_bytes);
         threads_ = static_cast<unsigned>(std::min<std::uint64_t>(thread_count(options.threads), most));
+        if (first) set_finer_than(*first);
     }
 
     // The part that has to be searched by itself; the whole: none has.
@@ -109,7 +118,7 @@ public:
         report_.labels = std::make_shared<PointLabels>(*tree_);
         if (survey()) {
             for (Resolution& resolution : resolutions()) search(resolution);
-            if (is_automatic()) widen();
+            if (is_automatic() && !is_again_) widen();
             settle();
         }
         report_.outcome.seconds = watch_.seconds();
@@ -124,6 +133,23 @@ public:
 private:
     // Whether thresholds come from the noise.
     bool is_automatic() const { return !(options_.threshold > 0); }
+
+    static double left_share(const DetectReport& first, const Tree& tree)
+    {
+        const auto left = static_cast<double>(first.outcome.points_in - first.outcome.points_out);
+        return std::max(1.0, left) / static_cast<double>(std::max<std::uint64_t>(1, tree.info().points));
+    }
+
+    void set_finer_than(const DetectReport& first)
+    {
+        is_surveyed_ = true;
+        report_.spacing = first.spacing;
+        report_.noise = first.noise;
+        report_.threshold = detect_tuning().pipes.threshold_share * first.threshold;
+        report_.step = options_.step;
+        report_.sample = detect_tuning().pipes.cell * report_.threshold;
+        if (options_.step > 0) report_.sample = std::min(report_.sample, options_.step / 2);
+    }
 
     bool survey()
     {
@@ -169,7 +195,7 @@ private:
                 units_.level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, {}};
             resolution.units = units_.with_cell(cell);
             all.push_back(std::move(resolution));
-            if (all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
+            if (is_again_ || all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
         }
         std::reverse(all.begin(), all.end());
         return all;
@@ -248,30 +274,56 @@ private:
     {
         std::vector<std::uint8_t> taken(sample.size(), 0);
         mark_explained(sample, resolution.sample.cell, taken);
+        if (is_again_ && wants(ShapeKind::cylinder)) {
+            PipeSearchOptions pipes;
+            pipes.threshold = report_.threshold;
+            pipes.noise = report_.noise;
+            pipes.least = least_sampled(resolution);
+            pipes.seed = options_.seed;
+            pipes.check = check;
+            for (const FoundShape& pipe : search_pipes(sample, pipes, taken)) {
+                found.push_back(hypothesis_of(pipe, sample, resolution.sample.cell));
+                found.back().thin = found.back().whole = true;
+            }
+        }
         ShapeSearchOptions search;
         search.kinds = options_.kinds;
         search.threshold = report_.threshold;
         search.normal_angle = options_.normal_angle;
         search.seed = options_.seed;
         if (is_automatic()) search.least_sagitta = detect_tuning().search.sagitta_thresholds * report_.threshold;
-        search.least = resolution.sample.cell > report_.sample
-                           ? tuned_.min_coarse_points
-                           : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
+        search.least = least_sampled(resolution);
         search.check = check;
-        for (const FoundShape& shape : search_shapes(sample, search, taken)) {
-            Hypothesis one;
-            one.shape = shape.shape;
-            one.shape.point = one.shape.point + sample.origin;
-            one.area = static_cast<double>(shape.points.size()) * resolution.sample.cell * resolution.sample.cell;
-            one.rms = shape.rms;
-            one.threshold = report_.threshold;
-            one.reach = tuned_.edge_cells * resolution.sample.cell;
-            for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
-            const std::size_t some = std::min(hypothesis_points, shape.points.size());
-            for (std::size_t i = 0; i < some; ++i)
-                one.some.push_back(sample.origin + sample.at[shape.points[i * shape.points.size() / some]]);
-            found.push_back(std::move(one));
-        }
+        for (const FoundShape& shape : search_shapes(sample, search, taken))
+            found.push_back(hypothesis_of(shape, sample, resolution.sample.cell));
+    }
+
+    bool wants(ShapeKind kind) const
+    {
+        return std::find(options_.kinds.begin(), options_.kinds.end(), kind) != options_.kinds.end();
+    }
+
+    std::size_t least_sampled(const Resolution& resolution) const
+    {
+        return resolution.sample.cell > report_.sample
+                   ? tuned_.min_coarse_points
+                   : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
+    }
+
+    Hypothesis hypothesis_of(const FoundShape& shape, const SurfaceSample& sample, double cell) const
+    {
+        Hypothesis one;
+        one.shape = shape.shape;
+        one.shape.point = one.shape.point + sample.origin;
+        one.area = static_cast<double>(shape.points.size()) * cell * cell;
+        one.rms = shape.rms;
+        one.threshold = shape.threshold;
+        one.reach = tuned_.edge_cells * cell;
+        for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
+        const std::size_t some = std::min(hypothesis_points, shape.points.size());
+        for (std::size_t i = 0; i < some; ++i)
+            one.some.push_back(sample.origin + sample.at[shape.points[i * shape.points.size() / some]]);
+        return one;
     }
 
     void mark_explained(const SurfaceSample& sample, double cell, std::vector<std::uint8_t>& taken) const
@@ -324,6 +376,7 @@ private:
     const SampleUnits units_;
     Watch watch_;
     unsigned threads_ = 1;
+    const bool is_again_ = false;  // the second search: finer, of points that are left
     bool is_surveyed_ = false;
     double progress_ = 0.02;
     std::vector<Hypothesis> hypotheses_;
@@ -340,17 +393,51 @@ std::vector<ShapeKind> detected_kinds()
     return kinds;
 }
 
+namespace {
+
+// What was found, and what a second search at a finer threshold finds among the points that are left: pipes that the
+// first one is too coarse for.
+DetectReport with_finer_shapes(const std::shared_ptr<const Tree>& tree, const DetectOptions& options,
+                               const CloudPart& part, DetectReport found)
+{
+    const std::uint64_t left = found.outcome.points_in - found.outcome.points_out;
+    if (options.threshold > 0 || !(found.spacing > 0) || left < options.least_points) return found;
+    DetectReport finer = Detection(tree, options, part, &found).run();
+    finer.outcome.points_in = 0;  // they were counted
+    finer.notes.clear();          // as were its pieces of surfaces
+    return joined(*tree, std::move(found), std::move(finer));
+}
+
+// Options whose progress is a part of the whole one's.
+DetectOptions within(const DetectOptions& options, double begin, double end)
+{
+    DetectOptions part = options;
+    part.progress = part_of(options.progress, begin, end);
+    return part;
+}
+
+}  // namespace
+
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
 {
     check(options, tree->folder());
-    Detection whole(tree, options);
+    const DetectOptions first = within(options, 0, 0.8), second = within(options, 0.8, 1);
+    Detection whole(tree, first);
     const CloudPart quiet = whole.quiet();
-    if (quiet.is_whole()) return whole.run();
-    DetectOptions first = options, second = options;
-    first.progress = part_of(options.progress, 0.02, 0.5);
-    second.progress = part_of(options.progress, 0.5, 1);
-    DetectReport rest = Detection(tree, first, quiet.others()).run();
-    return joined(*tree, std::move(rest), Detection(tree, second, quiet).run());
+    if (quiet.is_whole()) return with_finer_shapes(tree, second, {}, whole.run());
+    const auto search = [&](const CloudPart& part, double begin, double end) {
+        const double middle = begin + 0.8 * (end - begin);
+        const DetectOptions coarse = within(options, begin, middle), fine = within(options, middle, end);
+        return with_finer_shapes(tree, fine, part, Detection(tree, coarse, part).run());
+    };
+    DetectReport rest = search(quiet.others(), 0.02, 0.5);
+    DetectReport found = search(quiet, 0.5, 1);
+    rest.notes.push_back(grouped(found.outcome.points_in) +
+                         " points have far less noise than the others; shapes there were searched by themselves: "
+                         "threshold " +
+                         brief(found.threshold) + ", noise " + brief(found.noise) + ", spacing " +
+                         brief(found.spacing));
+    return joined(*tree, std::move(rest), std::move(found));
 }
 
 }  // namespace pcm

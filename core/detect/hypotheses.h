@@ -17,6 +17,7 @@ struct Hypothesis {
     double rms = 0;
     double threshold = 0;  // largest distance of its points, source units
     double reach = 0;      // its points may lie so far outside of the box, source units
+    bool thin = false;     // normals of its points show nothing of it (pipe_search.h)
     bool whole = false;    // it was tried whether its points are a piece of something bent: they are not
 };
 inline constexpr std::size_t hypothesis_points = 256;  // in `some`

@@ -240,6 +240,13 @@ std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3
 
 }  // namespace
 
+std::vector<Vec3d> places_of(const SurfaceSample& sample, const std::vector<std::uint32_t>& points)
+{
+    std::vector<Vec3d> places;
+    for (const std::uint32_t i : points) places.push_back(sample.at[i]);
+    return places;
+}
+
 SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings)
 {
     return *sample_up_to(points, box, settings, std::numeric_limits<std::size_t>::max() / 2);

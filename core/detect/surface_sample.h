@@ -101,6 +101,9 @@ struct SurfaceSample {
     Vec3d normal_of(std::size_t i) const { return {normal[i][0], normal[i][1], normal[i][2]}; }
 };
 
+// Places of some points, relative to the sample's origin.
+std::vector<Vec3d> places_of(const SurfaceSample& sample, const std::vector<std::uint32_t>& points);
+
 // Calls use(i) for the points of a sample in a box and up to `most` from a plane, cylinder or sphere, ascending, and
 // may do so for others of the box. `box`: source coordinates; `shape`: relative to the sample's origin.
 template <class Use>

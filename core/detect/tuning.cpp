@@ -30,7 +30,7 @@ std::vector<TunedValue> detect_tuned_values()
         PCM_TUNED(detect.search.curved_gain),       PCM_TUNED(detect.search.min_arc),
         PCM_TUNED(detect.search.sagitta_thresholds), PCM_TUNED(detect.search.width_thresholds),
         PCM_TUNED(detect.pieces.kept_sagitta), PCM_TUNED(detect.pieces.doubtful_edge), PCM_TUNED(detect.pieces.doubtful_bend), PCM_TUNED(detect.pieces.curved_bend), PCM_TUNED(detect.pieces.kept_width),
-        PCM_TUNED(detect.search.tried_points),      PCM_TUNED(detect.pieces.min_edge),
+        PCM_TUNED(detect.search.tried_points),      PCM_TUNED(detect.pipes.threshold_share), PCM_TUNED(detect.pipes.cell), PCM_TUNED(detect.pipes.min_elongation), PCM_TUNED(detect.pipes.kept_threshold), PCM_TUNED(detect.pipes.min_noises), PCM_TUNED(detect.pipes.min_turn), PCM_TUNED(detect.pipes.min_length), PCM_TUNED(detect.pipes.alone_thresholds), PCM_TUNED(detect.pipes.max_others), PCM_TUNED(detect.pipes.tried_points), PCM_TUNED(detect.pieces.min_edge),
         PCM_TUNED(detect.pieces.min_bend),          PCM_TUNED(detect.pieces.min_outline),
         PCM_TUNED(detect.pieces.flat_rms),          PCM_TUNED(detect.pieces.flat_outline),
         PCM_TUNED(detect.pieces.min_neighbours),    PCM_TUNED(detect.pieces.min_beyond),

@@ -90,6 +90,37 @@ struct ShapeSearchTuning {
     std::size_t tried_points = 12;  // points
 };
 
+// Thin pipes among the points that belong to nothing (pipe_search.h).
+struct PipeTuning {
+    // Threshold of the second search, for pipes and all kinds, among the points that the first one left.
+    // Chosen: two standard deviations of the survey's noise, an upper estimate; not swept.
+    double threshold_share = 0.5;  // share of the first search's threshold
+    // Size of the cells of its sample.
+    // Chosen: pipes have few points, none to lose; not swept.
+    double cell = 0.5;  // thresholds
+    // Standard deviations of a patch along and across its line.
+    // Chosen: not swept.
+    double min_elongation = 2;  // factor
+    // A pipe's threshold is this share of the largest one that does not hide its bend: its radius is not known yet.
+    // Chosen: not swept.
+    double kept_threshold = 0.9;  // share
+    // Below this threshold least squares sees noise alone.
+    // Chosen: a pipe of five noises' radius, seen from one side, has 1.6; not swept.
+    double min_noises = 1.25;  // standard deviations
+    // Chosen: a scanner sees half of a pipe, pi, less where it is grazed; not swept.
+    double min_turn = 1.4;  // radians
+    // Chosen: three diameters; not swept.
+    double min_length = 6;  // radii
+    // Points up to this distance that are not the pipe's.
+    // Chosen: not swept.
+    double alone_thresholds = 4;  // thresholds
+    // Chosen: Gaussian noise of two thirds of the threshold leaves 0.15; not swept.
+    double max_others = 0.35;  // share of the pipe's points
+    // Points around a seed without a pipe that are not tried again.
+    // Chosen: with detect.search.tried_points; not swept.
+    std::size_t tried_points = 24;  // points
+};
+
 // Which parts of surfaces the threshold cuts out of something bent (assign_points.h).
 struct PieceTuning {
     // Minimum share of the edge where the surface of a piece continues.
@@ -174,6 +205,7 @@ struct DetectTuning {
     SurveyTuning survey;
     ResolutionTuning resolution;
     ShapeSearchTuning search;
+    PipeTuning pipes;
     PieceTuning pieces;
     WideningTuning widening;
     MergingTuning merging;
