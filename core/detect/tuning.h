@@ -198,7 +198,7 @@ struct MergingTuning {
     double explained_share = 0.8;  // share of the points
     // Minimum share of points inside a part, below which those at edges are used too.
     // Chosen: not swept.
-    double min_interior = 0.2;  // share of the points
+    double min_interior = 0.5;  // share of the points
 };
 
 struct DetectTuning {
