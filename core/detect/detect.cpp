@@ -44,8 +44,8 @@ namespace {
 
 constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // memory of a thread for them
-constexpr std::uint64_t survey_points = 20000;
-constexpr std::size_t survey_places = 24;
+constexpr std::uint64_t survey_points = 5000;  // points of a place
+constexpr std::size_t survey_places = 96;      // so many that clouds of any size with the same surfaces show the same
 constexpr std::uint64_t region_points = 40000;  // points of a region whose noise is compared with the cloud's
 constexpr double most_step_cells = 128;  // cells of the sample in a step: all within a step of a unit is in memory
 constexpr double margin_cells = 8;
@@ -108,7 +108,7 @@ public:
     CloudPart quiet()
     {
         if (!survey() || !is_automatic()) return {};
-        return quiet_part(points_, units_.with_points(region_points), units_.with_points(4 * region_points), report_.noise,
+        return quiet_part(points_, units_.with_points(region_points), units_.with_points(4 * region_points), survey_,
                           [&] { watch_.report("Looking at the cloud", 0.01); });
     }
 
@@ -160,7 +160,7 @@ private:
         std::vector<Box3i> places;
         const std::size_t count = std::min(all.size(), survey_places);
         for (std::size_t i = 0; i < count; ++i) places.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
-        const CloudSurvey found = survey_cloud(points_, places, [&] { watch_.report("Looking at the cloud", 0.01); });
+        const CloudSurvey& found = survey_ = survey_cloud(points_, places, [&] { watch_.report("Looking at the cloud", 0.01); });
         report_.spacing = found.spacing;
         report_.noise = found.noise;
         if (!(found.spacing > 0)) {
@@ -352,6 +352,7 @@ private:
         fit.is_automatic = is_automatic();
         fit.noise = report_.noise;
         fit.cell = report_.sample;
+        fit.only_good = is_again_;
         fit.threads = threads_;
         fit.progress = [&](double fraction) { watch_.report("Fitting primitives", 0.85 + 0.14 * fraction); };
         FinalFit result = fit_parts(points_, hypotheses_, assigned, *labels, fit);
@@ -380,6 +381,7 @@ private:
     bool is_surveyed_ = false;
     double progress_ = 0.02;
     std::vector<Hypothesis> hypotheses_;
+    CloudSurvey survey_;
     DetectReport report_;
 };
 
@@ -401,7 +403,12 @@ DetectReport with_finer_shapes(const std::shared_ptr<const Tree>& tree, const De
                                const CloudPart& part, DetectReport found)
 {
     const std::uint64_t left = found.outcome.points_in - found.outcome.points_out;
-    if (options.threshold > 0 || !(found.spacing > 0) || left < options.least_points) return found;
+    if (options.threshold > 0 || !(found.spacing > 0) || left < options.least_points) {
+        Watch watch(options.progress);
+        watch.report("Searching shapes", 0, true);
+        watch.finish("Done");
+        return found;
+    }
     DetectReport finer = Detection(tree, options, part, &found).run();
     finer.outcome.points_in = 0;  // they were counted
     finer.notes.clear();          // as were its pieces of surfaces

@@ -37,7 +37,7 @@ struct Candidate {
     double extent = 0;
     Vec3d corner{};
     double threshold = 0;
-    bool whole = false;
+    bool whole = false, thin = false;  // as those of its hypothesis
     std::uint32_t part = 0;
     bool interior = true;  // is fitted to points inside, not to those at edges
 };
@@ -149,6 +149,7 @@ public:
             if (sums[c].all.points() < options_.least_points) continue;
             Primitive primitive = primitive_of(candidates_[c], sums[c]);
             if (!primitive.fit.has_shape() || (options_.is_automatic && is_hidden(primitive, sums[c]))) continue;
+            if (options_.only_good && !candidates_[c].thin && primitive.fit.verdict != FitVerdict::good) continue;
             primitive.colour = colour_in_turn(result_.primitives.size());
             label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
             primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
@@ -179,6 +180,7 @@ private:
         Candidate candidate;
         candidate.part = part;
         candidate.whole = hypotheses[from.hypothesis].whole;
+        candidate.thin = hypotheses[from.hypothesis].thin;
         candidate.threshold = hypotheses[from.hypothesis].threshold;
         candidate.shape = hypotheses[from.hypothesis].shape;
         candidate.middle = from.box.centre();

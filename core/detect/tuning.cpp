@@ -21,7 +21,7 @@ std::vector<TunedValue> detect_tuned_values()
         PCM_TUNED(detect.survey.lower_quantile),    PCM_TUNED(detect.survey.upper_quantile),
         PCM_TUNED(detect.survey.lower_factor),      PCM_TUNED(detect.survey.upper_factor),
         PCM_TUNED(detect.survey.min_patch_width),   PCM_TUNED(detect.survey.threshold_noises),
-        PCM_TUNED(detect.survey.quiet_share),       PCM_TUNED(detect.survey.quiet_quantile),
+        PCM_TUNED(detect.survey.quiet_share),       PCM_TUNED(detect.survey.quiet_beside), PCM_TUNED(detect.survey.dense_beside), PCM_TUNED(detect.survey.quiet_quantile),
         PCM_TUNED(detect.resolution.cell_noises),   PCM_TUNED(detect.resolution.cell_spacings),
         PCM_TUNED(detect.resolution.coarser),       PCM_TUNED(detect.resolution.edge_cells),
         PCM_TUNED(detect.resolution.reach_cells),   PCM_TUNED(detect.resolution.min_coarse_points),

@@ -31,6 +31,12 @@ struct SurveyTuning {
     // ground within a drone's cloud, say.
     // Chosen: noises of such scanners differ by ten and more, of one scanner's ranges by less; not swept.
     double quiet_share = 0.15;  // share of the cloud's noise
+    // Noise below which a place is of such a part where the cloud has one.
+    // Chosen: pipes and edges of a plant in a drone's cloud raise its noise to 0.3, terrain has 0.7 and more; not swept.
+    double quiet_beside = 0.4;  // share of the cloud's noise
+    // Spacing of a place that is of such a part whatever its noise: pipes and edges show none that is low.
+    // Chosen: terrain's spacing differs by two; with quiet_beside; not swept.
+    double dense_beside = 0.25;  // share of the cloud's spacing
     // Patches of bushes in such a part have more.
     // Chosen: with quiet_share; not swept.
     double quiet_quantile = 0.15;  // share of the patches
