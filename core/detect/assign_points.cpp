@@ -229,7 +229,8 @@ private:
         for (std::uint32_t i = 0; i < sample_.size(); ++i) {
             if (part_[i] == none || !sample_.inside[i]) continue;
             SurfacePart& part = parts_[part_[i]];
-            if (part.hypothesis >= options_.some_from && part.some.size() < most_kept_points && i % some_of[part_[i]] == 0)
+            if (part.hypothesis >= options_.some_from && part.some.size() < most_kept_points &&
+                i % some_of[part_[i]] == 0)
                 part.some.push_back(sample_.origin + sample_.at[i]);
             ++part.sampled;
             part.box.extend(sample_.origin + sample_.at[i]);

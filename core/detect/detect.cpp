@@ -44,8 +44,8 @@ namespace {
 
 constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // memory of a thread for them
-constexpr std::uint64_t survey_points = 5000;  // points of a place
-constexpr std::size_t survey_places = 96;      // so many that clouds of any size with the same surfaces show the same
+constexpr std::uint64_t survey_points = 5000;                  // points of a place
+constexpr std::size_t survey_places = 96;       // so many that clouds of any size with the same surfaces show the same
 constexpr std::uint64_t region_points = 40000;  // points of a region whose noise is compared with the cloud's
 constexpr double most_step_cells = 128;  // cells of the sample in a step: all within a step of a unit is in memory
 constexpr double margin_cells = 8;
@@ -160,7 +160,8 @@ private:
         std::vector<Box3i> places;
         const std::size_t count = std::min(all.size(), survey_places);
         for (std::size_t i = 0; i < count; ++i) places.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
-        const CloudSurvey& found = survey_ = survey_cloud(points_, places, [&] { watch_.report("Looking at the cloud", 0.01); });
+        const CloudSurvey& found = survey_ =
+            survey_cloud(points_, places, [&] { watch_.report("Looking at the cloud", 0.01); });
         report_.spacing = found.spacing;
         report_.noise = found.noise;
         if (!(found.spacing > 0)) {
@@ -191,8 +192,12 @@ private:
         double cell = report_.sample;
         for (;; cell *= tuned_.coarser) {
             Resolution resolution;
-            resolution.sample = {
-                units_.level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, {}};
+            resolution.sample = {units_.level_of(all.empty() ? 0 : cell),
+                                 cell,
+                                 margin_cells * cell,
+                                 options_.step,
+                                 most_unit_points,
+                                 {}};
             resolution.units = units_.with_cell(cell);
             all.push_back(std::move(resolution));
             if (is_again_ || all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
@@ -273,7 +278,11 @@ private:
                        std::vector<Hypothesis>& found) const
     {
         std::vector<std::uint8_t> taken(sample.size(), 0);
-        mark_explained(sample, resolution.sample.cell, taken);
+        ExplainedLimits explained;
+        explained.threshold = detect_tuning().search.shadow * report_.threshold;
+        explained.reach = tuned_.reach_cells * resolution.sample.cell;
+        explained.normal_angle = options_.normal_angle;
+        mark_explained(sample, hypotheses_, explained, taken);
         if (is_again_ && wants(ShapeKind::cylinder)) {
             PipeSearchOptions pipes;
             pipes.threshold = report_.threshold;
@@ -324,19 +333,6 @@ private:
         for (std::size_t i = 0; i < some; ++i)
             one.some.push_back(sample.origin + sample.at[shape.points[i * shape.points.size() / some]]);
         return one;
-    }
-
-    void mark_explained(const SurfaceSample& sample, double cell, std::vector<std::uint8_t>& taken) const
-    {
-        const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
-        for (const Hypothesis& known : hypotheses_) {
-            Shape shape = known.shape;
-            shape.point = shape.point - sample.origin;
-            const double most = detect_tuning().search.shadow * report_.threshold;
-            for_points_near(sample, reached_box(known, tuned_.reach_cells * cell), shape, most, [&](std::uint32_t i) {
-                if (!taken[i] && fits(sample, i, shape, most, cos_angle)) taken[i] = 1;
-            });
-        }
     }
 
     // Which points belong to which primitive, and what these are.

@@ -161,13 +161,13 @@ public:
     }
 
 private:
-    // Whether a piece is a doubtful primitive in any case: a floor, a ceiling, a wall, or round far beyond the threshold.
+    // Whether a piece is a doubtful primitive in any case: a floor, a ceiling, a wall, or round far beyond the
+    // threshold.
     bool is_kept(const SurfacePart& part, const Hypothesis& from) const
     {
         const PieceTuning& tuned = detect_tuning().pieces;
         const double area = static_cast<double>(part.sampled) * options_.cell * options_.cell;
-        if (traits_of(from.shape.kind).is_flat())
-            return area > tuned.kept_width * from.threshold * part.box.diagonal();
+        if (traits_of(from.shape.kind).is_flat()) return area > tuned.kept_width * from.threshold * part.box.diagonal();
         Vec3d sides = part.box.max - part.box.min;
         std::sort(sides.begin(), sides.end());
         const double turn = 2 * std::asin(std::min(1.0, 0.5 * sides[1] / from.shape.radius));
@@ -274,20 +274,22 @@ private:
         return primitive;
     }
 
-    // Whether neighbours' distances agree, alone or with the surface continuing at the edge, as those of ground do.
-    static bool is_bent(const Shape& shape, const SurfacePart& part)
+    // Whether neighbours' distances agree: with the surface continuing at the edge, as those of ground do, or much, on
+    // a curved shape or with more noise than the cloud has.
+    bool is_bent(const ShapeFit& fit, const SurfacePart& part) const
     {
         const PieceTuning& tuned = detect_tuning().pieces;
-        const bool continues = static_cast<double>(part.continued) > tuned.doubtful_edge * static_cast<double>(part.edge);
+        const bool continues =
+            static_cast<double>(part.continued) > tuned.doubtful_edge * static_cast<double>(part.edge);
         const auto bends = [&](double bend) { return part.smooth_squares > bend * bend * part.squares; };
-        return (continues && bends(tuned.doubtful_bend)) ||
-               (!traits_of(shape.kind).is_flat() && bends(tuned.curved_bend));
+        const bool is_even = traits_of(fit.shape.kind).is_flat() && fit.noise <= options_.noise;
+        return (continues && bends(tuned.doubtful_bend)) || (!is_even && bends(tuned.curved_bend));
     }
 
     // As a fit at a place is judged, by points that were drawn.
     void judge(ShapeFit& fit, const SurfacePart& part, const std::vector<Vec3d>& some) const
     {
-        if (is_bent(fit.shape, part))
+        if (is_bent(fit, part))
             return doubt(fit, FitIssue::uneven,
                          "neighbouring points leave the shape together, more than their noise does: this may be a "
                          "piece of something bent");

@@ -83,7 +83,8 @@ public:
     {
         std::vector<FoundShape> found;
         std::size_t count = 0;
-        for (const std::uint32_t seed : seeds_in_order(sample_, growth_, options_.seed, [](std::uint32_t) { return 0; })) {
+        for (const std::uint32_t seed :
+             seeds_in_order(sample_, growth_, options_.seed, [](std::uint32_t) { return 0; })) {
             if (options_.check && ++count % 64 == 0) options_.check();
             if (!growth_.is_free(seed) || tried_[seed]) continue;
             FoundShape pipe = pipe_from(seed);
@@ -129,8 +130,7 @@ private:
     bool is_pipe(const FoundShape& pipe) const
     {
         const std::vector<Vec3d> points = places_of(sample_, pipe.points);
-        return threshold_of(pipe.shape, points) >= pipe.threshold &&
-               turn_of(pipe.shape, points) >= tuned_.min_turn &&
+        return threshold_of(pipe.shape, points) >= pipe.threshold && turn_of(pipe.shape, points) >= tuned_.min_turn &&
                extent_along(pipe.shape.axis, points) >= tuned_.min_length * pipe.shape.radius && is_alone(pipe, points);
     }
 
@@ -142,8 +142,8 @@ private:
         std::size_t others = 0;
         for_points_near(sample_, box, pipe.shape, tuned_.alone_thresholds * pipe.threshold, [&](std::uint32_t i) {
             const double distance = distance_to(pipe.shape, sample_.at[i]);
-            others += growth_.is_free(i) && distance > pipe.threshold &&
-                      distance <= tuned_.alone_thresholds * pipe.threshold;
+            others +=
+                growth_.is_free(i) && distance > pipe.threshold && distance <= tuned_.alone_thresholds * pipe.threshold;
         });
         return static_cast<double>(others) <= tuned_.max_others * static_cast<double>(points.size());
     }

@@ -58,9 +58,7 @@ std::vector<std::uint32_t> ShapeGrowth::reach(Shape& shape, const std::vector<st
                                               const GrowthLimits& limits, bool refits)
 {
     ++stamp_;
-    const auto fits_here = [&](std::uint32_t i) {
-        return fits(sample_, i, shape, limits.threshold, limits.cos_angle);
-    };
+    const auto fits_here = [&](std::uint32_t i) { return fits(sample_, i, shape, limits.threshold, limits.cos_angle); };
     std::vector<std::uint32_t> points;
     for (const std::uint32_t i : from)
         if (seen_[i] != stamp_ && fits_here(i)) {

@@ -32,7 +32,8 @@ struct SurveyTuning {
     // Chosen: noises of such scanners differ by ten and more, of one scanner's ranges by less; not swept.
     double quiet_share = 0.15;  // share of the cloud's noise
     // Noise below which a place is of such a part where the cloud has one.
-    // Chosen: pipes and edges of a plant in a drone's cloud raise its noise to 0.3, terrain has 0.7 and more; not swept.
+    // Chosen: pipes and edges of a plant in a drone's cloud raise its noise to 0.3, terrain has 0.7 and more; not
+    // swept.
     double quiet_beside = 0.4;  // share of the cloud's noise
     // Spacing of a place that is of such a part whatever its noise: pipes and edges show none that is low.
     // Chosen: terrain's spacing differs by two; with quiet_beside; not swept.
@@ -155,7 +156,8 @@ struct PieceTuning {
     double doubtful_edge = 0.05;  // share of the edge
     // Chosen: with doubtful_edge; not swept.
     double doubtful_bend = 0.49;  // rms of the means per rms of the distances
-    // Bend from which on a curved primitive is doubted whether its surface continues or not.
+    // Bend from which on a primitive that is curved, or has more noise than the cloud, is doubted whether its surface
+    // continues or not.
     // Chosen: right cylinders and spheres of a plant whose stations are apart by their noise have up to 0.58, cones and
     // hills that are taken for cylinders 0.63 to 0.95; not swept.
     double curved_bend = 0.6;  // rms of the means per rms of the distances
