@@ -23,7 +23,7 @@ struct SurfacePart {
     // distances of a point and its neighbours, which are what noise leaves over.
     double squares = 0, smooth_squares = 0;
     Box3d box;
-    std::vector<Vec3d> some;  // of the sample's points, see AssignOptions::some_from; source coordinates
+    std::vector<Vec3d> some;  // points of the sample, see AssignOptions::some_from; source coordinates
 };
 
 // Whether the part is a piece of a surface that bends away from the shape: its edge is often where the surface

@@ -11,7 +11,8 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_patches = 200, all_patches = 4800;  // of a place, of all
+constexpr std::size_t most_patches = 200;  // patches of a place
+constexpr std::size_t all_patches = 4800;  // patches of all places
 constexpr std::size_t places_per_region = 3;
 constexpr double place_points = 2000;
 

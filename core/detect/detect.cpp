@@ -45,7 +45,8 @@ namespace {
 constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // memory of a thread for them
 constexpr std::uint64_t survey_points = 5000;                  // points of a place
-constexpr std::size_t survey_places = 96;       // so many that clouds of any size with the same surfaces show the same
+// Clouds of any size with the same surfaces have nearly the same medians over this number of places.
+constexpr std::size_t survey_places = 96;
 constexpr std::uint64_t region_points = 40000;  // points of a region whose noise is compared with the cloud's
 constexpr double most_step_cells = 128;  // cells of the sample in a step: all within a step of a unit is in memory
 constexpr double margin_cells = 8;

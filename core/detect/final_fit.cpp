@@ -91,7 +91,8 @@ struct Sums {
     std::optional<PartFacts> facts;
 };
 
-// The least distance of two parallel lines that hold a convex outline, source units; infinite where there is none.
+// Width of a convex outline, the minimum distance of two parallel lines that hold it, source units; infinite where
+// there is no outline.
 double width_of(const std::vector<Vec3d>& outline)
 {
     double width = infinity;

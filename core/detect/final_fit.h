@@ -18,7 +18,7 @@ struct FinalFitOptions {
     bool is_automatic = false;
     double noise = 0;
     bool only_good = false;  // doubtful ones are left out, but for thin pipes
-    double cell = 0;         // of the sample that the parts come from, source units
+    double cell = 0;         // cell of the sample that the parts come from, source units
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
 };

@@ -8,7 +8,7 @@
 
 namespace pcm {
 
-// Numbers of points are estimated by those of the tree's nodes. Of chosen points, which must outlive it. Any thread.
+// Numbers of points are estimated by those of the tree's nodes. The chosen points must outlive it. Any thread.
 class SampleUnits {
 public:
     // `share` of the points that the choice leaves, above 0: numbers of points are this share of the tree's.

@@ -21,7 +21,7 @@ struct FoundShape {
 struct GrowthLimits {
     double threshold = 0;    // distance, source units
     double cos_angle = -1;   // minimum cosine between the normals of the point and of the shape; -1: any
-    std::size_t least = 20;  // points; fewer are no shape
+    std::size_t least = 20;  // minimum number of points
 };
 
 // Whether a point fits: distance and normal.

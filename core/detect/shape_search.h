@@ -14,7 +14,7 @@ struct ShapeSearchOptions {
     std::vector<ShapeKind> kinds;
     double threshold = 0;      // source units
     double normal_angle = 0;   // radians
-    double least_sagitta = 0;  // of curved shapes, source units (sagitta.h)
+    double least_sagitta = 0;  // minimum sagitta of curved shapes, source units (sagitta.h)
     std::size_t least = 20;    // points of the sample
     std::uint64_t seed = 1;
     std::function<void()> check;  // called now and then; may throw

@@ -69,7 +69,7 @@ TEST_F(PipeSearches, FindThoseOfFourSpacingsSeenFromOneSide)
         EXPECT_LE(pipe.threshold, 0.34 * radii[i]);
         EXPECT_LE(pipe.rms, pipe.threshold);
         for (const std::uint32_t p : pipe.points) {
-            EXPECT_TRUE(points.insert(p).second);  // of one pipe
+            EXPECT_TRUE(points.insert(p).second);  // no other pipe has it
             EXPECT_TRUE(taken[p]);
             EXPECT_LE(distance_to(pipe.shape, sample_.at[p]), pipe.threshold);
         }

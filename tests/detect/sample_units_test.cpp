@@ -41,7 +41,7 @@ TEST_F(SampleUnitsTest, HoldEachPointOnceAndAboutAsManyAsWereAskedFor)
             ASSERT_EQ(holders(boxes, q), 1u);
         }
     EXPECT_GE(units.with_points(20000).size(), 25u);
-    EXPECT_GE(units.with_cell(0.001).size(), 3u);  // of 200,000 points at most
+    EXPECT_GE(units.with_cell(0.001).size(), 3u);  // maximum 200,000 points
     EXPECT_EQ(units.with_cell(0.5).size(), 1u);    // 400 cells
 }
 
