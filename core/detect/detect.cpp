@@ -12,7 +12,10 @@
 // 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
 //    parts are found in each box and joined across borders. So surfaces that are one plane, but not connected, are two.
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
-//    left out. Labels of points that are not within the threshold of the final shape are taken back.
+//    left out where the rest is enough. Labels of points that are not within the threshold of the final shape are taken
+//    back. Where the threshold comes from the noise, shapes whose bend it hides are refused (sagitta.h), so that
+// 5. a second search of the points that belong to nothing, at half the threshold and without a coarser sample, finds
+//    thin pipes (pipe_search.h) and narrow planes.
 #include "pcm/detect/detect.h"
 
 #include "pcm/detect/assign_points.h"
@@ -297,7 +300,10 @@ private:
             }
         }
         ShapeSearchOptions search;
-        search.kinds = options_.kinds;
+        // What is round and left is a part of cones, elbows and edges, but for thin pipes.
+        for (const ShapeKind kind : options_.kinds)
+            if (!is_again_ || traits_of(kind).is_flat()) search.kinds.push_back(kind);
+        if (search.kinds.empty()) return;
         search.threshold = report_.threshold;
         search.normal_angle = options_.normal_angle;
         search.seed = options_.seed;
