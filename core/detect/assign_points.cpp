@@ -68,11 +68,11 @@ private:
         for (std::uint32_t h = 0; h < hypotheses_.size(); ++h) {
             options_.sample.check();
             const Shape shape = shape_here(h);
-            const double threshold = hypotheses_[h].threshold;
+            const double threshold = hypotheses_[h].threshold, least_cosine = hypotheses_[h].thin ? -1 : cos_angle;
             const Box3d box = reached_box(hypotheses_[h], options_.reach);
             for_points_near(sample_, box, shape, threshold, [&](std::uint32_t i) {
                 const auto distance = static_cast<float>(distance_to(shape, sample_.at[i]) / threshold);
-                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, cos_angle)) return;
+                if (!(distance < best[i]) || !fits(sample_, i, shape, threshold, least_cosine)) return;
                 best[i] = distance;
                 owner_[i] = h;
             });
@@ -229,7 +229,8 @@ private:
         for (std::uint32_t i = 0; i < sample_.size(); ++i) {
             if (part_[i] == none || !sample_.inside[i]) continue;
             SurfacePart& part = parts_[part_[i]];
-            if (options_.keep_some && part.some.size() < most_kept_points && i % some_of[part_[i]] == 0)
+            if (part.hypothesis >= options_.some_from && part.some.size() < most_kept_points &&
+                i % some_of[part_[i]] == 0)
                 part.some.push_back(sample_.origin + sample_.at[i]);
             ++part.sampled;
             part.box.extend(sample_.origin + sample_.at[i]);

@@ -23,7 +23,7 @@ struct SurfacePart {
     // distances of a point and its neighbours, which are what noise leaves over.
     double squares = 0, smooth_squares = 0;
     Box3d box;
-    std::vector<Vec3d> some;  // with AssignOptions::keep_some, of the sample's points; source coordinates
+    std::vector<Vec3d> some;  // points of the sample, see AssignOptions::some_from; source coordinates
 };
 
 // Whether the part is a piece of a surface that bends away from the shape: its edge is often where the surface
@@ -35,7 +35,8 @@ struct AssignOptions {
     double normal_angle = 0, reach = 0;  // reach: how far beyond a hypothesis' box its points may lie
     std::uint64_t least_points = 0;      // parts with fewer are of no interest
     std::uint64_t least_sampled = 0;     // nor those with fewer of the sample's points
-    bool keep_some = false;              // up to 256 points of each unit's parts
+    // Up to 256 points of each unit's parts are kept, of hypotheses from this one on; by default of none.
+    std::uint32_t some_from = 0xffffffffu;
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
 };
@@ -55,7 +56,7 @@ struct AssignedPoints {
 // A point belongs to the nearest of the surfaces within whose threshold it is and whose normal agrees, in units of
 // their thresholds. Parts are connected by the edges of the samples of the units. The parts do not depend on threads,
 // the labels do; `labels` may be null. Memory: a sample per thread, and per part of interest or at the border of a unit
-// 32 bytes, per part of interest of all units some 150 more, with keep_some up to 100 KB; the rest lies in scratch
+// 32 bytes, per part of interest of all units some 150 more, up to 100 KB with some_from; the rest lies in scratch
 // files. Throws what reading and `labels` throw, what options.progress throws, soon, and Error(unsupported) where there
 // are more than 2^31 parts.
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,

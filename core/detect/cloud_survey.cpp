@@ -11,7 +11,8 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t patches_per_place = 200;
+constexpr std::size_t most_patches = 200;  // patches of a place
+constexpr std::size_t all_patches = 4800;  // patches of all places
 constexpr std::size_t places_per_region = 3;
 constexpr double place_points = 2000;
 
@@ -109,6 +110,8 @@ CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& p
     std::vector<double> spacings, noises;
     SampleSettings settings;
     settings.level = points.tree().info().levels;
+    const std::size_t patches_per_place =
+        std::min(most_patches, all_patches / std::max<std::size_t>(1, places.size()) + 1);
     for (const Box3i& place : places) {
         check();
         const SurfaceSample sample = sample_surface(points, place, settings);
@@ -130,20 +133,27 @@ CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& p
 }
 
 CloudPart quiet_part(const ChosenPoints& points, const std::vector<Box3i>& regions, const std::vector<Box3i>& groups,
-                     double noise, const std::function<void()>& check)
+                     const CloudSurvey& whole, const std::function<void()>& check)
 {
-    const double most = detect_tuning().survey.quiet_share * noise;
-    const auto is_quiet = [&](const Box3i& place) {
-        const double found = survey_cloud(points, {place}, check).least_noise;
-        return found > 0 && found < most;
-    };
-    std::vector<std::uint8_t> quiet(regions.size(), 0);
+    if (regions.empty()) return {};
+    const SurveyTuning& tuned = detect_tuning().survey;
+    const double most = tuned.quiet_beside * whole.noise, dense = tuned.dense_beside * whole.spacing;
+    std::vector<double> least(regions.size(), infinity);
+    std::vector<bool> is_dense(regions.size(), false);
     // The densest place of each region, and others where one is quiet: then a region may be whose first one is a tree.
     for (std::size_t i = 0; i < places_per_region; ++i) {
-        if (i == 1 && std::count(quiet.begin(), quiet.end(), 1) == 0) return {};
-        for (std::size_t r = 0; r < regions.size(); ++r)
-            if (!quiet[r]) quiet[r] = is_quiet(dense_place(points.tree(), regions[r], i));
+        for (std::size_t r = 0; r < regions.size(); ++r) {
+            if (least[r] < most) continue;
+            CloudSurvey found = survey_cloud(points, {dense_place(points.tree(), regions[r], i)}, check);
+            // Numbers of points of places are estimates: it may be empty.
+            if (i == 0 && !(found.spacing > 0)) found = survey_cloud(points, {regions[r]}, check);
+            if (found.least_noise > 0) least[r] = std::min(least[r], found.least_noise);
+            is_dense[r] = is_dense[r] || (found.spacing > 0 && found.spacing < dense);
+        }
+        if (i == 0 && !(*std::min_element(least.begin(), least.end()) < tuned.quiet_share * whole.noise)) return {};
     }
+    std::vector<std::uint8_t> quiet;
+    for (std::size_t r = 0; r < regions.size(); ++r) quiet.push_back(least[r] < most || is_dense[r]);
     fill_groups(regions, groups, quiet);
     std::vector<Box3i> boxes;
     for (std::size_t r = 0; r < regions.size(); ++r)

@@ -17,11 +17,10 @@ struct CloudSurvey {
 CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& places,
                          const std::function<void()>& check);
 
-// The part of the cloud whose noise is far below `noise`, that of the whole: what a dense scan within one from farther
-// away is. Among `regions`, which share no position and hold all points, by the noise of small places in each;
-// `groups`, larger ones, fill gaps. The whole cloud where there is no such part, or nothing else. Throws what reading
-// and `check` throw.
+// The part of the cloud whose noise is far below that of the whole: what a dense scan within one from farther away is.
+// Among `regions`, which share no position and hold all points, by the noise of small places in each; `groups`, larger
+// ones, fill gaps. The whole cloud where there is no such part, or nothing else. Throws what reading and `check` throw.
 CloudPart quiet_part(const ChosenPoints& points, const std::vector<Box3i>& regions, const std::vector<Box3i>& groups,
-                     double noise, const std::function<void()>& check);
+                     const CloudSurvey& whole, const std::function<void()>& check);
 
 }  // namespace pcm

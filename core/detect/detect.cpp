@@ -12,7 +12,10 @@
 // 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
 //    parts are found in each box and joined across borders. So surfaces that are one plane, but not connected, are two.
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
-//    left out. Labels of points that are not within the threshold of the final shape are taken back.
+//    left out where the rest is enough. Labels of points that are not within the threshold of the final shape are taken
+//    back. Where the threshold comes from the noise, shapes whose bend it hides are refused (sagitta.h), so that
+// 5. a second search of the points that belong to nothing, at half the threshold and without a coarser sample, finds
+//    thin pipes (pipe_search.h) and narrow planes.
 #include "pcm/detect/detect.h"
 
 #include "pcm/detect/assign_points.h"
@@ -20,13 +23,14 @@
 #include "pcm/detect/final_fit.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/joined_report.h"
+#include "pcm/detect/pipe_search.h"
 #include "pcm/detect/point_labels.h"
+#include "pcm/detect/sample_units.h"
 #include "pcm/detect/shape_search.h"
 #include "pcm/detect/surface_sample.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/wider_shapes.h"
 #include "pcm/fit/models/shape_model.h"
-#include "pcm/knn/unit_plan.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -41,11 +45,11 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint64_t unit_points = 200000;  // points of a sample, estimated by the numbers of points of nodes
 constexpr std::size_t most_unit_points = 220000;
 constexpr std::uint64_t unit_bytes = std::uint64_t(72) << 20;  // memory of a thread for them
-constexpr std::uint64_t survey_points = 20000;
-constexpr std::size_t survey_places = 24;
+constexpr std::uint64_t survey_points = 5000;                  // points of a place
+// Clouds of any size with the same surfaces have nearly the same medians over this number of places.
+constexpr std::size_t survey_places = 96;
 constexpr std::uint64_t region_points = 40000;  // points of a region whose noise is compared with the cloud's
 constexpr double most_step_cells = 128;  // cells of the sample in a step: all within a step of a unit is in memory
 constexpr double margin_cells = 8;
@@ -89,18 +93,26 @@ void check(const DetectOptions& options, const std::filesystem::path& tree)
 
 class Detection {
 public:
-    Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options, CloudPart part = {})
-        : tree_(tree), options_(options), points_(tree, options.limit, std::move(part)), watch_(options.progress)
+    // `first`: what was found in this part; those points are searched again that belong to none of it. Null: all are.
+    Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options, CloudPart part = {},
+              const DetectReport* first = nullptr)
+        : tree_(tree),
+          options_(options),
+          points_(tree, options.limit, std::move(part), first ? first->labels : nullptr),
+          units_(points_, first ? left_share(*first, *tree) : 1),
+          watch_(options.progress),
+          is_again_(first != nullptr)
     {
         const std::uint64_t most = std::max<std::uint64_t>(1, options.memory_bytes / unit_bytes);
         threads_ = static_cast<unsigned>(std::min<std::uint64_t>(thread_count(options.threads), most));
+        if (first) set_finer_than(*first);
     }
 
     // The part that has to be searched by itself; the whole: none has.
     CloudPart quiet()
     {
-        if (!survey() || options_.threshold > 0) return {};
-        return quiet_part(points_, plan(region_points), plan(4 * region_points), report_.noise,
+        if (!survey() || !is_automatic()) return {};
+        return quiet_part(points_, units_.with_points(region_points), units_.with_points(4 * region_points), survey_,
                           [&] { watch_.report("Looking at the cloud", 0.01); });
     }
 
@@ -110,7 +122,7 @@ public:
         report_.labels = std::make_shared<PointLabels>(*tree_);
         if (survey()) {
             for (Resolution& resolution : resolutions()) search(resolution);
-            if (!(options_.threshold > 0)) widen();
+            if (is_automatic() && !is_again_) widen();
             settle();
         }
         report_.outcome.seconds = watch_.seconds();
@@ -123,16 +135,37 @@ public:
     }
 
 private:
+    // Whether thresholds come from the noise.
+    bool is_automatic() const { return !(options_.threshold > 0); }
+
+    static double left_share(const DetectReport& first, const Tree& tree)
+    {
+        const auto left = static_cast<double>(first.outcome.points_in - first.outcome.points_out);
+        return std::max(1.0, left) / static_cast<double>(std::max<std::uint64_t>(1, tree.info().points));
+    }
+
+    void set_finer_than(const DetectReport& first)
+    {
+        is_surveyed_ = true;
+        report_.spacing = first.spacing;
+        report_.noise = first.noise;
+        report_.threshold = detect_tuning().pipes.threshold_share * first.threshold;
+        report_.step = options_.step;
+        report_.sample = detect_tuning().pipes.cell * report_.threshold;
+        if (options_.step > 0) report_.sample = std::min(report_.sample, options_.step / 2);
+    }
+
     bool survey()
     {
         if (is_surveyed_) return report_.spacing > 0;
         is_surveyed_ = true;
         watch_.report("Looking at the cloud", 0, true);
-        const std::vector<Box3i> all = plan(survey_points);
+        const std::vector<Box3i> all = units_.with_points(survey_points);
         std::vector<Box3i> places;
         const std::size_t count = std::min(all.size(), survey_places);
         for (std::size_t i = 0; i < count; ++i) places.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
-        const CloudSurvey found = survey_cloud(points_, places, [&] { watch_.report("Looking at the cloud", 0.01); });
+        const CloudSurvey& found = survey_ =
+            survey_cloud(points_, places, [&] { watch_.report("Looking at the cloud", 0.01); });
         report_.spacing = found.spacing;
         report_.noise = found.noise;
         if (!(found.spacing > 0)) {
@@ -157,115 +190,21 @@ private:
         return true;
     }
 
-    // Boxes with about this number of points of the cloud, among those that the selection touches.
-    std::vector<Box3i> plan(std::uint64_t count) const
-    {
-        const Selector selector(options_.limit, tree_->info().schema);
-        std::vector<Box3i> boxes;
-        for (const Box3i& box : plan_units(*tree_, count))
-            if (points_.part().touches(box) && selector.relation(points_.source_box(box)) != BoxRelation::outside)
-                boxes.push_back(box);
-        return boxes;
-    }
-
-    // The coarsest level that has the points of such cells.
-    std::uint16_t level_of(double cell) const
-    {
-        const TreeInfo& info = tree_->info();
-        for (std::uint16_t level = 0; level < info.levels; ++level)
-            if (info.spacings[level] > 0 && info.spacings[level] <= cell) return level;
-        return static_cast<std::uint16_t>(std::max(1, int(info.levels)) - 1);
-    }
-
-    // The finest level whose points are no nearer than a cell, or the coarsest one; and how many points of a sample
-    // there are for each point up to it. 0: not known.
-    struct LevelGrowth {
-        std::uint16_t level = 0;
-        double growth = 0;
-    };
-    LevelGrowth level_growth(double cell) const
-    {
-        const std::vector<double>& spacings = tree_->info().spacings;
-        LevelGrowth found;
-        while (found.level + 1u < spacings.size() && spacings[found.level + 1u] >= cell) ++found.level;
-        if (!spacings.empty()) found.growth = spacings[found.level] * spacings[found.level] / (cell * cell);
-        return found;
-    }
-
-    // About how many points a sample of the whole cloud has.
-    double sample_points(double cell) const
-    {
-        const auto all = static_cast<double>(tree_->info().points);
-        const auto [level, growth] = level_growth(cell);
-        const double points = growth > 0 ? static_cast<double>(tree_->points_to_level(level)) * growth : all;
-        return std::clamp(points, 1.0, all);
-    }
-
-    // About how many of them lie in a box.
-    double sample_points(const Box3i& box, double cell) const
-    {
-        const auto [level, growth] = level_growth(cell);
-        double all = 0, coarse = 0;
-        std::vector<NodeId> open{0};
-        while (!open.empty()) {
-            const Node& node = tree_->node(open.back());
-            open.pop_back();
-            const double share = shared(node.box, box);
-            if (share <= 0) continue;
-            all += share * node.points;
-            for (std::size_t k = 0; k < node.level_points.size() && node.first_level + k <= level; ++k)
-                coarse += share * node.level_points[k];
-            for (const NodeId child : node.children)
-                if (child != no_node) open.push_back(child);
-        }
-        return growth > 0 ? std::min(all, coarse * growth) : all;
-    }
-
-    // The part of a box that lies in another, counted in grid positions.
-    static double shared(const Box3i& box, const Box3i& other)
-    {
-        if (box.empty()) return 0;
-        double share = 1;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const double low = static_cast<double>(std::max(box.min[a], other.min[a]));
-            const double high = static_cast<double>(std::min(box.max[a], other.max[a]));
-            if (high < low) return 0;
-            share *= (high - low + 1) / (static_cast<double>(box.max[a]) - static_cast<double>(box.min[a]) + 1);
-        }
-        return share;
-    }
-
-    // Boxes with about unit_points of the sample, none with many more.
-    std::vector<Box3i> units_of(double cell) const
-    {
-        const double points = static_cast<double>(tree_->info().points);
-        std::vector<Box3i> open = plan(static_cast<std::uint64_t>(static_cast<double>(unit_points) * points /
-                                                                  sample_points(cell))),
-                           units;
-        std::reverse(open.begin(), open.end());
-        while (!open.empty()) {
-            const Box3i box = open.back();
-            open.pop_back();
-            const std::vector<Box3i> halves = halves_of(box, tree_->info().grid.scale);
-            if (halves.empty() || sample_points(box, cell) <= unit_points)
-                units.push_back(box);
-            else
-                open.insert(open.end(), halves.rbegin(), halves.rend());
-        }
-        return units;
-    }
-
     std::vector<Resolution> resolutions() const
     {
         std::vector<Resolution> all;
         double cell = report_.sample;
         for (;; cell *= tuned_.coarser) {
             Resolution resolution;
-            resolution.sample = {
-                level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step, most_unit_points, {}};
-            resolution.units = units_of(cell);
+            resolution.sample = {units_.level_of(all.empty() ? 0 : cell),
+                                 cell,
+                                 margin_cells * cell,
+                                 options_.step,
+                                 most_unit_points,
+                                 {}};
+            resolution.units = units_.with_cell(cell);
             all.push_back(std::move(resolution));
-            if (all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
+            if (is_again_ || all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
         }
         std::reverse(all.begin(), all.end());
         return all;
@@ -299,7 +238,7 @@ private:
     AssignOptions assign_options(double cell, double begin, double end)
     {
         AssignOptions assign;
-        assign.sample = {level_of(cell > report_.sample ? cell : 0),
+        assign.sample = {units_.level_of(cell > report_.sample ? cell : 0),
                          cell,
                          std::max(margin_cells * cell, 1.01 * options_.step),
                          options_.step,
@@ -319,7 +258,7 @@ private:
     {
         const auto sample = [&](double cells) {
             const double cell = cells * report_.sample;
-            return WidenSample{assign_options(cell, 0.6, 0.65), units_of(cell)};
+            return WidenSample{assign_options(cell, 0.6, 0.65), units_.with_cell(cell)};
         };
         WidenOptions widen;
         widen.fine = sample(detect_tuning().widening.cells);
@@ -343,57 +282,80 @@ private:
                        std::vector<Hypothesis>& found) const
     {
         std::vector<std::uint8_t> taken(sample.size(), 0);
-        mark_explained(sample, resolution.sample.cell, taken);
+        ExplainedLimits explained;
+        explained.threshold = detect_tuning().search.shadow * report_.threshold;
+        explained.reach = tuned_.reach_cells * resolution.sample.cell;
+        explained.normal_angle = options_.normal_angle;
+        mark_explained(sample, hypotheses_, explained, taken);
+        if (is_again_ && wants(ShapeKind::cylinder)) {
+            PipeSearchOptions pipes;
+            pipes.threshold = report_.threshold;
+            pipes.noise = report_.noise;
+            pipes.least = least_sampled(resolution);
+            pipes.seed = options_.seed;
+            pipes.check = check;
+            for (const FoundShape& pipe : search_pipes(sample, pipes, taken)) {
+                found.push_back(hypothesis_of(pipe, sample, resolution.sample.cell));
+                found.back().thin = found.back().whole = true;
+            }
+        }
         ShapeSearchOptions search;
-        search.kinds = options_.kinds;
+        // What is round and left is a part of cones, elbows and edges, but for thin pipes.
+        for (const ShapeKind kind : options_.kinds)
+            if (!is_again_ || traits_of(kind).is_flat()) search.kinds.push_back(kind);
+        if (search.kinds.empty()) return;
         search.threshold = report_.threshold;
         search.normal_angle = options_.normal_angle;
         search.seed = options_.seed;
-        search.least = resolution.sample.cell > report_.sample
-                           ? tuned_.min_coarse_points
-                           : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
+        if (is_automatic()) search.least_sagitta = detect_tuning().search.sagitta_thresholds * report_.threshold;
+        search.least = least_sampled(resolution);
         search.check = check;
-        for (const FoundShape& shape : search_shapes(sample, search, taken)) {
-            Hypothesis one;
-            one.shape = shape.shape;
-            one.shape.point = one.shape.point + sample.origin;
-            one.area = static_cast<double>(shape.points.size()) * resolution.sample.cell * resolution.sample.cell;
-            one.rms = shape.rms;
-            one.threshold = report_.threshold;
-            one.reach = tuned_.edge_cells * resolution.sample.cell;
-            for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
-            const std::size_t some = std::min(hypothesis_points, shape.points.size());
-            for (std::size_t i = 0; i < some; ++i)
-                one.some.push_back(sample.origin + sample.at[shape.points[i * shape.points.size() / some]]);
-            found.push_back(std::move(one));
-        }
+        for (const FoundShape& shape : search_shapes(sample, search, taken))
+            found.push_back(hypothesis_of(shape, sample, resolution.sample.cell));
     }
 
-    void mark_explained(const SurfaceSample& sample, double cell, std::vector<std::uint8_t>& taken) const
+    bool wants(ShapeKind kind) const
     {
-        const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
-        for (const Hypothesis& known : hypotheses_) {
-            Shape shape = known.shape;
-            shape.point = shape.point - sample.origin;
-            const double most = detect_tuning().search.shadow * report_.threshold;
-            for_points_near(sample, reached_box(known, tuned_.reach_cells * cell), shape, most, [&](std::uint32_t i) {
-                if (!taken[i] && fits(sample, i, shape, most, cos_angle)) taken[i] = 1;
-            });
-        }
+        return std::find(options_.kinds.begin(), options_.kinds.end(), kind) != options_.kinds.end();
+    }
+
+    std::size_t least_sampled(const Resolution& resolution) const
+    {
+        return resolution.sample.cell > report_.sample
+                   ? tuned_.min_coarse_points
+                   : std::max<std::size_t>(20, static_cast<std::size_t>(options_.least_points / 8));
+    }
+
+    Hypothesis hypothesis_of(const FoundShape& shape, const SurfaceSample& sample, double cell) const
+    {
+        Hypothesis one;
+        one.shape = shape.shape;
+        one.shape.point = one.shape.point + sample.origin;
+        one.area = static_cast<double>(shape.points.size()) * cell * cell;
+        one.rms = shape.rms;
+        one.threshold = shape.threshold;
+        one.reach = tuned_.edge_cells * cell;
+        for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
+        const std::size_t some = std::min(hypothesis_points, shape.points.size());
+        for (std::size_t i = 0; i < some; ++i)
+            one.some.push_back(sample.origin + sample.at[shape.points[i * shape.points.size() / some]]);
+        return one;
     }
 
     // Which points belong to which primitive, and what these are.
     void settle()
     {
-        const std::vector<Box3i> units = units_of(report_.sample);
+        const std::vector<Box3i> units = units_.with_cell(report_.sample);
         auto labels = std::make_shared<PointLabels>(*tree_);
         AssignedPoints assigned =
             assign_points(points_, units, hypotheses_, assign_options(report_.sample, 0.65, 0.85), labels.get());
         FinalFitOptions fit;
         fit.least_points = options_.least_points;
         fit.keep_pieces = options_.pieces;
-        fit.is_automatic = !(options_.threshold > 0);
+        fit.is_automatic = is_automatic();
         fit.noise = report_.noise;
+        fit.cell = report_.sample;
+        fit.only_good = is_again_;
         fit.threads = threads_;
         fit.progress = [&](double fraction) { watch_.report("Fitting primitives", 0.85 + 0.14 * fraction); };
         FinalFit result = fit_parts(points_, hypotheses_, assigned, *labels, fit);
@@ -415,11 +377,14 @@ private:
     const DetectOptions& options_;
     const ResolutionTuning& tuned_ = detect_tuning().resolution;
     const ChosenPoints points_;
+    const SampleUnits units_;
     Watch watch_;
     unsigned threads_ = 1;
+    const bool is_again_ = false;  // the second search: finer, of points that are left
     bool is_surveyed_ = false;
     double progress_ = 0.02;
     std::vector<Hypothesis> hypotheses_;
+    CloudSurvey survey_;
     DetectReport report_;
 };
 
@@ -433,17 +398,56 @@ std::vector<ShapeKind> detected_kinds()
     return kinds;
 }
 
+namespace {
+
+// What was found, and what a second search at a finer threshold finds among the points that are left: pipes that the
+// first one is too coarse for.
+DetectReport with_finer_shapes(const std::shared_ptr<const Tree>& tree, const DetectOptions& options,
+                               const CloudPart& part, DetectReport found)
+{
+    const std::uint64_t left = found.outcome.points_in - found.outcome.points_out;
+    if (options.threshold > 0 || !(found.spacing > 0) || left < options.least_points) {
+        Watch watch(options.progress);
+        watch.report("Searching shapes", 0, true);
+        watch.finish("Done");
+        return found;
+    }
+    DetectReport finer = Detection(tree, options, part, &found).run();
+    finer.outcome.points_in = 0;  // they were counted
+    finer.notes.clear();          // as were its pieces of surfaces
+    return joined(*tree, std::move(found), std::move(finer));
+}
+
+// Options whose progress is a part of the whole one's.
+DetectOptions within(const DetectOptions& options, double begin, double end)
+{
+    DetectOptions part = options;
+    part.progress = part_of(options.progress, begin, end);
+    return part;
+}
+
+}  // namespace
+
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
 {
     check(options, tree->folder());
-    Detection whole(tree, options);
+    const DetectOptions first = within(options, 0, 0.8), second = within(options, 0.8, 1);
+    Detection whole(tree, first);
     const CloudPart quiet = whole.quiet();
-    if (quiet.is_whole()) return whole.run();
-    DetectOptions first = options, second = options;
-    first.progress = part_of(options.progress, 0.02, 0.5);
-    second.progress = part_of(options.progress, 0.5, 1);
-    DetectReport rest = Detection(tree, first, quiet.others()).run();
-    return joined(*tree, std::move(rest), Detection(tree, second, quiet).run());
+    if (quiet.is_whole()) return with_finer_shapes(tree, second, {}, whole.run());
+    const auto search = [&](const CloudPart& part, double begin, double end) {
+        const double middle = begin + 0.8 * (end - begin);
+        const DetectOptions coarse = within(options, begin, middle), fine = within(options, middle, end);
+        return with_finer_shapes(tree, fine, part, Detection(tree, coarse, part).run());
+    };
+    DetectReport rest = search(quiet.others(), 0.02, 0.5);
+    DetectReport found = search(quiet, 0.5, 1);
+    rest.notes.push_back(grouped(found.outcome.points_in) +
+                         " points have far less noise than the others; shapes there were searched by themselves: "
+                         "threshold " +
+                         brief(found.threshold) + ", noise " + brief(found.noise) + ", spacing " +
+                         brief(found.spacing));
+    return joined(*tree, std::move(rest), std::move(found));
 }
 
 }  // namespace pcm

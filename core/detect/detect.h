@@ -44,7 +44,8 @@ struct DetectReport {
     std::vector<Primitive> primitives;  // most points first; label = place in the list + 1
     // Values used; step 0: as the spacing allows. Where a part of the cloud has far less noise and no threshold was
     // given, those of the rest; a note says the part's. A primitive may have a larger threshold of its own
-    // (Primitive::fit.threshold), up to eight times, where its surface is rougher than the cloud's noise.
+    // (Primitive::fit.threshold), up to eight times, where its surface is rougher than the cloud's noise, and half and
+    // less where it was found by the second search.
     double threshold = 0, step = 0;
     double spacing = 0, noise = 0;  // those of the cloud, source units, estimated at a few places
     double sample = 0;              // shapes are searched in one point for each cell of this size, source units
@@ -53,7 +54,10 @@ struct DetectReport {
 };
 
 // In bounded memory; four bytes per point in a scratch file, in the system's folder for temporary files. Every point
-// with a label is within its primitive's threshold (fit.threshold) of its shape. The result depends on the seed, and
+// with a label is within its primitive's threshold (fit.threshold) of its shape. Where the threshold is found, curved
+// shapes with a sagitta below three thresholds and planes narrower than six are not primitives, floors, walls and
+// vessels that bend by more than the threshold are doubtful ones, and the points that are left are searched again at
+// half the threshold, for pipes down to four spacings across and narrow planes. The result depends on the seed, and
 // neither on threads nor on memory. Throws Error(invalid_argument) for options out of range, steps that reach
 // too many points, and kinds that are not searched for, Error(unsupported) for more than 2^31 parts of surfaces, what
 // Selector throws, Error(cancelled), and what reading and the scratch file throw.

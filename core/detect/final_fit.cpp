@@ -1,6 +1,8 @@
 #include "pcm/detect/final_fit.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/detect/drawn_points.h"
+#include "pcm/detect/sagitta.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_sums.h"
 #include "pcm/place/departure.h"
@@ -35,7 +37,7 @@ struct Candidate {
     double extent = 0;
     Vec3d corner{};
     double threshold = 0;
-    bool whole = false;
+    bool whole = false, thin = false;  // as those of its hypothesis
     std::uint32_t part = 0;
     bool interior = true;  // is fitted to points inside, not to those at edges
 };
@@ -89,6 +91,22 @@ struct Sums {
     std::optional<PartFacts> facts;
 };
 
+// Width of a convex outline, the minimum distance of two parallel lines that hold it, source units; infinite where
+// there is no outline.
+double width_of(const std::vector<Vec3d>& outline)
+{
+    double width = infinity;
+    for (std::size_t i = 0; i < outline.size(); ++i) {
+        const Vec3d& from = outline[i];
+        const Vec3d along = outline[(i + 1) % outline.size()] - from;
+        if (!(length(along) > 0)) continue;
+        double most = 0;
+        for (const Vec3d& p : outline) most = std::max(most, length(cross(p - from, normalised(along))));
+        width = std::min(width, most);
+    }
+    return width;
+}
+
 // By candidate.
 using GroupSums = std::map<std::uint32_t, Sums>;
 
@@ -102,7 +120,7 @@ public:
             const SurfacePart& part = assigned.parts[p];
             if (part.points < options.least_points) continue;
             const Hypothesis& from = hypotheses[part.hypothesis];
-            const bool piece = !from.whole && is_piece(part, from.threshold);
+            const bool piece = !from.whole && is_piece(part, from.threshold) && !is_kept(part, from);
             result_.pieces += piece;
             if (piece) result_.piece_points += part.points;
             if (!piece || options.keep_pieces) add(p, hypotheses);
@@ -131,7 +149,8 @@ public:
         for (const std::uint32_t c : order) {
             if (sums[c].all.points() < options_.least_points) continue;
             Primitive primitive = primitive_of(candidates_[c], sums[c]);
-            if (!primitive.fit.has_shape()) continue;
+            if (!primitive.fit.has_shape() || (options_.is_automatic && is_hidden(primitive, sums[c]))) continue;
+            if (options_.only_good && !candidates_[c].thin && primitive.fit.verdict != FitVerdict::good) continue;
             primitive.colour = colour_in_turn(result_.primitives.size());
             label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
             primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
@@ -143,12 +162,26 @@ public:
     }
 
 private:
+    // Whether a piece is a doubtful primitive in any case: a floor, a ceiling, a wall, or round far beyond the
+    // threshold.
+    bool is_kept(const SurfacePart& part, const Hypothesis& from) const
+    {
+        const PieceTuning& tuned = detect_tuning().pieces;
+        const double area = static_cast<double>(part.sampled) * options_.cell * options_.cell;
+        if (traits_of(from.shape.kind).is_flat()) return area > tuned.kept_width * from.threshold * part.box.diagonal();
+        Vec3d sides = part.box.max - part.box.min;
+        std::sort(sides.begin(), sides.end());
+        const double turn = 2 * std::asin(std::min(1.0, 0.5 * sides[1] / from.shape.radius));
+        return sagitta_of(from.shape, turn) > tuned.kept_sagitta * from.threshold;
+    }
+
     void add(std::uint32_t part, const std::vector<Hypothesis>& hypotheses)
     {
         const SurfacePart& from = assigned_.parts[part];
         Candidate candidate;
         candidate.part = part;
         candidate.whole = hypotheses[from.hypothesis].whole;
+        candidate.thin = hypotheses[from.hypothesis].thin;
         candidate.threshold = hypotheses[from.hypothesis].threshold;
         candidate.shape = hypotheses[from.hypothesis].shape;
         candidate.middle = from.box.centre();
@@ -238,19 +271,49 @@ private:
                 "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";
         }
         if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic)
-            judge(primitive.fit, sums.facts->some.points());
+            judge(primitive.fit, part, sums.facts->some.points());
         return primitive;
     }
 
-    // As a fit at a place is judged, by points that were drawn.
-    void judge(ShapeFit& fit, const std::vector<Vec3d>& some) const
+    // Whether neighbours' distances agree: with the surface continuing at the edge, as those of ground do, or much, on
+    // a curved shape or with more noise than the cloud has.
+    bool is_bent(const ShapeFit& fit, const SurfacePart& part) const
     {
+        const PieceTuning& tuned = detect_tuning().pieces;
+        const bool continues =
+            static_cast<double>(part.continued) > tuned.doubtful_edge * static_cast<double>(part.edge);
+        const auto bends = [&](double bend) { return part.smooth_squares > bend * bend * part.squares; };
+        const bool is_even = traits_of(fit.shape.kind).is_flat() && fit.noise <= options_.noise;
+        return (continues && bends(tuned.doubtful_bend)) || (!is_even && bends(tuned.curved_bend));
+    }
+
+    // As a fit at a place is judged, by points that were drawn.
+    void judge(ShapeFit& fit, const SurfacePart& part, const std::vector<Vec3d>& some) const
+    {
+        if (is_bent(fit, part))
+            return doubt(fit, FitIssue::uneven,
+                         "neighbouring points leave the shape together, more than their noise does: this may be a "
+                         "piece of something bent");
         const double resolution = largest_magnitude(points_.tree().info().grid.scale);
         const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution, some);
         if (!evidence.is_one_surface())
             return doubt(fit, FitIssue::other_surface, evidence.reason() + ": detect there with a lower threshold");
         const Departure departure = departure_of(fit.shape, fit.threshold, some);
         if (departure.is_smooth(options_.noise)) doubt(fit, FitIssue::uneven, departure.message("shape"));
+    }
+
+    // Whether what bends there is within the threshold: a curved shape is flat, or a plane a line.
+    static bool is_hidden(const Primitive& primitive, const Sums& sums)
+    {
+        const ShapeSearchTuning& tuned = detect_tuning().search;
+        const Shape& shape = primitive.fit.shape;
+        const double threshold = primitive.fit.threshold;
+        if (traits_of(shape.kind).is_flat())
+            return width_of(primitive.bounds.outline) < tuned.width_thresholds * threshold;
+        std::vector<Vec3d> points = sums.facts->ends.points();
+        const std::vector<Vec3d> some = sums.facts->some.points();
+        points.insert(points.end(), some.begin(), some.end());
+        return sagitta_of(shape, turn_of(shape, points)) < tuned.sagitta_thresholds * threshold;
     }
 
     // A plane whose points are on one line has no outline: no reason to end a detection.

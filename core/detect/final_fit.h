@@ -17,6 +17,8 @@ struct FinalFitOptions {
     // not those of one surface of that shape.
     bool is_automatic = false;
     double noise = 0;
+    bool only_good = false;  // doubtful ones are left out, but for thin pipes
+    double cell = 0;         // cell of the sample that the parts come from, source units
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
 };

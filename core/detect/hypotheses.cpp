@@ -1,5 +1,6 @@
 #include "pcm/detect/hypotheses.h"
 
+#include "pcm/detect/shape_growth.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_fit.h"
 
@@ -97,6 +98,19 @@ Box3d reached_box(const Hypothesis& one, double least_reach)
         box.max[a] += std::max(one.reach, least_reach);
     }
     return box;
+}
+
+void mark_explained(const SurfaceSample& sample, const std::vector<Hypothesis>& known, const ExplainedLimits& limits,
+                    std::vector<std::uint8_t>& taken)
+{
+    const double cos_angle = std::cos(std::min(limits.normal_angle, pi / 2));
+    for (const Hypothesis& one : known) {
+        Shape shape = one.shape;
+        shape.point = shape.point - sample.origin;
+        for_points_near(sample, reached_box(one, limits.reach), shape, limits.threshold, [&](std::uint32_t i) {
+            if (!taken[i] && fits(sample, i, shape, limits.threshold, cos_angle)) taken[i] = 1;
+        });
+    }
 }
 
 std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options)

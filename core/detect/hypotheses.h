@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/cloud/geometry.h"
+#include "pcm/detect/surface_sample.h"
 #include "pcm/shapes/shape.h"
 
 #include <cstdint>
@@ -17,12 +18,23 @@ struct Hypothesis {
     double rms = 0;
     double threshold = 0;  // largest distance of its points, source units
     double reach = 0;      // its points may lie so far outside of the box, source units
+    bool thin = false;     // normals of its points show nothing of it (pipe_search.h)
     bool whole = false;    // it was tried whether its points are a piece of something bent: they are not
 };
 inline constexpr std::size_t hypothesis_points = 256;  // in `some`
 
 // Where points of it may lie, if they may lie at least so far outside of its box.
 Box3d reached_box(const Hypothesis& one, double least_reach);
+
+struct ExplainedLimits {
+    double threshold = 0;     // distance from a known shape, source units
+    double reach = 0;         // from the box of its points, or the reach that it has, source units
+    double normal_angle = 0;  // between a point's normal and the shape's, radians
+};
+
+// Sets taken[i] = 1 for the points of a sample that a known shape explains.
+void mark_explained(const SurfaceSample& sample, const std::vector<Hypothesis>& known, const ExplainedLimits& limits,
+                    std::vector<std::uint8_t>& taken);
 
 struct MergeOptions {
     double gap = 0;           // between boxes that touch, source units; or the reach of the larger one

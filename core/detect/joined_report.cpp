@@ -2,7 +2,6 @@
 
 #include "pcm/detect/point_labels.h"
 #include "pcm/shapes/primitive_list.h"
-#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <map>
@@ -44,11 +43,11 @@ void number_again(std::vector<Primitive>& primitives)
 
 }  // namespace
 
-DetectReport joined(const Tree& tree, DetectReport rest, DetectReport quiet)
+DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others)
 {
     const std::size_t first_count = rest.primitives.size();
     std::vector<Primitive> all = std::move(rest.primitives);
-    std::move(quiet.primitives.begin(), quiet.primitives.end(), std::back_inserter(all));
+    std::move(others.primitives.begin(), others.primitives.end(), std::back_inserter(all));
     std::vector<std::size_t> order(all.size());
     std::iota(order.begin(), order.end(), std::size_t(0));
     std::stable_sort(order.begin(), order.end(),
@@ -60,17 +59,12 @@ DetectReport joined(const Tree& tree, DetectReport rest, DetectReport quiet)
         label_of[i] = static_cast<std::uint32_t>(rest.primitives.size());
     }
     number_again(rest.primitives);
-    rest.labels = joined_labels(tree, *rest.labels, *quiet.labels, first_count, label_of);
-    rest.outcome.points_in += quiet.outcome.points_in;
-    rest.outcome.points_out += quiet.outcome.points_out;
-    rest.outcome.seconds += quiet.outcome.seconds;
-    rest.outcome.error = std::max(rest.outcome.error, quiet.outcome.error);
-    rest.notes.push_back(grouped(quiet.outcome.points_in) +
-                         " points have far less noise than the others; shapes there were searched by themselves: "
-                         "threshold " +
-                         brief(quiet.threshold) + ", noise " + brief(quiet.noise) + ", spacing " +
-                         brief(quiet.spacing));
-    rest.notes.insert(rest.notes.end(), quiet.notes.begin(), quiet.notes.end());
+    rest.labels = joined_labels(tree, *rest.labels, *others.labels, first_count, label_of);
+    rest.outcome.points_in += others.outcome.points_in;
+    rest.outcome.points_out += others.outcome.points_out;
+    rest.outcome.seconds += others.outcome.seconds;
+    rest.outcome.error = std::max(rest.outcome.error, others.outcome.error);
+    rest.notes.insert(rest.notes.end(), others.notes.begin(), others.notes.end());
     return rest;
 }
 

@@ -1,12 +1,12 @@
-// What was found in two parts of a cloud, as one report.
+// What two searches found in parts of a cloud, or among what one of them left, as one report.
 #pragma once
 
 #include "pcm/detect/detect.h"
 
 namespace pcm {
 
-// The cloud's values, and the first notes, are those of `rest`; a note says what those of `quiet` are. Throws what
-// reading and writing labels throw.
-DetectReport joined(const Tree& tree, DetectReport rest, DetectReport quiet);
+// No point has a label of both. The cloud's values, and the first notes, are those of `rest`; primitives are in one
+// order, and labelled, named and coloured by it. Throws what reading and writing labels throw.
+DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others);
 
 }  // namespace pcm

@@ -1,7 +1,7 @@
 // Shapes among the points of a sample in memory.
 #pragma once
 
-#include "pcm/detect/surface_sample.h"
+#include "pcm/detect/shape_growth.h"
 #include "pcm/shapes/shape.h"
 
 #include <cstdint>
@@ -12,17 +12,12 @@ namespace pcm {
 
 struct ShapeSearchOptions {
     std::vector<ShapeKind> kinds;
-    double threshold = 0;     // source units
-    double normal_angle = 0;  // radians
-    std::size_t least = 20;   // points of the sample
+    double threshold = 0;      // source units
+    double normal_angle = 0;   // radians
+    double least_sagitta = 0;  // minimum sagitta of curved shapes, source units (sagitta.h)
+    std::size_t least = 20;    // points of the sample
     std::uint64_t seed = 1;
     std::function<void()> check;  // called now and then; may throw
-};
-
-struct FoundShape {
-    Shape shape;                        // relative to the sample's origin
-    std::vector<std::uint32_t> points;  // numbers of points of the sample
-    double rms = 0;                     // rms of their distances
 };
 
 // Shapes that have at least `least` connected points, none of them in two shapes. `taken`: for each point, whether it
@@ -34,8 +29,5 @@ struct FoundShape {
 // plane has fewer by detect.search.curved_gain.
 std::vector<FoundShape> search_shapes(const SurfaceSample& sample, const ShapeSearchOptions& options,
                                       std::vector<std::uint8_t>& taken);
-
-// Whether a point fits: distance and normal.
-bool fits(const SurfaceSample& sample, std::size_t point, const Shape& shape, double threshold, double cos_angle);
 
 }  // namespace pcm

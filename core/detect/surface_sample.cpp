@@ -1,6 +1,7 @@
 #include "pcm/detect/surface_sample.h"
 
 #include "pcm/cloud/symmetric_eigen.h"
+#include "pcm/detect/point_labels.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/knn/grid_steps.h"
 #include "pcm/knn/unit_points.h"
@@ -99,9 +100,20 @@ void cut_edges(SurfaceSample& sample, double step, double cell)
 
 }  // namespace
 
-ChosenPoints::ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit, CloudPart part)
-    : tree_(tree), boxes_(tree), selector_(limit, tree->info().schema), part_(std::move(part)), rounding_(tree->info())
+ChosenPoints::ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit, CloudPart part,
+                           std::shared_ptr<const PointLabels> taken)
+    : tree_(tree),
+      boxes_(tree),
+      selector_(limit, tree->info().schema),
+      part_(std::move(part)),
+      taken_(std::move(taken)),
+      rounding_(tree->info())
 {
+}
+
+bool ChosenPoints::touches(const Box3i& box) const
+{
+    return part_.touches(box) && selector_.relation(source_box(box)) != BoxRelation::outside;
 }
 
 Box3d ChosenPoints::source_box(const Box3i& box) const { return rounding_(tree_->info().grid.to_source(box)); }
@@ -121,6 +133,7 @@ void ChosenPoints::visit(const Box3i& box, std::uint16_t level, const std::funct
         const CloudPart here = part_.within(tree_->node(node).box);
         if (relation == BoxRelation::outside || !here.touches(tree_->node(node).box)) continue;
         const bool is_all = here.is_whole();
+        const std::vector<std::uint32_t> taken = taken_ ? taken_->get(node) : std::vector<std::uint32_t>();
         const ChunkPart part = tree_->read_chunk_part(
             node, columns, [&](const Box3i& b, std::uint16_t l) { return l <= level && touches(b); });
         Some some;
@@ -131,7 +144,9 @@ void ChosenPoints::visit(const Box3i& box, std::uint16_t level, const std::funct
         for (std::size_t s = 0; s < part.count.size(); ++s) {
             std::vector<std::uint32_t> chosen;
             for (std::uint32_t i = begin; i < begin + part.count[s]; ++i)
-                if (const Vec3i q = part.chunk.positions->grid(i); box.contains(q) && (is_all || here.contains(q)))
+                if (taken_ && taken[part.first[s] + (i - begin)] != 0)
+                    continue;
+                else if (const Vec3i q = part.chunk.positions->grid(i); box.contains(q) && (is_all || here.contains(q)))
                     chosen.push_back(i);
             const auto position = [&](std::size_t i) {
                 return rounding_(tree_->info().grid.to_source(part.chunk.positions->grid(i)));
@@ -219,10 +234,18 @@ std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3
     cut_edges(sample, settings.step, settings.cell);
     sample.blocks.resize((sample.size() + SurfaceSample::block_points - 1) / SurfaceSample::block_points);
     for (std::size_t i = 0; i < sample.size(); ++i) sample.blocks[i / SurfaceSample::block_points].extend(sample.at[i]);
+    for (const Box3d& block : sample.blocks) sample.bounds.extend(block);
     return sample;
 }
 
 }  // namespace
+
+std::vector<Vec3d> places_of(const SurfaceSample& sample, const std::vector<std::uint32_t>& points)
+{
+    std::vector<Vec3d> places;
+    for (const std::uint32_t i : points) places.push_back(sample.at[i]);
+    return places;
+}
 
 SurfaceSample sample_surface(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings)
 {

@@ -19,10 +19,14 @@
 
 namespace pcm {
 
+class PointLabels;
+
 // Reads the chosen points of boxes. Any number of threads.
 class ChosenPoints {
 public:
-    ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit, CloudPart part = {});
+    // `taken`: points with a label there, above 0, are not chosen; null: there are none.
+    ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit, CloudPart part = {},
+                 std::shared_ptr<const PointLabels> taken = nullptr);
 
     // Some points of one node: `number[i]` in the node's whole chunk, `at[i]` its place in source coordinates,
     // `grid[i]` on the grid.
@@ -40,14 +44,16 @@ public:
     std::vector<Vec3d> positions(NodeId node) const;
 
     const Tree& tree() const { return *tree_; }
+    // Whether the box may have chosen points.
+    bool touches(const Box3i& box) const;
     Box3d source_box(const Box3i& box) const;
-    const CloudPart& part() const { return part_; }
 
 private:
     const std::shared_ptr<const Tree> tree_;
     const PointsInBoxes boxes_;
     const Selector selector_;
     const CloudPart part_;
+    const std::shared_ptr<const PointLabels> taken_;
     const SourceRounding rounding_;
 };
 
@@ -88,11 +94,15 @@ struct SurfaceSample {
 
     static constexpr std::size_t block_points = 64;
     std::vector<Box3d> blocks;  // around block_points points each, in their order
+    Box3d bounds;               // around all of them
 
     std::size_t size() const { return at.size(); }
     const std::uint32_t* neighbours(std::size_t i) const { return edges.data() + i * most_neighbours; }
     Vec3d normal_of(std::size_t i) const { return {normal[i][0], normal[i][1], normal[i][2]}; }
 };
+
+// Places of some points, relative to the sample's origin.
+std::vector<Vec3d> places_of(const SurfaceSample& sample, const std::vector<std::uint32_t>& points);
 
 // Calls use(i) for the points of a sample in a box and up to `most` from a plane, cylinder or sphere, ascending, and
 // may do so for others of the box. `box`: source coordinates; `shape`: relative to the sample's origin.
@@ -100,6 +110,7 @@ template <class Use>
 void for_points_near(const SurfaceSample& sample, const Box3d& box, const Shape& shape, double most, const Use& use)
 {
     const Box3d here{box.min - sample.origin, box.max - sample.origin};
+    if (!here.intersects(sample.bounds)) return;
     for (std::size_t b = 0; b < sample.blocks.size(); ++b) {
         const Box3d& block = sample.blocks[b];
         if (!here.intersects(block) || distance_to(shape, block.centre()) > most + 0.5001 * block.diagonal()) continue;

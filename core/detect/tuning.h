@@ -31,6 +31,13 @@ struct SurveyTuning {
     // ground within a drone's cloud, say.
     // Chosen: noises of such scanners differ by ten and more, of one scanner's ranges by less; not swept.
     double quiet_share = 0.15;  // share of the cloud's noise
+    // Noise below which a place is of such a part where the cloud has one.
+    // Chosen: pipes and edges of a plant in a drone's cloud raise its noise to 0.3, terrain has 0.58 and more; not
+    // swept.
+    double quiet_beside = 0.4;  // share of the cloud's noise
+    // Spacing of a place that is of such a part whatever its noise: pipes and edges show none that is low.
+    // Chosen: with quiet_beside; not swept.
+    double dense_beside = 0.25;  // share of the cloud's spacing
     // Patches of bushes in such a part have more.
     // Chosen: with quiet_share; not swept.
     double quiet_quantile = 0.15;  // share of the patches
@@ -77,9 +84,48 @@ struct ShapeSearchTuning {
     // Minimum turn of a curved shape's normals.
     // Chosen: not swept.
     double min_arc = 0.5;  // radians
+    // Sagitta of a curved shape where its points are (sagitta.h), and width of a plane: below, the threshold hides what
+    // bends there, and a plane or several shapes have the points as well.
+    // Chosen: a third of the sagitta is the largest threshold at which pipes seen from one side keep their radius; not
+    // swept.
+    double sagitta_thresholds = 3;  // thresholds
+    // Chosen: the chord within a threshold of a plane in a pipe of three thresholds' radius, the thinnest one that is
+    // not refused, is 5.7; not swept.
+    double width_thresholds = 6;  // thresholds
     // Points around a seed without a shape that are not tried again.
     // Chosen: not swept.
     std::size_t tried_points = 12;  // points
+};
+
+// Thin pipes among the points that belong to nothing (pipe_search.h).
+struct PipeTuning {
+    // Threshold of the second search, for pipes and all kinds, among the points that the first one left.
+    // Chosen: two standard deviations of the survey's noise, an upper estimate; not swept.
+    double threshold_share = 0.5;  // share of the first search's threshold
+    // Size of the cells of its sample.
+    // Chosen: pipes have few points, none to lose; not swept.
+    double cell = 0.5;  // thresholds
+    // Standard deviations of a patch along and across its line.
+    // Chosen: not swept.
+    double min_elongation = 2;  // factor
+    // A pipe's threshold is this share of the largest one that does not hide its bend: its radius is not known yet.
+    // Chosen: not swept.
+    double kept_threshold = 0.9;  // share
+    // Below this threshold least squares sees noise alone.
+    // Chosen: a pipe of five noises' radius, seen from one side, has 1.5; not swept.
+    double min_noises = 1.25;  // standard deviations
+    // Chosen: a scanner sees half of a pipe, pi, less where it is grazed; not swept.
+    double min_turn = 1.4;  // radians
+    // Chosen: three diameters; not swept.
+    double min_length = 6;  // radii
+    // Points up to this distance that are not the pipe's.
+    // Chosen: not swept.
+    double alone_thresholds = 4;  // thresholds
+    // Chosen: Gaussian noise of two thirds of the threshold leaves 0.15; not swept.
+    double max_others = 0.35;  // share of the pipe's points
+    // Points around a seed without a pipe that are not tried again.
+    // Chosen: with detect.search.tried_points; not swept.
+    std::size_t tried_points = 24;  // points
 };
 
 // Which parts of surfaces the threshold cuts out of something bent (assign_points.h).
@@ -101,6 +147,24 @@ struct PieceTuning {
     double flat_rms = 0.2;  // thresholds
     // Chosen: with flat_rms; not swept.
     double flat_outline = 4;  // roots of the number of points
+    // Sagitta of a curved shape as wide as its part's box, from which on a piece is kept, as doubtful: vessels between
+    // round heads, pipes between elbows.
+    // Chosen: a vessel of a plant has 100, a crest of hills about 5; not swept.
+    double kept_sagitta = 10;  // thresholds
+    // Share of its edge where a surface continues, and bend as min_bend, from which on a primitive is doubted.
+    // Chosen: with curved_bend, of 85 good primitives of hills 2 are left, and those of a plant; not swept.
+    double doubtful_edge = 0.05;  // share of the edge
+    // Chosen: with doubtful_edge; not swept.
+    double doubtful_bend = 0.49;  // rms of the means per rms of the distances
+    // Bend from which on a primitive that is curved, or has more noise than the cloud, is doubted whether its surface
+    // continues or not.
+    // Chosen: right cylinders and spheres of a plant whose stations are apart by their noise have up to 0.58, most of
+    // hills and cones that are taken for cylinders 0.63 to 0.95; not swept.
+    double curved_bend = 0.6;  // rms of the means per rms of the distances
+    // Mean width of a plane's part, its area by its box's diagonal, from which on a piece is kept, as doubtful: floors,
+    // ceilings and walls.
+    // Chosen: keeps a floor of an indoor scan of 80,000 points, and few pieces of hills; not swept.
+    double kept_width = 50;  // thresholds
     // A surface continues at a point where this many neighbours' surroundings are next to the threshold.
     // Chosen: not swept.
     std::size_t min_neighbours = 3;  // points
@@ -142,13 +206,14 @@ struct MergingTuning {
     double explained_share = 0.8;  // share of the points
     // Minimum share of points inside a part, below which those at edges are used too.
     // Chosen: not swept.
-    double min_interior = 0.2;  // share of the points
+    double min_interior = 0.5;  // share of the points
 };
 
 struct DetectTuning {
     SurveyTuning survey;
     ResolutionTuning resolution;
     ShapeSearchTuning search;
+    PipeTuning pipes;
     PieceTuning pieces;
     WideningTuning widening;
     MergingTuning merging;

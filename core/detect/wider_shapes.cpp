@@ -34,13 +34,25 @@ double share_on(const Hypothesis& surface, const std::vector<Vec3d>& points)
     return static_cast<double>(on) / static_cast<double>(std::max<std::size_t>(1, points.size()));
 }
 
+// A trial needs none of its points, which are most of a hypothesis' memory.
+Hypothesis without_points(const Hypothesis& one)
+{
+    Hypothesis copy;
+    copy.shape = one.shape;
+    copy.box = one.box;
+    copy.threshold = one.threshold;
+    copy.reach = one.reach;
+    copy.thin = one.thin;
+    copy.whole = one.whole;
+    return copy;
+}
+
 class Widening {
 public:
     Widening(const ChosenPoints& points, std::vector<Hypothesis> all, const WidenOptions& options)
         : points_(points), options_(options), settled_(std::move(all))
     {
         for (AssignOptions* assign : {&options_.fine.assign, &options_.coarse.assign}) {
-            assign->keep_some = true;
             assign->least_points = 0;  // no labels, no points: only those of the sample count
             assign->least_sampled = tuned_.min_sampled;
         }
@@ -146,12 +158,15 @@ private:
     }
 
     // By hypothesis, of those in settled_ and then `more`; where there are more, of these alone.
-    std::vector<Trial> trial(const std::vector<Hypothesis>& more)
+    std::vector<Trial> trial(const std::vector<Hypothesis>& more, bool keeps_points = false)
     {
-        tried_ = settled_;
-        tried_.insert(tried_.end(), more.begin(), more.end());
+        tried_.clear();
+        for (const Hypothesis& one : settled_) tried_.push_back(without_points(one));
+        for (const Hypothesis& one : more) tried_.push_back(without_points(one));
         const std::vector<Box3i> units = more.empty() ? sample_->units : units_of(more);
-        assigned_ = assign_points(points_, units, tried_, sample_->assign, nullptr);
+        AssignOptions assign = sample_->assign;
+        if (keeps_points) assign.some_from = static_cast<std::uint32_t>(settled_.size());
+        assigned_ = assign_points(points_, units, tried_, assign, nullptr);
         std::vector<Trial> trials(tried_.size());
         for (const SurfacePart& part : assigned_.parts) {
             if (part.sampled < tuned_.min_sampled) continue;
@@ -182,7 +197,7 @@ private:
 
     void fit_to_wider_parts(std::vector<Hypothesis>& bent)
     {
-        const std::vector<Trial> trials = trial(bent);
+        const std::vector<Trial> trials = trial(bent, true);
         const std::size_t first = tried_.size() - bent.size();
         for (std::size_t h = 0; h < bent.size(); ++h) {
             const SurfacePart* const part = trials[first + h].largest;

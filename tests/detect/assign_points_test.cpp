@@ -150,6 +150,62 @@ TEST_F(AssignPoints, ThePartsOfABendContinueInEachUnit)
     EXPECT_NEAR(static_cast<double>(continued({low, high})), static_cast<double>(whole), 10);
 }
 
+// Sums over the points inside a part, of their distances and of the means of theirs and their neighbours'.
+TEST_F(AssignPoints, PartsHaveTheSquaresOfTheirPointsInside)
+{
+    Dice dice(7);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 4000; ++i) points.push_back({dice.between(-1, 1), dice.between(-1, 1), 0.002 * dice.normal()});
+    make(points);
+    const ChosenPoints chosen(tree_, {});
+    const AssignOptions options = options_of(0.001, 0);
+    const AssignedPoints found = assign_points(chosen, {tree_->info().box}, {level_plane(0, 0.05)}, options, nullptr);
+    ASSERT_EQ(found.parts.size(), 1u);
+    const SurfaceSample sample = sample_surface(chosen, tree_->info().box, options.sample);
+    double squares = 0, smooth = 0;
+    for (std::size_t i = 0; i < sample.size(); ++i) {
+        const double z = sample.at[i][2] + sample.origin[2];
+        double sum = z;
+        for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k)
+            sum += sample.at[sample.neighbours(i)[k]][2] + sample.origin[2];
+        squares += z * z;
+        smooth += sum * sum / (17.0 * 17.0);
+    }
+    const SurfacePart& part = found.parts[0];
+    EXPECT_EQ(part.edge, 0u);
+    EXPECT_NEAR(part.squares, squares, 1e-9 * squares);
+    EXPECT_NEAR(part.smooth_squares, smooth, 1e-9 * smooth);
+}
+
+// A thin pipe's points have any normals; without points of a hypothesis, none is kept.
+TEST_F(AssignPoints, ThinPipesHavePointsOfAnyNormalAndPointsAreKeptOnRequest)
+{
+    Dice dice(7);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 3000; ++i)
+        points.push_back({dice.between(-1, 1), dice.between(-0.02, 0.02), dice.between(-0.02, 0.02)});
+    make(points);
+    Hypothesis one = level_plane(0, 0.03);
+    const ChosenPoints chosen(tree_, {});
+    AssignOptions options = options_of(0.001, 0);
+    const auto sampled = [&] {
+        std::uint64_t all = 0, kept = 0;
+        for (const SurfacePart& part : assign_points(chosen, {tree_->info().box}, {one}, options, nullptr).parts) {
+            all += part.sampled;
+            kept += part.some.size();
+        }
+        EXPECT_EQ(kept > 0, options.some_from == 0);
+        return all;
+    };
+    EXPECT_LT(sampled(), 2500u);
+    one.thin = true;
+    EXPECT_GT(sampled(), 2990u);
+    options.some_from = 0;
+    EXPECT_GT(sampled(), 2990u);
+    options.some_from = 1;
+    EXPECT_GT(sampled(), 2990u);
+}
+
 TEST_F(AssignPoints, NormalsDecideWithinTheThreshold)
 {
     std::vector<Vec3d> points;

@@ -405,11 +405,12 @@ TEST_F(Detect, PCM_NOT_UNDER_THREAD(RougherSurfacesThanMostHaveAWiderThreshold))
     EXPECT_GT(table.points, 110000u);
     EXPECT_GE(table.fit.threshold, 2 * report.threshold);
     EXPECT_EQ(mug.fit.shape.kind, ShapeKind::cylinder);
-    // Which pieces the mug comes in hangs on the last digits; most of its 14,000 points are on cylinders.
+    // Which pieces the mug comes in hangs on the last digits, and those with a sagitta of less than three thresholds
+    // are refused; of its 14,000 points more than a third are on cylinders.
     std::uint64_t on_cylinders = 0;
     for (const Primitive& p : report.primitives)
         if (p.fit.shape.kind == ShapeKind::cylinder) on_cylinders += p.points;
-    EXPECT_GT(on_cylinders, 7000u);
+    EXPECT_GT(on_cylinders, 5000u);
     EXPECT_GE(report.outcome.error, table.fit.threshold);
 }
 

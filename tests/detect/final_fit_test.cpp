@@ -42,7 +42,7 @@ protected:
         part.smooth_squares = 0.8 * part.squares;
         ASSERT_TRUE(is_piece(part, threshold));
     }
-    FinalFit fit(bool keep_pieces, double noise = 0)
+    FinalFit fit(bool keep_pieces, double noise = 0, bool only_good = false)
     {
         PointLabels labels(*tree_);
         for (SurfacePart& part : assigned_.parts) part.points = 0;
@@ -58,6 +58,8 @@ protected:
         options.keep_pieces = keep_pieces;
         options.is_automatic = noise > 0;
         options.noise = noise;
+        options.only_good = only_good;
+        options.cell = cell_;
         options.progress = [](double) {};
         return fit_parts(ChosenPoints(tree_, {}), {hypothesis_}, assigned_, labels, options);
     }
@@ -65,6 +67,7 @@ protected:
     TemporaryFolder folder_;
     std::shared_ptr<const Tree> tree_;
     AssignedPoints assigned_;
+    double cell_ = 0.005;
     Hypothesis hypothesis_ = [] {
         Hypothesis floor;
         floor.box = {{-1, -1, -1}, {6, 2, 1}};
@@ -127,6 +130,64 @@ TEST_F(FinalFitTest, PlatesAndBentFloorsAreDoubted)
             }
         }
     }
+}
+
+// Wide relative to the threshold, as floors and ceilings of rooms that bend by more than it.
+TEST_F(FinalFitTest, WideFlatPiecesAreKeptAsDoubtful)
+{
+    bend(assigned_.parts[0], hypothesis_.threshold);
+    // 10,000 points of the sample, a cell each, over the diagonal of a unit square.
+    cell_ = 0.008;  // 45 thresholds wide
+    EXPECT_EQ(fit(false).pieces, 1u);
+    cell_ = 0.009;  // 57
+    const FinalFit kept = fit(false, 0.0015);
+    EXPECT_EQ(kept.pieces, 0u);
+    ASSERT_EQ(kept.primitives.size(), 3u);
+    EXPECT_EQ(kept.primitives[2].fit.verdict, FitVerdict::doubtful);  // the one of fewest points
+    EXPECT_EQ(kept.primitives[0].fit.verdict, FitVerdict::good);
+}
+
+TEST_F(FinalFitTest, WhatNeighboursLeaveTogetherIsDoubted)
+{
+    build([](std::size_t, double, double, Dice& dice) { return 0.001 * dice.normal(); });
+    SurfacePart& part = assigned_.parts[1];
+    const auto verdict = [&](double bend, std::uint64_t continued, double noise) {
+        part.sampled = 1000;
+        part.edge = 100;
+        part.continued = continued;
+        part.squares = 900 * 0.001 * 0.001;
+        part.smooth_squares = bend * bend * part.squares;
+        const FinalFit result = fit(false, noise);
+        EXPECT_EQ(result.primitives.size(), 3u);
+        return result.primitives[1].fit.verdict;
+    };
+    EXPECT_EQ(verdict(0.3, 20, 0.002), FitVerdict::good);
+    EXPECT_EQ(verdict(0.55, 4, 0.002), FitVerdict::good);
+    EXPECT_EQ(verdict(0.55, 6, 0.002), FitVerdict::doubtful);
+    EXPECT_EQ(verdict(0.65, 0, 0.002), FitVerdict::good);
+    EXPECT_EQ(verdict(0.65, 0, 0.0005), FitVerdict::doubtful);
+}
+
+// A threshold of a fifth of a floor's width has pipes as well.
+TEST_F(FinalFitTest, NarrowPlanesAreRefusedWhereTheThresholdIsAutomatic)
+{
+    build([](std::size_t, double, double, Dice& dice) { return 0.001 * dice.normal(); });
+    hypothesis_.threshold = 0.2;
+    EXPECT_EQ(fit(false).primitives.size(), 3u);
+    EXPECT_EQ(fit(false, 0.001).primitives.size(), 0u);
+    hypothesis_.threshold = 0.15;
+    EXPECT_EQ(fit(false, 0.001).primitives.size(), 3u);
+}
+
+TEST_F(FinalFitTest, DoubtfulOnesAreLeftOutOnRequestButForThinPipes)
+{
+    build([](std::size_t floor, double, double, Dice& dice) {
+        return floor == 1 ? (dice.unit() < 0.5 ? -1 : 1) * 0.004 + 0.001 * dice.normal() : 0.001 * dice.normal();
+    });
+    EXPECT_EQ(fit(false, 0.001).primitives.size(), 3u);
+    EXPECT_EQ(fit(false, 0.001, true).primitives.size(), 2u);
+    hypothesis_.thin = true;
+    EXPECT_EQ(fit(false, 0.001, true).primitives.size(), 3u);
 }
 
 }  // namespace

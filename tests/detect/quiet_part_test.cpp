@@ -47,8 +47,8 @@ protected:
     CloudPart part_of_tree() const
     {
         const ChosenPoints points(tree_, {});
-        const double noise = survey_cloud(points, plan_units(*tree_, 20000), [] {}).noise;
-        return quiet_part(points, plan_units(*tree_, 40000), plan_units(*tree_, 160000), noise, [] {});
+        const CloudSurvey whole = survey_cloud(points, plan_units(*tree_, 20000), [] {});
+        return quiet_part(points, plan_units(*tree_, 40000), plan_units(*tree_, 160000), whole, [] {});
     }
     Vec3i grid_of(const Vec3d& p) const
     {

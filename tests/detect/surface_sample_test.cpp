@@ -222,6 +222,45 @@ TEST_F(SurfaceSamples, LabelsAreThoseThatWereSet)
     EXPECT_EQ(labels.get(0), std::vector<std::uint32_t>(tree_->node(0).points, 3));
 }
 
+TEST_F(SurfaceSamples, HaveNoPointsThatAreTaken)
+{
+    const auto labels = std::make_shared<PointLabels>(*tree_);
+    std::size_t wall = 0, all = 0;
+    for (const PlacedPoint& p : all_points(*tree_)) {
+        const std::uint32_t label = p.position[2] > 0.1 ? 7 : 0;
+        labels->set(p.node, {p.number}, &label);
+        wall += label != 0;
+        ++all;
+    }
+    ASSERT_GT(wall, 1000u);
+    const ChosenPoints chosen(tree_, {}, {}, labels);
+    const SurfaceSample left = sample_surface(chosen, tree_->info().box, {tree_->info().levels, 0});
+    EXPECT_EQ(left.size(), all - wall);
+    for (const Vec3d& p : left.at) EXPECT_LE(p[2] + left.origin[2], 0.1 + 1e-3);
+}
+
+// Those near it whose normals agree, within its reach.
+TEST_F(SurfaceSamples, KnownShapesExplainPoints)
+{
+    const SurfaceSample all = sample_surface(ChosenPoints(tree_, {}), tree_->info().box, {tree_->info().levels, 0});
+    Hypothesis floor;
+    floor.box = {{-1, -1, 0}, {0, 1, 0}};
+    ExplainedLimits limits;
+    limits.threshold = 0.01;
+    limits.reach = 0.25;
+    limits.normal_angle = 0.3;
+    std::vector<std::uint8_t> taken(all.size(), 0);
+    mark_explained(all, {floor}, limits, taken);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Vec3d p = all.at[i] + all.origin;
+        const bool near = p[0] <= 0.25 && std::fabs(p[2]) <= 0.01 && std::fabs(all.normal_of(i)[2]) >= std::cos(0.3);
+        EXPECT_EQ(taken[i] != 0, near) << p[0] << ' ' << p[2];
+        count += near;
+    }
+    EXPECT_GT(count, 1000u);
+}
+
 TEST(Hypothesis, ItsPointsMayLieAsFarOutsideOfItsBoxAsItReaches)
 {
     Hypothesis one;
