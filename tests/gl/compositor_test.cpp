@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <string>
 
 using namespace pcm;
 using namespace pcm::test;
@@ -281,6 +283,38 @@ TEST(Compositor, PCM_NOT_UNDER_ADDRESS(EyeDomeLightingLeavesPlanesAsTheyAre))
                         EXPECT_LT(dark.rims, tilt < 80 ? 0.002 : moving ? 0.17 : 0.06);
                     }
             }
+}
+
+// A wall as a depth camera measures it: patches that lie a step apart are as flat as the wall was. What stands before
+// it still has an edge, and patches whose depths are no steps are relief.
+TEST(Compositor, EyeDomeLightingHidesTheStepsOfADepthCamera)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    auto points = random_points(60000, 20000, 5);
+    std::vector<std::int32_t> heights(23 * 23);
+    std::mt19937 random(3);
+    for (std::int32_t& height : heights) height = 500 * std::int32_t(random() % 3);
+    for (LasPoint& p : points) p.z = heights[static_cast<std::size_t>(p.x / 900 * 23 + p.y / 900)];
+    auto rough = points, before = points;
+    for (LasPoint& p : rough) p.z += std::int32_t(random() % 50);
+    for (LasPoint& p : before)
+        if (p.x > 8000 && p.x < 12000) p.z += 4000;
+    const Camera view = view_of(translation(-10, -10, -30), perspective(0.5, 1, 0.5, 100), 300, 300);
+    for (const unsigned samples : {1u, 4u}) {
+        RenderOptions options = everything();
+        options.samples = samples;
+        const std::string n = std::to_string(samples);
+        const Darkening steps = darkening(make_cloud(folder, "steps" + n, grid_at({0, 0, 0}), points), view, options);
+        const Darkening relief = darkening(make_cloud(folder, "relief" + n, grid_at({0, 0, 0}), rough), view, options);
+        const Darkening edge = darkening(make_cloud(folder, "edge" + n, grid_at({0, 0, 0}), before), view, options);
+        SCOPED_TRACE(testing::Message() << samples << " samples: " << steps.mean << " " << relief.mean << " "
+                                        << edge.mean);
+        EXPECT_LT(steps.mean, (samples == 1 ? 0.35 : 0.6) * relief.mean);
+        EXPECT_GT(relief.mean, 0.03);
+        EXPECT_LT(steps.rims, 0.005);
+        EXPECT_GT(edge.rims, 3 * steps.rims);
+    }
 }
 
 // A crown is not drawn as a heap of balls with black rims, and yet what lies in front of something else stands out.

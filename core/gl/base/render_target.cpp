@@ -168,13 +168,14 @@ void PictureSum::release()
     *this = PictureSum();
 }
 
-const ShaderProgram& Compositor::program(const RenderTarget& picture, Into into, const Finish& finish)
+const ShaderProgram& Compositor::program(const RenderTarget& picture, Into into, const Finish& finish, bool resolved)
 {
     const unsigned samples = picture.samples(), every = !(finish.eye_dome > 0) ? 0 : finish.fast ? 2 : 1;
-    ShaderProgram& program = programs_[{samples, picture.reversed(), into, every, finish.close_gaps}];
+    ShaderProgram& program = programs_[{samples, resolved, picture.reversed(), into, every, finish.close_gaps}];
     if (!program) {
         std::vector<std::string> defines;
         if (samples > 1) defines.push_back("SAMPLES " + std::to_string(samples));
+        if (resolved) defines.emplace_back("RESOLVED");
         if (picture.reversed()) defines.emplace_back("REVERSED");
         if (every > 0) defines.push_back("EYE_DOME " + std::to_string(every));
         if (finish.close_gaps) defines.emplace_back("CLOSE_GAPS");
@@ -224,7 +225,7 @@ void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const
                       const Matrix4d& projection, const Finish& finish)
 {
     const RenderTarget& from = one_sample(picture, resolved, finish);
-    const ShaderProgram& composite = program(from, the_host, finish);
+    const ShaderProgram& composite = program(from, the_host, finish, &from == &resolved);
     begin_in_host(composite, host);
     set_finish(composite, from, projection, finish);
     run(composite, "colours", from.colours(), texture_target(from), from);
@@ -234,7 +235,7 @@ void Compositor::add(const RenderTarget& picture, RenderTarget& resolved, const 
                      const Matrix4d& projection, const Finish& finish)
 {
     const RenderTarget& from = one_sample(picture, resolved, finish);
-    const ShaderProgram& composite = program(from, a_sum, finish);
+    const ShaderProgram& composite = program(from, a_sum, finish, &from == &resolved);
     sum.bind();
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);

@@ -35,7 +35,7 @@ public:
     std::uint32_t colours() const
     {
         return colours_;
-    }  // RGBA8; alpha 0 where nothing was drawn, else as shaders/splat.frag marks it
+    }  // RGBA8; alpha 0 where nothing was drawn, else as shaders/splat.vert marks it
     std::uint32_t depths() const { return depths_; }  // 32-bit float
 
     void release();
@@ -86,12 +86,14 @@ public:
 
 private:
     enum Into { the_host, another_target, a_sum, the_host_mean };
-    const ShaderProgram& program(const RenderTarget& picture, Into into, const Finish& finish = {});
+    // `resolved`: the picture is what one_sample() has made of one of several samples.
+    const ShaderProgram& program(const RenderTarget& picture, Into into, const Finish& finish = {},
+                                 bool resolved = false);
     // One texture each for the shader's first two units, then a triangle over the viewport.
     void run(const ShaderProgram& program, const char* colours, std::uint32_t of_colours, std::uint32_t colour_target,
              const RenderTarget& depths);
     const RenderTarget& one_sample(const RenderTarget& picture, RenderTarget& resolved, const Finish& finish);
-    std::map<std::tuple<unsigned, bool, Into, unsigned, bool>, ShaderProgram> programs_;
+    std::map<std::tuple<unsigned, bool, bool, Into, unsigned, bool>, ShaderProgram> programs_;
 };
 
 // (x + y d) / (z + w d) is the distance from the eye, along its axis, of depth d: 1 at the near plane, 0 at the far
