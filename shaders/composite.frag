@@ -1,7 +1,8 @@
 #version 330 core
 // Composites a picture of splats, colour and depth, into another framebuffer. Permutations: SAMPLES n (of the picture; absent: one per
-// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), RESOLVED (it is one of these), SUM (colours times
-// coverage, and coverage, to be added up; without depth), EYE_DOME n (of the pairs of opposite neighbours every n-th is looked at), CLOSE_GAPS.
+// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), RESOLVED (it is one of
+// these), SUM (colours times coverage, and coverage, to be added up; without depth), EYE_DOME n (of the pairs of opposite neighbours every n-th is looked at), CLOSE_GAPS,
+// SHADES (how bright eye-dome lighting leaves every other pixel of every other row, and nothing else), SHADED (these are given).
 //
 // With several samples, the colours of the covered ones are averaged, their fraction becomes the alpha, and the nearest depth is written.
 //
@@ -50,11 +51,13 @@ float step_of(float alpha) { return high_bits_of(alpha) < 15.0 ? exp2(0.5 * (14.
 
 const float steps_hidden = 2.5;
 
+#if defined(EYE_DOME) || defined(CLOSE_GAPS) || defined(SHADED)
+uniform ivec2 size;
+#endif
 #if defined(EYE_DOME) || defined(CLOSE_GAPS)
 uniform vec4 distance_of_depth;     // distance = (x + y * d) / (z + w * d), where d is 1 at the near plane
 uniform float relief_of_distance;   // orthographic: 1 / visible height; 0: perspective
 uniform float relief_of_pixel;      // relief of a step as deep as a pixel is wide
-uniform ivec2 size;
 
 float eye_distance(float depth)
 {
@@ -151,7 +154,7 @@ bool compare(ivec2 at, ivec2 away, float here, out vec2 relief)
 vec2 widest_beside(ivec2 at, ivec2 away)
 {
     float a = texelFetch(colours, at + away, 0).a, b = texelFetch(colours, at - away, 0).a;
-    return vec2(max(side_of(a), side_of(b)), max(step_of(a), step_of(b)));
+    return vec2(exp2(0.5 * (15.0 - min(mark_of(a), mark_of(b)))), step_of(min(a, b)));
 }
 
 float shade(ivec2 at, float depth, float side, float step)
@@ -187,6 +190,18 @@ float shade(ivec2 at, float depth, float side, float step)
 }
 #endif
 
+#ifdef SHADED
+uniform sampler2D shades;
+#endif
+
+#ifdef SHADES
+void main()
+{
+    ivec2 at = 2 * ivec2(gl_FragCoord.xy);
+    float alpha = texelFetch(colours, at, 0).a;
+    fragment = vec4(alpha == 0.0 ? 1.0 : shade(at, texelFetch(depths, at, 0).r, side_of(alpha), step_of(alpha)));
+}
+#else
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy) - corner;
@@ -223,6 +238,10 @@ void main()
 #ifdef EYE_DOME
     fragment.rgb *= shade(at, depth, side_of(fragment.a), step_of(fragment.a));
 #endif
+#ifdef SHADED
+    // Its pixels are those of even columns and rows.
+    fragment.rgb *= texture(shades, (vec2(at) + 1.0) * 0.5 / vec2((size + 1) / 2)).r;
+#endif
     fragment.a = coverage_of(fragment.a);
 #endif
 #if defined(SUM)
@@ -236,3 +255,4 @@ void main()
     gl_FragDepth = mix(depth_range.x, depth_range.y, depth);
 #endif
 }
+#endif

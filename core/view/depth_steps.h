@@ -5,7 +5,7 @@
 // It is found when points are loaded, in each level of a node by itself. Coordinates along an axis are steps when
 //   - they have at least three values, and at most an eighth as many as there are points;
 //   - of the gaps between neighbouring values three quarters are regular, which is as large as the one before or after,
-//     to within a fifth: heights of floors, tables and roofs are no steps.
+//     to within a fifth: heights of floors, tables and roofs are not.
 #pragma once
 
 #include "pcm/bpc/chunk.h"

@@ -61,7 +61,7 @@ TEST(DepthSteps, AreThoseOfTheCamera)
         }
 }
 
-// Three values are enough; nothing is told by two, which may be a floor and a table.
+// Three values are enough. Two may be a floor and a table.
 TEST(DepthSteps, FewValues)
 {
     const auto levels = [](int count) {
@@ -76,7 +76,7 @@ TEST(DepthSteps, FewValues)
     EXPECT_TRUE(steps_of(ChunkPositions{}, {0}).empty());
 }
 
-TEST(DepthSteps, HeightsOfRoofsAreNone)
+TEST(DepthSteps, RoofsHaveNone)
 {
     const double roofs[] = {0, 3.1, 4.4, 6.2, 9.9, 11, 15.3, 21};
     EXPECT_TRUE(steps_of(cloud(4000, 2, [&](double u, double v) {
@@ -99,8 +99,7 @@ TEST(DepthSteps, OfTwoThingsAreTheirOwn)
 
 TEST(DepthSteps, ScannersHaveNone)
 {
-    EXPECT_TRUE(
-        steps_of(cloud(20000, 2, [](double u, double v) { return 5 + std::sin(31 * u + 17 * v); })).empty());
+    EXPECT_TRUE(steps_of(cloud(20000, 2, [](double u, double v) { return 5 + std::sin(31 * u + 17 * v); })).empty());
     // As many values as there is room for, seen only after the first points.
     std::mt19937_64 random(5);
     std::size_t point = 0;
