@@ -1,16 +1,18 @@
 #version 330 core
 // Composites a picture of splats, colour and depth, into another framebuffer. Permutations: SAMPLES n (of the picture; absent: one per
-// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), SUM (colours times
-// coverage, and coverage, to be added up; without depth), EYE_DOME n (of the pairs of opposite neighbours every n-th is looked at), CLOSE_GAPS.
+// pixel), REVERSED (its depth runs from 1 at the near plane to 0), RESOLVE (into an offscreen target, depth unchanged), RESOLVED (it is one of
+// these), SUM (colours times coverage, and coverage, to be added up; without depth), EYE_DOME n (of the pairs of opposite neighbours every n-th is looked at), CLOSE_GAPS,
+// SHADES (how bright eye-dome lighting leaves every other pixel of every other row, and nothing else), SHADED (these are given).
 //
 // With several samples, the colours of the covered ones are averaged, their fraction becomes the alpha, and the nearest depth is written.
 //
 // Eye-dome lighting (after Boucheny 2009): the farther a pixel lies behind its neighbours, the darker it is, so that edges and relief show
-// without normals. In perspective, relief is a ratio of distances, so that it does not depend on the unit of length. Two things are not
+// without normals. In perspective, relief is a ratio of distances, so that it does not depend on the unit of length. Three things are not
 // relief, and do not change a pixel:
 //   the slope of a surface: a pixel is compared with the middle between opposite neighbours. In perspective 1 / distance is linear on the
 //     screen along a plane, so h / a + h / b - 2 is 0 for all planes, seen face-on or at any grazing angle, and (h - b) / b for a step next to
 //     a surface at distance h = a;
+//   the steps of a depth camera (view/depth_steps.h), up to two and a half of which are as flat as what it saw;
 //   the shape of splats: steps below the splats' own radii are of how the surface was sampled (splat.frag marks each pixel with its splat's
 //     width), and so are those that a splat's width makes of a slope.
 
@@ -34,16 +36,28 @@ float nearer(float a, float b) { return min(a, b); }
 const float farthest = 1.0;
 #endif
 
-// Alpha, as splat.frag writes it: how much of the pixel is covered, in 15 steps, and how wide its splat is.
-float coverage_of(float alpha) { return floor(alpha * 255.0 / 16.0 + 0.01) / 15.0; }
+// Alpha, as splat.vert makes it: in the low four bits how wide a pixel's splat is; in the high ones how deep the steps are in which its surface
+// was measured, or (RESOLVED) how much of the pixel is covered, in 15 steps. 0: nothing was drawn.
 float mark_of(float alpha) { return mod(floor(alpha * 255.0 + 0.5), 16.0); }
 float side_of(float alpha) { return exp2(0.5 * (15.0 - mark_of(alpha))); }
+float high_bits_of(float alpha) { return floor(alpha * 255.0 / 16.0 + 0.01); }
+#if defined(RESOLVED)
+float coverage_of(float alpha) { return high_bits_of(alpha) / 15.0; }
+float step_of(float alpha) { return 0.0; }
+#else
+float coverage_of(float alpha) { return 1.0; }
+float step_of(float alpha) { return high_bits_of(alpha) < 15.0 ? exp2(0.5 * (14.0 - high_bits_of(alpha))) : 0.0; }
+#endif
 
+const float steps_hidden = 2.5;
+
+#if defined(EYE_DOME) || defined(CLOSE_GAPS) || defined(SHADED)
+uniform ivec2 size;
+#endif
 #if defined(EYE_DOME) || defined(CLOSE_GAPS)
 uniform vec4 distance_of_depth;     // distance = (x + y * d) / (z + w * d), where d is 1 at the near plane
 uniform float relief_of_distance;   // orthographic: 1 / visible height; 0: perspective
 uniform float relief_of_pixel;      // relief of a step as deep as a pixel is wide
-uniform ivec2 size;
 
 float eye_distance(float depth)
 {
@@ -107,7 +121,7 @@ bool is_in_surface(ivec2 at, out vec4 colour, out float depth)
         sum += colour_a.rgb * weight.x + colour_b.rgb * weight.y;
         weights += weight.x + weight.y;
         depth += passed;
-        alpha = min(alpha, min(colour_a.a, colour_b.a));  // the widest splat's
+        alpha = min(alpha, min(colour_a.a, colour_b.a));  // the deepest steps', else the widest splat's
     }
     if (lines < 3.0) return false;
     colour = vec4(sum / weights, alpha);
@@ -136,13 +150,14 @@ bool compare(ivec2 at, ivec2 away, float here, out vec2 relief)
     return true;
 }
 
-// Points that stand alone, as leaves do, have no rims around them either.
-float widest_beside(ivec2 at, ivec2 away)
+// How wide the splats of a pixel's neighbours are, and how deep their steps.
+vec2 widest_beside(ivec2 at, ivec2 away)
 {
-    return side_of(min(texelFetch(colours, at + away, 0).a, texelFetch(colours, at - away, 0).a));
+    float a = texelFetch(colours, at + away, 0).a, b = texelFetch(colours, at - away, 0).a;
+    return vec2(exp2(0.5 * (15.0 - min(mark_of(a), mark_of(b)))), step_of(min(a, b)));
 }
 
-float shade(ivec2 at, float depth, float side)
+float shade(ivec2 at, float depth, float side, float step)
 {
     const ivec2 half_ring[4] = ivec2[4](ivec2(2, 0), ivec2(0, 2), ivec2(1, 1), ivec2(-1, 1));
     float here = eye_distance(depth);
@@ -155,12 +170,15 @@ float shade(ivec2 at, float depth, float side)
         compare(at, ivec2(0.5 * wide * vec2(half_ring[i])), here, bends[i]);
         slope = max(slope, vec2(edges[i].y, bends[i].y));
     }
-    vec2 own = vec2(0.75, 0.35) * side * relief_of_pixel + vec2(0.3, 0.4 * side / wide) * slope;
+    vec2 own = (vec2(0.75, 0.35) * side + steps_hidden * step) * relief_of_pixel + vec2(0.3, 0.4 * side / wide) * slope;
     float ratios = 1.0, bent = 0.0;  // the sum of the logarithms of ratios is the logarithm of their product
     for (int i = 0; i < 4; i += EYE_DOME) {
         if (edges[i].x > own.x) {
-            float fade = min(1.0, 12.0 / widest_beside(at, half_ring[i]));
-            ratios *= 1.0 + (edges[i].x - own.x) * fade * fade;
+            // Points that stand alone, as leaves do, have no rims around them either.
+            vec2 beside = widest_beside(at, half_ring[i]);
+            float fade = min(1.0, 12.0 / beside.x);
+            float hidden = own.x + max(0.0, beside.y - step) * steps_hidden * relief_of_pixel;
+            ratios *= 1.0 + max(0.0, edges[i].x - hidden) * fade * fade;
         }
         // In widths of the ring. A step, which is far more, is not a bend.
         float bend = max(0.0, max(bends[i].x, -0.3 * bends[i].x) - own.y) / (wide * relief_of_pixel);
@@ -172,6 +190,18 @@ float shade(ivec2 at, float depth, float side)
 }
 #endif
 
+#ifdef SHADED
+uniform sampler2D shades;
+#endif
+
+#ifdef SHADES
+void main()
+{
+    ivec2 at = 2 * ivec2(gl_FragCoord.xy);
+    float alpha = texelFetch(colours, at, 0).a;
+    fragment = vec4(alpha == 0.0 ? 1.0 : shade(at, texelFetch(depths, at, 0).r, side_of(alpha), step_of(alpha)));
+}
+#else
 void main()
 {
     ivec2 at = ivec2(gl_FragCoord.xy) - corner;
@@ -185,13 +215,17 @@ void main()
         if (colour.a == 0.0) continue;
         sum += colour.rgb;
         mark = min(mark, mark_of(colour.a));
+#ifdef RESOLVE
+        // Its high bits will be the coverage: a splat as wide as hides the steps.
+        mark = clamp(14.5 - 2.0 * log2(max(4.0 / 3.0 * steps_hidden * step_of(colour.a), 0.1)), 0.0, mark);
+#endif
         ++covered;
         depth = nearer(depth, texelFetch(depths, at, i).r);
     }
     if (covered == 0) discard;
     fragment = vec4(sum / float(covered), float(covered) / float(SAMPLES));
 #ifdef RESOLVE
-    fragment.a = (max(1.0, floor(15.0 * fragment.a + 0.5)) * 16.0 + mark) / 255.0;
+    fragment.a = (max(1.0, floor(15.0 * fragment.a + 0.5)) * 16.0 + floor(mark)) / 255.0;
 #endif
 #else
     fragment = texelFetch(colours, at, 0);
@@ -202,7 +236,11 @@ void main()
     if (fragment.a == 0.0) discard;
 #endif
 #ifdef EYE_DOME
-    fragment.rgb *= shade(at, depth, side_of(fragment.a));
+    fragment.rgb *= shade(at, depth, side_of(fragment.a), step_of(fragment.a));
+#endif
+#ifdef SHADED
+    // Its pixels are those of even columns and rows.
+    fragment.rgb *= texture(shades, (vec2(at) + 1.0) * 0.5 / vec2((size + 1) / 2)).r;
 #endif
     fragment.a = coverage_of(fragment.a);
 #endif
@@ -217,3 +255,4 @@ void main()
     gl_FragDepth = mix(depth_range.x, depth_range.y, depth);
 #endif
 }
+#endif

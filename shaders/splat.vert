@@ -116,6 +116,9 @@ void draw_nothing()
 // a logarithm for each fragment is a tenth of what splats cost a software renderer.)
 float mark_of(float side) { return (255.0 - clamp(floor(2.0 * log2(max(side, 1.0)) + 0.5), 0.0, 15.0)) / 255.0; }
 
+// By how much less it is for a stepped surface (view/depth_steps.h): how deep a step is, in half octaves from 1 to 91 pixels: the high four bits.
+float mark_of_steps(float step) { return clamp(floor(2.0 * log2(max(step, 0.1)) + 1.5), 0.0, 14.0) * 16.0 / 255.0; }
+
 uniform float eye_scale;     // eye units per source unit
 uniform float least_radius;  // source units,
 uniform float least_pixels;  // limited to this diameter on the screen
@@ -234,10 +237,11 @@ const float line_width = 0.25;     // share of a line's length
 // How far behind its plane an ellipse's rim lies, in radii: where splats overlap, the one whose centre is nearest is seen.
 const float rim_depth = 1.0;
 
-// The octahedral code of view/point_shapes.h.
-vec3 direction_of(uint code)
+// The octahedral code of view/point_shapes.h, of two parts in this many bits.
+vec3 direction_of(uint code, uint bits)
 {
-    vec2 p = vec2(float(code >> 8u & 255u), float(code & 255u)) / 127.5 - 1.0;
+    uint most = (1u << bits) - 1u;
+    vec2 p = vec2(float(code >> bits & most), float(code & most)) / (0.5 * float(most)) - 1.0;
     vec3 d = vec3(p, 1.0 - abs(p.x) - abs(p.y));
     if (d.z < 0.0) d.xy = (1.0 - abs(d.yx)) * vec2(d.x < 0.0 ? -1.0 : 1.0, d.y < 0.0 ? -1.0 : 1.0);
     return normalize(d);
@@ -273,6 +277,8 @@ void main()
     }
     uint bits = floatBitsToUint(radius);
     uint kind = bits >> 16u & 3u;
+    bool stepped = kind == 0u && (bits & 0xffffu) != 0u;
+    bool lies = kind == 1u || stepped;
     float volume = kind == 2u ? float(bits & 0xffffu) / 65535.0 : 0.0;
     // The ellipse's radii u and v are in units of the depth (orthographic: of a pixel), so that no square of them leaves what float holds.
 #if defined(ORTHOGRAPHIC)
@@ -293,10 +299,10 @@ void main()
     // A square for the radius that the point would have on a surface: depths between points of a volume are not relief either.
     float side = mix(3.2, 12.0, volume) * max(r / mix(1.0, volume_factor, volume), least_r) / pixel;
     splat_colour = vec4(shown_colour(), mark_of(side));
+    if (stepped) splat_colour.a -= mark_of_steps(1.4142 * exp2(0.5 * float(bits & 15u)) * r / pixel);  // step_of() of view/point_shapes.h
     r = max(r, mix(1.0, volume_growth, volume) * least_r);
     // Rounder surroundings are more likely a volume.
     if (volume > 0.0) r = min(r, 0.5 * volume_pixels * (2.0 - volume) * pixel);
-    bool lies = kind == 1u;
 #if !defined(ORTHOGRAPHIC)
     if (!lies) r = min(r, 0.5 * length(ray) * depth / eye_scale);
 #endif
@@ -304,11 +310,11 @@ void main()
     vec3 u = vec3(1.0, 0.0, 0.0) * reach, v = vec3(0.0, 1.0, 0.0) * reach;
     if (lies) {
         vec3 t1, t2;
-        tangents(direction_of(bits & 0xffffu), t1, t2);
+        tangents(stepped ? direction_of(bits >> 4u & 0xfffu, 6u) : direction_of(bits & 0xffffu, 8u), t1, t2);
         u = reach * (to_eye * t1 / eye_scale);
         v = reach * (to_eye * t2 / eye_scale);
     } else if (kind == 3u) {
-        u = reach * (to_eye * direction_of(bits & 0xffffu) / eye_scale);
+        u = reach * (to_eye * direction_of(bits & 0xffffu, 8u) / eye_scale);
         vec3 across = cross(ray, u);
         float length_across = length(across);
         if (length_across > 1e-3 * reach) v = across * (line_width * reach / length_across);

@@ -17,6 +17,8 @@ constexpr double flat_part = 1.0 / 16, flat_group = 1.0 / 9, line = 1.0 / 64, ro
 constexpr double along_line = 0.9;  // cosine of 25 degrees
 constexpr double crease = 0.4;      // as much of a volume
 constexpr double among_volumes = 0.8;
+// Steps of stepped surfaces are coded_step * 2 ^ (code / steps_of_octave) radii (shaders/splat.vert).
+constexpr double coded_step = 1.4142, steps_of_octave = 2;
 constexpr std::size_t groups_around = 2;
 constexpr std::size_t parts_of_group = shape_group / shape_part;
 
@@ -175,11 +177,10 @@ void find(const std::array<PageVector<T>, 3>& xyz, const Vec3d& scale, std::size
 
 double sign_of(double v) { return v < 0 ? -1 : 1; }
 
-}  // namespace
-
-PointShape shape_of(Surroundings kind, const Vec3d& direction)
+// The octahedron |x| + |y| + |z| = 1, its lower half folded outwards onto the square -1 .. 1 (Meyer et al. 2010), x and
+// y in this many bits each.
+PointShape octahedral(const Vec3d& direction, unsigned bits)
 {
-    // The octahedron |x| + |y| + |z| = 1, its lower half folded outwards onto the square -1 .. 1 (Meyer et al. 2010).
     const double size = std::fabs(direction[0]) + std::fabs(direction[1]) + std::fabs(direction[2]);
     double x = direction[0] / size, y = direction[1] / size;
     if (direction[2] < 0) {
@@ -187,15 +188,18 @@ PointShape shape_of(Surroundings kind, const Vec3d& direction)
         y = (1 - std::fabs(x)) * sign_of(y);
         x = folded;
     }
-    const auto byte = [](double v) {
-        return static_cast<PointShape>(std::clamp(std::lround((v + 1) * 127.5), 0L, 255L));
+    const long most = (1L << bits) - 1;
+    const auto part = [most](double v) {
+        return static_cast<PointShape>(std::clamp(std::lround((v + 1) * 0.5 * static_cast<double>(most)), 0L, most));
     };
-    return static_cast<PointShape>(kind) << 16 | byte(x) << 8 | byte(y);
+    return part(x) << bits | part(y);
 }
 
-Vec3d direction_of(PointShape shape)
+Vec3d from_octahedral(PointShape code, unsigned bits)
 {
-    double x = static_cast<double>(shape >> 8 & 255u) / 127.5 - 1, y = static_cast<double>(shape & 255u) / 127.5 - 1;
+    const PointShape most = (1u << bits) - 1;
+    const auto part = [most](PointShape v) { return static_cast<double>(v & most) / (0.5 * most) - 1; };
+    double x = part(code >> bits), y = part(code);
     const double z = 1 - std::fabs(x) - std::fabs(y);
     if (z < 0) {
         const double folded = (1 - std::fabs(y)) * sign_of(x);
@@ -203,6 +207,31 @@ Vec3d direction_of(PointShape shape)
         x = folded;
     }
     return normalised(Vec3d{x, y, z});
+}
+
+}  // namespace
+
+PointShape shape_of(Surroundings kind, const Vec3d& direction)
+{
+    return static_cast<PointShape>(kind) << 16 | octahedral(direction, 8);
+}
+
+Vec3d direction_of(PointShape shape)
+{
+    return is_stepped(shape) ? from_octahedral(shape >> 4, 6) : from_octahedral(shape & 0xffffu, 8);
+}
+
+PointShape with_steps(PointShape shape, double step, double radius)
+{
+    if (surroundings_of(shape) != Surroundings::surface) return shape;
+    const long octaves = std::lround(steps_of_octave * std::log2(std::clamp(step / radius / coded_step, 1.0, 1e3)));
+    if (octaves < 1) return shape;
+    return octahedral(direction_of(shape), 6) << 4 | static_cast<PointShape>(std::min(octaves, 15L));
+}
+
+double step_of(PointShape shape)
+{
+    return is_stepped(shape) ? coded_step * std::exp2((shape & 15u) / steps_of_octave) : 0;
 }
 
 PointShape volume_shape(double share)

@@ -28,18 +28,28 @@
 namespace pcm {
 
 // In 18 bits: the kind in the upper two; below, the normal of surfaces and the direction of lines (octahedral, a byte
-// each: within a degree; its sign means nothing), or how much of a volume it is, from 0 to 65535.
+// each: within a degree; its sign means nothing), or how much of a volume it is, from 0 to 65535. A stepped surface has
+// the bits of an unknown kind and, not 0 below them, its normal (octahedral, six bits each: within two degrees) and in
+// four bits its steps.
 using PointShape = std::uint32_t;
 enum class Surroundings : std::uint8_t { unknown = 0, surface = 1, volume = 2, line = 3 };
 inline constexpr unsigned shape_bits = 18;
 inline constexpr std::size_t shape_group = 64, shape_part = 16;
 
-inline Surroundings surroundings_of(PointShape shape) { return static_cast<Surroundings>(shape >> 16 & 3u); }
+inline bool is_stepped(PointShape shape) { return shape >> 16 == 0 && shape != 0; }
+inline Surroundings surroundings_of(PointShape shape)
+{
+    return is_stepped(shape) ? Surroundings::surface : static_cast<Surroundings>(shape >> 16 & 3u);
+}
 PointShape shape_of(Surroundings kind,
                     const Vec3d& direction);  // direction of surfaces and lines: a unit vector
 Vec3d direction_of(PointShape shape);         // the same again
 PointShape volume_shape(double share);        // 0 to 1
 double volume_of(PointShape shape);           // share of volumes
+// A surface that was measured in these steps (view/depth_steps.h), for a splat of this radius, in the same unit. Other
+// shapes, and surfaces whose steps such a splat hides, are returned as they are.
+PointShape with_steps(PointShape shape, double step, double radius);
+double step_of(PointShape shape);  // in radii, within a fifth; 0 where it is not stepped
 
 // The splat of a point of this shape is this many times as large as its size: a little larger on surfaces, whose discs
 // would leave gaps where the points' density changes; smaller in volumes, whose points are farther apart in the picture

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
+#include <string>
+#include <utility>
 
 using namespace pcm;
 using namespace pcm::test;
@@ -281,6 +284,84 @@ TEST(Compositor, PCM_NOT_UNDER_ADDRESS(EyeDomeLightingLeavesPlanesAsTheyAre))
                         EXPECT_LT(dark.rims, tilt < 80 ? 0.002 : moving ? 0.17 : 0.06);
                     }
             }
+}
+
+// While the view moves only a quarter of the pixels are lit: it looks the same, whatever the size of the picture, and
+// flat parts are not shaded.
+TEST(Compositor, EyeDomeLightingOfAMovingViewIsThatOfARestingOne)
+{
+    PCM_REQUIRE_GL(context, Profile::core);
+    const TemporaryFolder folder;
+    const auto cloud = make_cloud(folder, "step", grid_at({0, 0, 0}),
+                                  sheet(101, [](std::int32_t x) { return x < 50 ? 0 : 1500; }), 20000);
+    for (const int size : {100, 101})
+        for (const unsigned samples : {1u, 4u}) {
+            const Framebuffer framebuffer(size, size);
+            Drawing drawing(cloud);
+            drawing.style.splats = SplatMode::adaptive;  // squares while it moves
+            RenderOptions options;
+            options.frame_budget_ms = 1e6;
+            options.samples = samples;
+            const auto row = [&](double shift) {
+                framebuffer.clear();
+                const Camera view =
+                    view_of(translation(-5 + shift, -5, -12), perspective(0.7, 1, 0.1, 100), size, size);
+                const FrameReport report = drawing.draw(view, {0, 0, 0}, options);
+                EXPECT_EQ(report.error, "");
+                const auto pixels = framebuffer.read();
+                return std::pair(report, std::vector<Pixel>(pixels.begin() + size / 2 * size,
+                                                            pixels.begin() + (size / 2 + 1) * size));
+            };
+            auto moving = row(0);
+            for (int frame = 1; frame < 500 && (frame < 4 || moving.first.nodes_missing > 0); ++frame)
+                moving = row(1e-6 * (frame % 2));
+            EXPECT_TRUE(moving.first.refining);
+            auto rest = row(0);
+            for (int frame = 0; frame < 500 && rest.first.refining; ++frame) rest = row(0);
+            EXPECT_FALSE(rest.first.refining);
+            int dark[2] = {0, 0};
+            for (int x = 3; x < size - 3; ++x) {
+                const std::size_t at = static_cast<std::size_t>(x);
+                dark[0] += 255 - moving.second[at].g;
+                dark[1] += 255 - rest.second[at].g;
+                if (x < size / 2 - 20 || x > size / 2 + 20) EXPECT_GT(moving.second[at].g, 250) << x;
+            }
+            EXPECT_GT(dark[1], 300);
+            EXPECT_NEAR(dark[0], dark[1], 0.4 * dark[1]) << size << " " << samples;
+            drawing.release();
+        }
+}
+
+// A wall as a depth camera measures it: patches that lie a step apart are as flat as the wall was. What stands before
+// it still has an edge, and patches whose depths are not in steps are relief.
+TEST(Compositor, EyeDomeLightingHidesTheStepsOfADepthCamera)
+{
+    PCM_REQUIRE_GL(context, Profile::compatibility);
+    const TemporaryFolder folder;
+    auto points = random_points(60000, 20000, 5);
+    std::vector<std::int32_t> heights(23 * 23);
+    std::mt19937 random(3);
+    for (std::int32_t& height : heights) height = 500 * std::int32_t(random() % 3);
+    for (LasPoint& p : points) p.z = heights[static_cast<std::size_t>(p.x / 900 * 23 + p.y / 900)];
+    auto rough = points, before = points;
+    for (LasPoint& p : rough) p.z += std::int32_t(random() % 50);
+    for (LasPoint& p : before)
+        if (p.x > 8000 && p.x < 12000) p.z += 4000;
+    const Camera view = view_of(translation(-10, -10, -30), perspective(0.5, 1, 0.5, 100), 300, 300);
+    for (const unsigned samples : {1u, 4u}) {
+        RenderOptions options = everything();
+        options.samples = samples;
+        const std::string n = std::to_string(samples);
+        const Darkening steps = darkening(make_cloud(folder, "steps" + n, grid_at({0, 0, 0}), points), view, options);
+        const Darkening relief = darkening(make_cloud(folder, "relief" + n, grid_at({0, 0, 0}), rough), view, options);
+        const Darkening edge = darkening(make_cloud(folder, "edge" + n, grid_at({0, 0, 0}), before), view, options);
+        SCOPED_TRACE(testing::Message() << samples << " samples: " << steps.mean << " " << relief.mean << " "
+                                        << edge.mean);
+        EXPECT_LT(steps.mean, (samples == 1 ? 0.35 : 0.6) * relief.mean);
+        EXPECT_GT(relief.mean, 0.03);
+        EXPECT_LT(steps.rims, 0.005);
+        EXPECT_GT(edge.rims, 3 * steps.rims);
+    }
 }
 
 // A crown is not drawn as a heap of balls with black rims, and yet what lies in front of something else stands out.

@@ -124,6 +124,7 @@ Shaped shaped_field(int count, double size)
                 break;
             case 1:
                 field.shapes.push_back(shape_of(Surroundings::surface, direction));
+                if (d % 8 == 5) field.shapes.back() = with_steps(field.shapes.back(), 2 + d % 9, 1);
                 break;
             case 2:
                 field.shapes.push_back(volume_shape(0.05 * (d % 21)));

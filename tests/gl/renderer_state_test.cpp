@@ -120,7 +120,8 @@ TEST_P(RendererStateIn, LeavesTheStateOfTheHostAsItWas)
         glColorMask(GL_TRUE, odd ? GL_FALSE : GL_TRUE, GL_TRUE, GL_TRUE);
         glClearColor(0.25f, 0.5f, 0.75f, 1);
         glDepthRange(odd ? 0.25 : 0, odd ? 0.5 : 1);
-        glActiveTexture(odd ? GL_TEXTURE1 : GL_TEXTURE0);
+        const GLenum units[] = {GL_TEXTURE0, GL_TEXTURE2, GL_TEXTURE0, GL_TEXTURE1};
+        glActiveTexture(units[host]);
         glBindTexture(GL_TEXTURE_2D, textures[odd]);
         glDepthFunc(odd ? GL_GEQUAL : GL_LEQUAL);
         glDepthMask(odd ? GL_FALSE : GL_TRUE);

@@ -247,6 +247,36 @@ TEST(PointShapes, ARadiusKeepsItsSizeBesideAShape)
     EXPECT_EQ(with_shape(-1, 5), 0);
 }
 
+TEST(PointShapes, ASteppedSurfaceKeepsItsNormalAndItsSteps)
+{
+    std::mt19937_64 random(31);
+    std::normal_distribution<double> normal;
+    for (double step = 2; step < 200; step *= 1.13) {
+        const Vec3d n = normalised(Vec3d{normal(random), normal(random), normal(random)});
+        const PointShape shape = with_steps(shape_of(Surroundings::surface, n), 3 * step, 3);
+        EXPECT_TRUE(is_stepped(shape)) << step;
+        EXPECT_EQ(surroundings_of(shape), Surroundings::surface);
+        EXPECT_EQ(size_factor(shape), surface_factor);
+        EXPECT_LT(angle(direction_of(shape), n), 3);
+        EXPECT_NEAR(step_of(shape) / step, 1, 0.2);
+        EXPECT_EQ(shape >> 16, 0u);
+        EXPECT_EQ(with_steps(shape, 50, 1), with_steps(shape_of(Surroundings::surface, direction_of(shape)), 50, 1));
+    }
+    EXPECT_NEAR(step_of(with_steps(shape_of(Surroundings::surface, {0, 0, 1}), 1e9, 1)), 256, 1);
+}
+
+TEST(PointShapes, OnlySurfacesWithDeepStepsAreStepped)
+{
+    const PointShape surface = shape_of(Surroundings::surface, {0, 0, 1});
+    for (const double step : {0.0, 1.0, 1.6, std::nan("")}) EXPECT_EQ(with_steps(surface, step, 1), surface) << step;
+    EXPECT_EQ(with_steps(surface, 0, 0), surface);
+    for (const PointShape other : {0u, volume_shape(0), volume_shape(1), shape_of(Surroundings::line, {0, 1, 0})}) {
+        EXPECT_EQ(with_steps(other, 10, 1), other);
+        EXPECT_FALSE(is_stepped(other));
+        EXPECT_EQ(step_of(other), 0);
+    }
+}
+
 TEST(PointShapes, VolumesAreSmallerTheRounderTheyAre)
 {
     EXPECT_EQ(size_factor(volume_shape(0)), 1);

@@ -43,8 +43,8 @@ private:
     std::int32_t read_framebuffer_ = 0;
     std::int32_t renderbuffer_ = 0;
     std::int32_t active_texture_ = 0;
-    std::array<std::array<Texture, 2>, 2> textures_{};  // bindings of the first two units
-    std::array<std::int32_t, 2> samplers_{};
+    std::array<std::array<Texture, 2>, 3> textures_{};  // bindings of the first three units
+    std::array<std::int32_t, 3> samplers_{};
     std::array<std::int32_t, 4> viewport_{};
     std::array<std::int32_t, 4> blend_{};  // source and destination, of colour and alpha
     std::array<std::int32_t, 2> blend_equation_{};

@@ -133,17 +133,25 @@ std::array<double, 4> distance_of_depth(const Matrix4d& p)
     return {p[14] - p[15], 2 * p[15], p[10] - p[11], 2 * p[11]};
 }
 
-bool PictureSum::begin(int width, int height)
+bool ColourTarget::begin(int width, int height)
 {
     drain_gl_errors();
     if (!framebuffer_ || width != width_ || height != height_) {
         release();
         width_ = width;
         height_ = height;
-        sums_ = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, width, height, 1);
+        if (content_ == sums) {
+            texture_ = make_texture(GL_RGBA32F, GL_RGBA, GL_FLOAT, width, height, 1);
+        } else {
+            texture_ = make_texture(GL_R8, GL_RED, GL_UNSIGNED_BYTE, width, height, 1);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+            glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+        }
         glGenFramebuffers(1, &framebuffer_);
         glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-        glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, sums_, 0);
+        glFramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
         if (glCheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE || !drain_gl_errors().empty()) {
             release();
             return false;
@@ -155,31 +163,34 @@ bool PictureSum::begin(int width, int height)
     return true;
 }
 
-void PictureSum::bind() const
+void ColourTarget::bind() const
 {
     glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
     glViewport(0, 0, width_, height_);
 }
 
-void PictureSum::release()
+void ColourTarget::release()
 {
     if (framebuffer_) glDeleteFramebuffers(1, &framebuffer_);
-    if (sums_) glDeleteTextures(1, &sums_);
-    *this = PictureSum();
+    if (texture_) glDeleteTextures(1, &texture_);
+    *this = ColourTarget(content_);
 }
 
-const ShaderProgram& Compositor::program(const RenderTarget& picture, Into into, const Finish& finish)
+const ShaderProgram& Compositor::program(const RenderTarget& picture, Into into, const Finish& finish, bool resolved)
 {
     const unsigned samples = picture.samples(), every = !(finish.eye_dome > 0) ? 0 : finish.fast ? 2 : 1;
-    ShaderProgram& program = programs_[{samples, picture.reversed(), into, every, finish.close_gaps}];
+    ShaderProgram& program = programs_[{samples, resolved, picture.reversed(), into, every, finish.close_gaps}];
     if (!program) {
         std::vector<std::string> defines;
         if (samples > 1) defines.push_back("SAMPLES " + std::to_string(samples));
+        if (resolved) defines.emplace_back("RESOLVED");
         if (picture.reversed()) defines.emplace_back("REVERSED");
         if (every > 0) defines.push_back("EYE_DOME " + std::to_string(every));
         if (finish.close_gaps) defines.emplace_back("CLOSE_GAPS");
         if (into == another_target) defines.emplace_back("RESOLVE");
         if (into == a_sum) defines.emplace_back("SUM");
+        if (into == shades_of_it) defines.emplace_back("SHADES");
+        if (into == the_host_shaded) defines.emplace_back("SHADED");
         program = ShaderProgram("composite.vert", into == the_host_mean ? "mean.frag" : "composite.frag", defines);
     }
     return program;
@@ -220,21 +231,47 @@ const RenderTarget& Compositor::one_sample(const RenderTarget& picture, RenderTa
     return resolved;
 }
 
-void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, const GlStateGuard& host,
-                      const Matrix4d& projection, const Finish& finish)
+bool Compositor::find_shades(const RenderTarget& from, ColourTarget& shades, const Matrix4d& projection,
+                             const Finish& finish, bool resolved)
+{
+    if (!shades.begin((from.width() + 1) / 2, (from.height() + 1) / 2)) return false;
+    const Finish lighting{finish.eye_dome, finish.fast, false};
+    const ShaderProgram& shade = program(from, shades_of_it, lighting, resolved);
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_BLEND);
+    glUseProgram(shade.id());
+    glUniform2i(shade.uniform("corner"), 0, 0);
+    set_finish(shade, from, projection, lighting);
+    run(shade, "colours", from.colours(), texture_target(from), from);
+    glEnable(GL_DEPTH_TEST);
+    return true;
+}
+
+void Compositor::draw(const RenderTarget& picture, RenderTarget& resolved, ColourTarget& shades,
+                      const GlStateGuard& host, const Matrix4d& projection, const Finish& finish)
 {
     const RenderTarget& from = one_sample(picture, resolved, finish);
-    const ShaderProgram& composite = program(from, the_host, finish);
+    const bool is_resolved = &from == &resolved;
+    const bool has_shades =
+        finish.eye_dome > 0 && finish.fast && find_shades(from, shades, projection, finish, is_resolved);
+    const Finish left{has_shades ? 0 : finish.eye_dome, false, finish.close_gaps};
+    const ShaderProgram& composite = program(from, has_shades ? the_host_shaded : the_host, left, is_resolved);
     begin_in_host(composite, host);
-    set_finish(composite, from, projection, finish);
+    set_finish(composite, from, projection, left);
+    if (has_shades) {
+        glUniform1i(composite.uniform("shades"), 2);
+        glUniform2i(composite.uniform("size"), from.width(), from.height());
+        glActiveTexture(GL_TEXTURE2);
+        glBindTexture(GL_TEXTURE_2D, shades.texture());
+    }
     run(composite, "colours", from.colours(), texture_target(from), from);
 }
 
-void Compositor::add(const RenderTarget& picture, RenderTarget& resolved, const PictureSum& sum,
+void Compositor::add(const RenderTarget& picture, RenderTarget& resolved, const ColourTarget& sum,
                      const Matrix4d& projection, const Finish& finish)
 {
     const RenderTarget& from = one_sample(picture, resolved, finish);
-    const ShaderProgram& composite = program(from, a_sum, finish);
+    const ShaderProgram& composite = program(from, a_sum, finish, &from == &resolved);
     sum.bind();
     glDisable(GL_DEPTH_TEST);
     glEnable(GL_BLEND);
@@ -247,14 +284,14 @@ void Compositor::add(const RenderTarget& picture, RenderTarget& resolved, const 
     glEnable(GL_DEPTH_TEST);
 }
 
-void Compositor::draw_mean(const PictureSum& sum, unsigned frames, const RenderTarget& picture,
+void Compositor::draw_mean(const ColourTarget& sum, unsigned frames, const RenderTarget& picture,
                            const GlStateGuard& host)
 {
     const ShaderProgram& mean = program(picture, the_host_mean);
     begin_in_host(mean, host);
     glUniform1f(mean.uniform("frames"), static_cast<float>(frames));
     glUniform2i(mean.uniform("size"), picture.width(), picture.height());
-    run(mean, "sums", sum.sums(), GL_TEXTURE_2D, picture);
+    run(mean, "sums", sum.texture(), GL_TEXTURE_2D, picture);
 }
 
 void Compositor::release()

@@ -68,6 +68,7 @@ struct PictureState {
     RenderTarget target;  // what is shown
     RenderTarget next;    // a resting view's, while `target` still shows enlarged splats; or a frame of the mean
     RenderTarget resolved;
+    ColourTarget shades{ColourTarget::shades};  // while the view moves
     unsigned asked_samples = 1;
     FrameClock clock;
     FrameBudget budget;       // budget of a moving view
@@ -109,7 +110,7 @@ struct PictureState {
         std::optional<Rest> unfinished;  // the next one, of which `next` has a part
     };
     std::optional<Smoothing> smoothing;
-    PictureSum sum;  // only while there is a smoothing
+    ColourTarget sum{ColourTarget::sums};  // only while there is a smoothing
 
     void forget()
     {

@@ -262,7 +262,7 @@ struct Renderer::Impl {
         if (const unsigned frames = frames_shown(p); frames > 1)
             compositor.draw_mean(p.sum, frames, p.target, state);
         else
-            compositor.draw(p.target, p.resolved, state, scene.projection, frame.finish(moves));
+            compositor.draw(p.target, p.resolved, p.shades, state, scene.projection, frame.finish(moves));
         if (p.clock.waits()) glFinish();
         report.measured_ms = frame.costs().last_measured_ms();
         for (std::size_t t = 0; t < clouds.size(); ++t) {
@@ -312,6 +312,7 @@ void Picture::release()
     impl_->target.release();
     impl_->next.release();
     impl_->resolved.release();
+    impl_->shades.release();
     impl_->sum.release();
     impl_->clock.release();
     impl_->forget();

@@ -1,6 +1,7 @@
 #include "pcm/gl/draw/vertex_maker.h"
 
 #include "pcm/cloud/vector.h"
+#include "pcm/view/depth_steps.h"
 #include "pcm/view/point_shapes.h"
 #include "pcm/view/vertex_discs.h"
 
@@ -23,7 +24,7 @@ std::uint64_t selection_number(const PointSet& selected, NodeId node)
 struct VertexMaker::Values {
     VertexAttributes attributes;
     std::vector<std::uint8_t> rgba, flags;
-    std::vector<float> numbers, radii, normals;
+    std::vector<float> numbers, radii, normals, steps;  // steps: empty where there are none
     std::vector<PointShape> shapes;
     ClassSet classes;
 };
@@ -94,6 +95,9 @@ void VertexMaker::find_attributes(NodeId node, const Chunk& chunk, Values& value
         if (format.shape) use_own_normals(chunk, values);
         recipe_.sizes->find_radii(node, chunk, values.radii, format.shape ? &values.shapes : nullptr);
         values.attributes.radii = values.radii.data();
+        for (std::size_t i = 0; i < values.steps.size(); ++i)
+            values.shapes[i] = with_steps(values.shapes[i], static_cast<double>(values.steps[i]),
+                                          static_cast<double>(values.radii[i]));
         if (format.shape) values.attributes.shapes = values.shapes.data();
     }
     if (format.normal) {
@@ -108,11 +112,17 @@ void VertexMaker::find_shapes_of(NodeId node, const Chunk& whole, const std::vec
                                  Values& values) const
 {
     std::vector<PointShape>& shapes = values.shapes;
-    find_shapes(*whole.positions, recipe_.tree->info().grid.scale, points_of_segments(recipe_.tree->node(node)),
-                shapes);
+    const Vec3d& scale = recipe_.tree->info().grid.scale;
+    find_shapes(*whole.positions, scale, points_of_segments(recipe_.tree->node(node)), shapes);
+    values.steps = find_depth_steps(*whole.positions, scale, recipe_.tree->node(node).level_points);
     if (!points) return;
-    for (std::size_t i = 0; i < points->size(); ++i) shapes[i] = shapes[(*points)[i]];
-    shapes.resize(points->size());
+    const auto take = [&](auto& of_all) {
+        if (of_all.empty()) return;
+        for (std::size_t i = 0; i < points->size(); ++i) of_all[i] = of_all[(*points)[i]];
+        of_all.resize(points->size());
+    };
+    take(shapes);
+    take(values.steps);
 }
 
 // Replaces shapes by the points' own normals, where there are some.
