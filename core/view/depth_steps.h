@@ -5,7 +5,11 @@
 // It is found when points are loaded, in each level of a node by itself. Coordinates along an axis are steps when
 //   - they have at least three values, and at most an eighth as many as there are points;
 //   - of the gaps between neighbouring values three quarters are regular, which is as large as the one before or after,
-//     to within a fifth: heights of floors, tables and roofs are not.
+//     to within a fifth: heights of floors, tables and roofs are not;
+//   - the steps are at least one and a half times as large as the points are apart: the cells of a grid are not;
+//   - of the points that are neighbours across the axis at least one in 25 lies on another step than the one before:
+//   the
+//     treads of stairs are not mixed like that, the patches of a wall are.
 #pragma once
 
 #include "pcm/bpc/chunk.h"

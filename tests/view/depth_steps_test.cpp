@@ -50,9 +50,9 @@ TEST(DepthSteps, AreThoseOfTheCamera)
     for (const bool wide : {false, true})
         for (const std::size_t axis : {0u, 1u, 2u}) {
             const auto depth = [](double u, double v) { return measured(3 + 0.4 * u + 0.1 * std::sin(40 * v)); };
-            const auto positions = cloud(8000, axis, depth, wide);
+            const auto positions = cloud(20000, axis, depth, wide);
             const auto steps = steps_of(positions);
-            ASSERT_EQ(steps.size(), 8000u);
+            ASSERT_EQ(steps.size(), 20000u);
             for (std::size_t i = 0; i < steps.size(); ++i) {
                 const double z = wide ? static_cast<double>(positions.wide_xyz[axis][i] - (std::uint64_t(1) << 40))
                                       : static_cast<double>(positions.narrow_xyz[axis][i]);
@@ -65,15 +65,29 @@ TEST(DepthSteps, AreThoseOfTheCamera)
 TEST(DepthSteps, FewValues)
 {
     const auto levels = [](int count) {
-        return [count](double u, double v) { return 5 + 0.07 * (int(97 * u + 31 * v) % count); };
+        return [count](double u, double v) { return 5 + 0.37 * (int(97 * u + 31 * v) % count); };
     };
     const auto three = steps_of(cloud(500, 2, levels(3)));
     ASSERT_EQ(three.size(), 500u);
-    for (const float step : three) EXPECT_NEAR(static_cast<double>(step), 0.07, 2 * unit);
+    for (const float step : three) EXPECT_NEAR(static_cast<double>(step), 0.37, 2 * unit);
     EXPECT_TRUE(steps_of(cloud(500, 2, levels(2))).empty());
     EXPECT_TRUE(steps_of(cloud(500, 2, levels(1))).empty());
     EXPECT_TRUE(steps_of(cloud(50, 2, levels(7))).empty());
     EXPECT_TRUE(steps_of(ChunkPositions{}, {0}).empty());
+}
+
+// The treads of stairs and the cells of a grid are regular too.
+TEST(DepthSteps, StairsAndGridsHaveNone)
+{
+    EXPECT_TRUE(steps_of(cloud(20000, 2, [](double, double v) { return 0.4 * int(2 * v); })).empty());
+    ChunkPositions grid;
+    std::mt19937_64 random(5);
+    for (std::uint32_t i = 0; i < 14400; ++i)
+        for (std::size_t a = 0; a < 3; ++a)
+            grid.narrow_xyz[a].push_back(a == 0   ? i % 120 * 1000
+                                         : a == 1 ? i / 120 * 1000
+                                                  : static_cast<std::uint32_t>(random() % 5000));
+    EXPECT_TRUE(steps_of(grid).empty());
 }
 
 TEST(DepthSteps, RoofsHaveNone)
@@ -114,7 +128,7 @@ TEST(DepthSteps, EachLevelIsJudgedByItself)
     std::mt19937_64 random(5);
     std::size_t point = 0;
     const auto positions = cloud(3000, 2, [&](double u, double v) {
-        return ++point <= 1000 ? 5 + 1e-3 * static_cast<double>(random() % 900) : 5 + 0.07 * (int(97 * u + 31 * v) % 4);
+        return ++point <= 1000 ? 5 + 1e-3 * static_cast<double>(random() % 900) : 5 + 0.17 * (int(97 * u + 31 * v) % 4);
     });
     const auto steps = steps_of(positions, {1000, 2000});
     ASSERT_EQ(steps.size(), 3000u);
