@@ -114,8 +114,8 @@ double usual_distance(const Axis<T>& axis)
     return *middle;
 }
 
-// Of the points that follow one another in Morton order across the axis, less than a step apart, the share of those
-// with another coordinate along it.
+// The share of points with another coordinate along the axis, among those that follow one another in Morton order
+// across it and are less than a step apart.
 template <class T>
 double share_of_mixed(const Axis<T>& axis, double step)
 {

@@ -8,6 +8,7 @@
 #include "pcm/tree/index_head.h"
 #include "pcm/tree/node_order.h"
 #include "pcm/tree/tree_index.h"
+#include "pcm/tree/verify.h"
 #include "tests/support.h"
 #include "tests/tree/small_tree.h"
 
@@ -236,6 +237,44 @@ TEST_F(NodeTableTest, AnyByteChangedIsRefusedOrDecodedAsItStands)
     }
 }
 
+// What a head says that no page can check.
+class FalseHead : public NodeTableTest {
+protected:
+    FalseHead()
+    {
+        std::mt19937_64 random(6);
+        TreeIndex index = random_index(random, 50);
+        index.pages = {20, 30};
+        const std::vector<std::byte> bytes = encode_index(index);
+        head_ = decode_head(bytes, "index");
+        pages_.assign(bytes.begin() + static_cast<std::ptrdiff_t>(head_.pages[0].offset), bytes.end());
+    }
+    OpenIndex opened() const
+    {
+        std::vector<std::byte> bytes = encode_head(head_);
+        bytes.insert(bytes.end(), pages_.begin(), pages_.end());
+        return open(bytes);
+    }
+    IndexHead head_;
+    std::vector<std::byte> pages_;
+};
+
+TEST_F(FalseHead, LevelsThatDoNotAddUpAreRefused)
+{
+    EXPECT_EQ(opened().head->levels[1].points_to_here, 50u);
+    ++head_.levels[0].points;
+    EXPECT_THROW(opened(), Error);
+    --head_.levels[1].points;
+    EXPECT_EQ(opened().head->levels[1].points_to_here, 50u);
+}
+
+// Their sum is right, as it wraps around.
+TEST_F(FalseHead, PagesLargerThanAnyFileAreRefused)
+{
+    for (NodePage& page : head_.pages) page.bytes += std::uint64_t(1) << 63;
+    EXPECT_THROW(opened(), Error);
+}
+
 // Nodes that name a child of another one, in pages that are read in any order: the walk ends with an error, and visits
 // no node twice before.
 TEST_F(NodeTableTest, AFalseChildInAnotherPageIsFoundInAnyOrder)
@@ -281,7 +320,7 @@ TEST_F(NodeTableTest, AFalseChildInAnotherPageIsFoundInAnyOrder)
 
 class DamagedPage : public SmallTree {};
 
-TEST_F(DamagedPage, IsFoundWhenItIsUsedAndByVerify)
+TEST_F(DamagedPage, IsFoundWhenItIsUsed)
 {
     build();
     TreeIndex index = this->index();
@@ -298,6 +337,7 @@ TEST_F(DamagedPage, IsFoundWhenItIsUsedAndByVerify)
             EXPECT_NE(std::string(error.what()).find("pcmlab repair"), std::string::npos) << error.what();
         }
     EXPECT_EQ(tree->nodes().front().subtree_points, 20000u);
+    EXPECT_THROW(verify_tree(this->tree(), 1), DamagedTree);
 }
 
 }  // namespace

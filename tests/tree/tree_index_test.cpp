@@ -175,6 +175,35 @@ TEST_F(TreeIndexTest, AnInvalidIndexIsRefused)
     refused([](TreeIndex& i) { i.info.spacings.assign(257, 1), i.info.levels = 257; }, "number of levels");
 }
 
+// A chunk's header has room for paths of 128 steps.
+TEST(TreeIndex, APartThatIsTooDeepIsRefused)
+{
+    for (std::size_t depth = NodePath::max_depth; depth <= NodePath::max_depth + 1u; ++depth) {
+        TreeIndex index;
+        index.info.points = 1;
+        index.info.spacings = {0};
+        index.info.levels = 1;
+        index.info.box = {{0, 0, 0}, {9, 9, 9}};
+        index.data_files = {{100, 1}};
+        index.nodes.resize(depth + 1);
+        for (NodeId id = 0; id <= depth; ++id) {
+            Node& node = index.nodes[id];
+            node.parent = id == 0 ? no_node : id - 1;
+            if (id < depth) node.children[id % 2] = id + 1;
+            node.depth = static_cast<std::uint16_t>(id);
+            node.subtree_points = 1;
+            node.box = index.info.box;
+        }
+        index.nodes.back().points = 1;
+        index.nodes.back().level_points = {1};
+        index.nodes.back().extent = {0, 0, 40, 10};
+        if (depth > NodePath::max_depth)
+            expect_refused(index, "is too deep in its part");
+        else
+            EXPECT_EQ(decode_index(encode_index(index), "index").nodes.size(), depth + 1);
+    }
+}
+
 // A node without points over two parts, one of which has two nodes; a third part has lost all its points.
 TreeIndex two_parts()
 {

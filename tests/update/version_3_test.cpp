@@ -62,6 +62,29 @@ TEST_F(Version3, EveryUpdateWritesAnIndexOfToday)
     });
 }
 
+// Opened and drawn as long as nobody looks at that page; repaired, it is the index of before.
+TEST(IndexPages, ADamagedOneIsRepairedFromTheChunks)
+{
+    const TemporaryFolder folder;
+    const fs::path tree = folder / "tree.pct", path = tree / index_file_name;
+    build(surface(20000, 0, 0, 50, 31), tree, Sampling::poisson);
+    const std::vector<std::byte> before = read_file(path);
+    TreeIndex index = decode_index(before, path);
+    index.pages = pages_of(2, index.nodes.size());
+    std::vector<std::byte> damaged = encode_index(index);
+    damaged[damaged.size() - 20] ^= std::byte{1};
+    write_file(path, damaged);
+    EXPECT_NO_THROW(Tree::open(tree));
+    EXPECT_THROW(append(tree, surface(10, 0, 0, 50, 32)), Error);
+    EXPECT_EQ(read_file(path), damaged);
+    const RepairReport report = repair_tree(tree);
+    EXPECT_TRUE(report.index_written);
+    EXPECT_EQ(report.points_lost, 0u);
+    EXPECT_EQ(read_file(path), before);
+    EXPECT_EQ(read_file(tree / damaged_index_name), damaged);
+    EXPECT_TRUE(verify_tree(tree, 1).faults.empty());
+}
+
 TEST_F(Version3, ACopyStaysAsItIs)
 {
     const fs::path tree = folder_ / "old.pct", copy = folder_ / "copy.pct";
