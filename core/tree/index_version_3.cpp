@@ -3,6 +3,7 @@
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/about.h"
+#include "pcm/tree/node_page.h"
 #include "pcm/tree/parse_beginning.h"
 
 #include <cstring>
@@ -10,7 +11,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t bytes_before_info = sizeof index_magic + 4, bytes_of_node = 112, bytes_of_data_file = 12;
+constexpr std::size_t bytes_before_info = sizeof index_magic + 4, bytes_of_data_file = 12;
 
 // The largest size that the counts at the beginning of an index allow.
 std::uint64_t most_bytes_of(const File& file)
@@ -21,31 +22,9 @@ std::uint64_t most_bytes_of(const File& file)
         in.get_bytes(in.get<std::uint32_t>() * bytes_of_data_file);
         in.get_bytes(in.get<std::uint32_t>() * sizeof(NodeId));
         const std::uint64_t nodes = in.get<std::uint32_t>();
-        return in.position() + nodes * (bytes_of_node + levels * sizeof(std::uint32_t)) + sizeof(std::uint64_t);
+        return in.position() + nodes * (node_bytes_without_part + levels * sizeof(std::uint32_t)) +
+               sizeof(std::uint64_t);
     });
-}
-
-Node get_node(ByteReader& in, const std::filesystem::path& path)
-{
-    Node node;
-    node.parent = in.get<std::uint32_t>();
-    node.children[0] = in.get<std::uint32_t>();
-    node.children[1] = in.get<std::uint32_t>();
-    const auto depth = in.get<std::uint32_t>();
-    if (depth > 0xffff) throw Error(ErrorCode::corrupt, path, "a node is too deep");
-    node.depth = static_cast<std::uint16_t>(depth);
-    node.points = in.get<std::uint32_t>();
-    node.extent.file = in.get<std::uint32_t>();
-    node.extent.header_bytes = in.get<std::uint32_t>();
-    node.first_level = in.get<std::uint16_t>();
-    node.level_points.resize(in.get<std::uint16_t>());
-    node.subtree_points = in.get<std::uint64_t>();
-    node.box.min = get_vec(in);
-    node.box.max = get_vec(in);
-    node.spacing = in.get<double>();
-    node.extent.offset = in.get<std::uint64_t>();
-    node.extent.bytes = in.get<std::uint64_t>();
-    return node;
 }
 
 }  // namespace
@@ -84,12 +63,7 @@ TreeIndex decode_index_of_version_3(const std::vector<std::byte>& bytes, const s
     index.part_roots.clear();
     for (auto n = in.get<std::uint32_t>(); n > 0; --n) index.part_roots.push_back(in.get<std::uint32_t>());
     const auto count = in.get<std::uint32_t>();
-    if (in.left() < std::uint64_t{count} * bytes_of_node)
-        throw Error(ErrorCode::corrupt, path, "the index is too short for the number of nodes that it states");
-    index.nodes.reserve(count);
-    for (std::uint32_t id = 0; id < count; ++id) index.nodes.push_back(get_node(in, path));
-    for (Node& node : index.nodes)
-        for (std::uint32_t& points : node.level_points) points = in.get<std::uint32_t>();
+    index.nodes = get_nodes(in, count, index.info.levels, false, path);
     if (in.left() != 0) throw Error(ErrorCode::corrupt, path, "the index has bytes after its end");
     index.info.bytes = bytes.size();
     for (const DataFile& file : index.data_files) index.info.bytes += file.bytes;

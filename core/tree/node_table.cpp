@@ -1,6 +1,5 @@
 #include "pcm/tree/node_table.h"
 
-#include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/damage.h"
 #include "pcm/tree/index_head.h"
@@ -56,7 +55,7 @@ NodeTable::State::State(const std::vector<std::uint32_t>& nodes_of_pages) : page
 
 std::uint32_t NodeTable::State::page_of(NodeId id) const
 {
-    return static_cast<std::uint32_t>(std::upper_bound(first.begin(), first.end(), id) - first.begin() - 1);
+    return NodeTable::page_of(id, first.data(), page_of_block.data());
 }
 
 // The nodes above those of a page are loaded before it, so that each node is checked under its parent.
@@ -98,10 +97,7 @@ std::vector<Node> NodeTable::State::read(std::uint32_t page, const std::vector<s
         std::copy_n(beginning->begin() + static_cast<std::ptrdiff_t>(at.offset), bytes.size(), bytes.begin());
     else
         file->read_at(bytes.data(), bytes.size(), at.offset);
-    if (checksum(bytes.data(), bytes.size()) != at.checksum)
-        throw Error(ErrorCode::corrupt, path,
-                    "the checksum of page " + std::to_string(page) + " of the index does not match");
-    return decode_page(bytes.data(), bytes.size(), at.nodes, head->info.levels, path);
+    return decode_page(at, bytes.data(), head->info.levels, path);
 }
 
 const Node* NodeTable::State::find(NodeId id, std::uint32_t now, const std::vector<Node>& nodes) const

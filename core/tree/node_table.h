@@ -1,9 +1,8 @@
 // The nodes of a tree by their numbers. Those of a tree on disk are read page by page, each page when the first of its
 // nodes is asked for, so that a tree of any size is opened in a few reads and costs memory for the nodes that are used.
 //
-// A page is checked when it is read: a node that was given out fits its parent, and a child that was given out is that
-// of one node. Copies share their pages. Any number of threads may call every member; a reference stays valid as long
-// as a copy of the table exists.
+// Nodes are checked when their page is read: each fits its parent, and is the child of one node. Copies share their
+// pages. Any number of threads may call every member; a reference stays valid as long as the table or a copy exists.
 #pragma once
 
 #include "pcm/tree/node.h"
@@ -33,11 +32,11 @@ public:
     std::size_t size() const { return size_; }
     bool empty() const { return size_ == 0; }
 
-    // The node with a number below size(). Throws DamagedTree (Error(corrupt | truncated)) and Error(io) for a page
-    // that cannot be read.
+    // The node with a number below size(). Throws DamagedTree (Error(corrupt | truncated)), and Error(io) where
+    // reading fails.
     const Node& operator[](NodeId id) const
     {
-        const std::uint32_t page = page_of(id);
+        const std::uint32_t page = page_of(id, first_, page_of_block_);
         const Node* const nodes = pages_[page].load(std::memory_order_acquire);
         return (nodes ? nodes : load(page))[id - first_[page]];
     }
@@ -87,10 +86,10 @@ private:
     static constexpr unsigned block_shift = 8;
 
     explicit NodeTable(std::shared_ptr<State> state);
-    std::uint32_t page_of(NodeId id) const
+    static std::uint32_t page_of(NodeId id, const NodeId* first, const std::uint32_t* page_of_block)
     {
-        std::uint32_t page = page_of_block_[id >> block_shift];
-        while (first_[page + 1] <= id) ++page;
+        std::uint32_t page = page_of_block[id >> block_shift];
+        while (first[page + 1] <= id) ++page;
         return page;
     }
     const Node* load(std::uint32_t page) const;

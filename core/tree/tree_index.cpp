@@ -15,13 +15,14 @@ namespace pcm {
 namespace {
 
 // Node::part of all nodes, as it follows from the roots of the parts; what is false stays so, for the checks to find.
-void assign_parts(std::vector<Node>& nodes, const std::vector<NodeId>& part_roots)
+std::vector<std::uint32_t> parts_of(const std::vector<Node>& nodes, const std::vector<NodeId>& part_roots)
 {
-    for (Node& node : nodes) node.part = no_part;
+    std::vector<std::uint32_t> parts(nodes.size(), no_part);
     for (std::size_t part = 0; part < part_roots.size(); ++part)
-        if (part_roots[part] < nodes.size()) nodes[part_roots[part]].part = static_cast<std::uint32_t>(part);
+        if (part_roots[part] < nodes.size()) parts[part_roots[part]] = static_cast<std::uint32_t>(part);
     for (std::size_t id = 1; id < nodes.size(); ++id)
-        if (nodes[id].part == no_part && nodes[id].parent < id) nodes[id].part = nodes[nodes[id].parent].part;
+        if (parts[id] == no_part && nodes[id].parent < id) parts[id] = parts[nodes[id].parent];
+    return parts;
 }
 
 void check(const TreeIndex& index, const std::filesystem::path& path)
@@ -43,10 +44,7 @@ TreeIndex decode_pages(const std::vector<std::byte>& bytes, const std::filesyste
     TreeIndex index;
     index.nodes.reserve(head.nodes);
     for (const NodePage& at : head.pages) {
-        const std::byte* const from = bytes.data() + at.offset;
-        if (checksum(from, static_cast<std::size_t>(at.bytes)) != at.checksum)
-            throw Error(ErrorCode::corrupt, path, "the checksum of a page of the index does not match");
-        for (Node& node : decode_page(from, static_cast<std::size_t>(at.bytes), at.nodes, head.info.levels, path))
+        for (Node& node : decode_page(at, bytes.data() + at.offset, head.info.levels, path))
             index.nodes.push_back(std::move(node));
         index.pages.push_back(at.nodes);
     }
@@ -115,13 +113,13 @@ std::vector<std::byte> encode_index(const TreeIndex& index)
     if (!index.nodes.empty()) head.part_roots = index.part_roots;
     head.levels = summaries_of_levels(index.nodes, index.info.spacings);
     head.nodes = static_cast<std::uint32_t>(index.nodes.size());
-    std::vector<Node> nodes = index.nodes;
-    assign_parts(nodes, head.part_roots);
+    const std::vector<Node>& nodes = index.nodes;
+    const std::vector<std::uint32_t> parts = parts_of(nodes, head.part_roots);
     std::vector<std::byte> pages;
     NodeId first = 0;
     const bool divided = std::accumulate(index.pages.begin(), index.pages.end(), std::size_t(0)) == nodes.size();
     for (const std::uint32_t count : divided ? index.pages : divide_into_pages(nodes)) {
-        const std::vector<std::byte> bytes = encode_page(nodes, first, count);
+        const std::vector<std::byte> bytes = encode_page(nodes, parts, first, count);
         head.pages.push_back({first, count, 0, bytes.size(), checksum(bytes.data(), bytes.size())});
         pages.insert(pages.end(), bytes.begin(), bytes.end());
         first += count;
@@ -147,7 +145,8 @@ TreeIndex decode_index(const std::vector<std::byte>& bytes, const std::filesyste
 {
     if (version_of_index(bytes, path) == index_version) return decode_pages(bytes, path);
     TreeIndex index = decode_index_of_version_3(bytes, path);
-    assign_parts(index.nodes, index.part_roots);
+    const std::vector<std::uint32_t> parts = parts_of(index.nodes, index.part_roots);
+    for (std::size_t id = 0; id < parts.size(); ++id) index.nodes[id].part = parts[id];
     check(index, path);
     return index;
 }
