@@ -31,6 +31,7 @@ public:
                 OrientationPropagation* propagation, std::mutex& mutex, NeighbourAttributeReport& report)
         : cache_(cache),
           wanted_(options.wanted),
+          k_(options.neighbours),
           radius_limit_(options.radius_limit),
           orientation_(options.orientation),
           scanners_(scanners_of(options, cache.tree().info())),
@@ -67,6 +68,7 @@ public:
         part_ = unit.parts.data();
         if (propagation_) {
             two_surfaces_.assign(unit.points, 0);
+            neighbours_.resize(unit.points);
             find_box(unit);
         }
     }
@@ -77,8 +79,9 @@ public:
         for (std::size_t i = 0; i < some.size(); ++i) {
             const std::uint32_t number = some.number(i);
             if (places_.known_normal) known = known_normal(unit, number);
-            const PointValues values = values_of({some.dx(i), some.dy(i), some.dz(i), some.squared(i), some.count(i)},
-                                                 wanted_, places_.known_normal ? &known : nullptr);
+            const OnePointsNeighbours found{some.dx(i), some.dy(i), some.dz(i), some.squared(i),
+                                            std::min(some.count(i), k_)};
+            const PointValues values = values_of(found, wanted_, places_.known_normal ? &known : nullptr);
             if (places_.radius) radius_[number] = static_cast<float>(values.radius);
             if (places_.normal)
                 for (std::size_t a = 0; a < 3; ++a) normal_[number][a] = static_cast<float>(values.normal[a]);
@@ -87,10 +90,9 @@ public:
             if (places_.mean_distance) mean_distance_[number] = static_cast<float>(values.mean_distance);
             if (!propagation_) continue;
             if (looks_outside(unit, some, i)) border_.push_back(number);
-            two_surfaces_[number] =
-                values.confidence == NormalConfidence::good &&
-                are_two_surfaces({some.dx(i), some.dy(i), some.dz(i), some.squared(i), some.count(i)}, values.normal,
-                                 least_gap(values.normal));
+            neighbours_.set(number, some.neighbours(i), some.squared(i), some.count(i));
+            two_surfaces_[number] = values.confidence == NormalConfidence::good &&
+                                    are_two_surfaces(found, values.normal, least_gap(values.normal));
         }
     }
 
@@ -98,7 +100,7 @@ public:
     {
         std::sort(border_.begin(), border_.end());  // they came in the order of the search
         if (propagation_) {
-            propagation_->add_unit(unit, normal_, two_surfaces_, border_);
+            propagation_->add_unit(unit, neighbours_, normal_, two_surfaces_, border_);
             for (std::uint32_t n = 0; n < unit.points; ++n)
                 if (two_surfaces_[n] && confidence_[n] == static_cast<std::uint8_t>(NormalConfidence::good))
                     confidence_[n] = static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
@@ -210,6 +212,7 @@ private:
 
     L2Cache& cache_;
     const WantedValues wanted_;
+    const std::size_t k_;  // neighbours that values are computed from
     const double radius_limit_;
     const NormalOrientation orientation_;
     const ScannerPlaces scanners_;
@@ -226,6 +229,7 @@ private:
     std::vector<float> radius_, curvature_, mean_distance_;
     std::vector<std::array<float, 3>> normal_;
     std::vector<std::uint8_t> confidence_, two_surfaces_;
+    JoinedNeighbours neighbours_;
     std::vector<std::uint32_t> border_;  // numbers
     Counts counts_;
 };
@@ -238,8 +242,10 @@ NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, co
     search.max_distance = options.max_distance;
     if (places.known_normal) search.columns.attributes.set(*places.known_normal);
     search.columns.sizes = options.wanted.radius && options.radius_limit > 0;
-    // Joining points to pieces takes memory, too.
+    // Joining points to pieces takes memory, too, and at least as many neighbours as it joins.
     const bool joins = options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
+    search.numbers = joins;
+    if (joins && search.neighbours > 0) search.neighbours = std::max(search.neighbours, JoinedNeighbours::most);
     search.memory_bytes = options.memory_bytes / (joins ? 4 : 3);
     search.unit_points = options.unit_points;
     search.threads = options.threads;

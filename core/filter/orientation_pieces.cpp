@@ -10,7 +10,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t joined_neighbours = 6;
 // Classes of |ni . nj|, descending from parallel normals.
 constexpr std::array<float, 8> least_parallel{0.999F, 0.99F, 0.97F, 0.9F, 0.8F, 0.6F, 0.3F, 0.0F};
 constexpr std::uint8_t no_class = 255;
@@ -30,13 +29,13 @@ Vec3d position_of(const SearchPositions& positions, std::size_t i)
 }
 
 // What most of each point's nearest neighbours and the point itself have.
-std::vector<std::uint8_t> smoothed(const std::vector<std::uint32_t>& neighbours, const std::vector<std::uint8_t>& flags)
+std::vector<std::uint8_t> smoothed(const JoinedNeighbours& neighbours, const std::vector<std::uint8_t>& flags)
 {
     std::vector<std::uint8_t> result(flags.size());
     for (std::size_t i = 0; i < flags.size(); ++i) {
         std::size_t all = 1, set = flags[i];
-        for (std::size_t e = i * joined_neighbours; e < (i + 1) * joined_neighbours; ++e) {
-            if (neighbours[e] == no_piece) continue;
+        for (std::size_t e = i * JoinedNeighbours::most; e < (i + 1) * JoinedNeighbours::most; ++e) {
+            if (neighbours[e] == no_number) continue;
             ++all;
             set += flags[neighbours[e]];
         }
@@ -46,15 +45,15 @@ std::vector<std::uint8_t> smoothed(const std::vector<std::uint32_t>& neighbours,
 }
 
 // The class of each neighbour of each point.
-std::vector<std::uint8_t> classes_of(const SearchPositions& positions, const std::vector<std::uint32_t>& neighbours,
+std::vector<std::uint8_t> classes_of(const SearchPositions& positions, const JoinedNeighbours& neighbours,
                                      const std::vector<std::array<float, 3>>& normals,
                                      const std::vector<std::uint8_t>& two_surfaces)
 {
     std::vector<std::uint8_t> classes(neighbours.size(), no_class);
     for (std::size_t e = 0; e < neighbours.size(); ++e) {
         const std::array<float, 3> none{};
-        const std::size_t i = e / joined_neighbours;
-        if (neighbours[e] == no_piece || normals[i] == none || normals[neighbours[e]] == none) continue;
+        const std::size_t i = e / JoinedNeighbours::most;
+        if (neighbours[e] == no_number || normals[i] == none || normals[neighbours[e]] == none) continue;
         const std::uint32_t j = neighbours[e];
         if ((two_surfaces[i] || two_surfaces[j]) && is_across(position_of(positions, j) - position_of(positions, i),
                                                               {normals[i][0], normals[i][1], normals[i][2]}))
@@ -67,21 +66,25 @@ std::vector<std::uint8_t> classes_of(const SearchPositions& positions, const std
     return classes;
 }
 
-// Each point's neighbours, joined_neighbours numbers a point; no_piece where there are fewer.
-std::vector<std::uint32_t> neighbours_of(const SearchPositions& positions)
+}  // namespace
+
+void JoinedNeighbours::resize(std::size_t points)
 {
-    std::vector<std::uint32_t> neighbours(positions.size() * joined_neighbours, no_piece);
-    UnitSearchOptions options;
-    options.neighbours = joined_neighbours;
-    make_unit_search(positions)->search(nullptr, options, [&](const FoundNeighbours& found) {
-        for (std::size_t i = 0; i < found.size; ++i)
-            std::copy_n(found.neighbours + i * found.stride, found.counts[i],
-                        neighbours.begin() + static_cast<std::ptrdiff_t>(found.points[i] * joined_neighbours));
-    });
-    return neighbours;
+    numbers_.assign(points * most, no_number);
+    first_.assign(points, no_number);
 }
 
-}  // namespace
+void JoinedNeighbours::set(std::uint32_t point, const std::uint32_t* numbers, const double* squared, std::size_t count)
+{
+    std::uint32_t* const mine = numbers_.data() + std::size_t(point) * most;
+    std::size_t kept = 0;
+    first_[point] = point;
+    for (std::size_t j = 0; j < count && (kept < most || squared[j] == 0); ++j) {
+        if (numbers[j] == no_number) continue;
+        if (squared[j] == 0) first_[point] = std::min(first_[point], numbers[j]);
+        if (kept < most) mine[kept++] = numbers[j];
+    }
+}
 
 SidedSets::SidedSets(std::size_t count) : parent_(count), size_(count, 1), side_(count, 1)
 {
@@ -157,21 +160,20 @@ double PieceSums::outward_or_up() const
     return 1;
 }
 
-UnitPieces join_pieces(const SearchPositions& positions, const Vec3d& origin,
+UnitPieces join_pieces(const SearchPositions& positions, const JoinedNeighbours& neighbours, const Vec3d& origin,
                        std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces)
 {
     const std::size_t points = positions.size();
     const auto is_defined = [&](std::size_t i) { return normals[i] != std::array<float, 3>{}; };
     SidedSets sets(points);
     {
-        const std::vector<std::uint32_t> neighbours = neighbours_of(positions);
         if (std::find(two_surfaces.begin(), two_surfaces.end(), 1) != two_surfaces.end())
             two_surfaces = smoothed(neighbours, two_surfaces);
         const std::vector<std::uint8_t> classes = classes_of(positions, neighbours, normals, two_surfaces);
         for (std::uint8_t c = 0; c < least_parallel.size(); ++c)
             for (std::size_t e = 0; e < classes.size(); ++e) {
                 if (classes[e] != c) continue;
-                const std::size_t i = e / joined_neighbours;
+                const std::size_t i = e / JoinedNeighbours::most;
                 const bool turned = dot_of(normals[i], normals[neighbours[e]]) < 0;
                 sets.join(static_cast<std::uint32_t>(i), neighbours[e], turned ? -1 : 1);
             }

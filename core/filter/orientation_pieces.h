@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/cloud/vector.h"
+#include "pcm/knn/neighbourhoods.h"
 #include "pcm/knn/unit_search.h"
 
 #include <array>
@@ -60,6 +61,25 @@ struct UnitPieces {
     std::vector<PieceSums> sums;       // sums of each piece
 };
 
+// The neighbours of a unit's points that lie in the unit themselves, at most so many a point: the nearest ones. Points
+// at one place have the same normals, and which of them a search lists is chance: the first of them stands for all.
+class JoinedNeighbours {
+public:
+    static constexpr std::size_t most = 6;
+
+    void resize(std::size_t points);
+    // Sets those of a point, out of its nearest neighbours, nearest first: their numbers, no_number where they are not
+    // of the unit, and squared distances.
+    void set(std::uint32_t point, const std::uint32_t* numbers, const double* squared, std::size_t count);
+    std::size_t size() const { return numbers_.size(); }
+    // The neighbour number e % most of the point e / most; no_number where there are fewer.
+    std::uint32_t operator[](std::size_t e) const { return numbers_[e] == no_number ? no_number : first_[numbers_[e]]; }
+
+private:
+    std::vector<std::uint32_t> numbers_;
+    std::vector<std::uint32_t> first_;  // for each point the lowest number of those at its place
+};
+
 // Joins the points of a unit with their nearest neighbours in the unit, pairs with nearly parallel normals first (a
 // spanning tree of 1 - |ni . nj|, Hoppe et al. 1992, by classes of that weight), and turns normals around so that each
 // piece is consistent, and points outward or up by itself. `origin` of the sums: in source units relative to that of
@@ -68,7 +88,7 @@ struct UnitPieces {
 // `two_surfaces` (for each point, 0 or 1): whether its neighbours lie on two surfaces (two_surfaces.h). It is made
 // smooth: each point takes what most of its nearest neighbours and itself have. From such a point to one across the
 // gap, which has almost the same normal but may be on the other side of a plate, nothing is joined.
-UnitPieces join_pieces(const SearchPositions& positions, const Vec3d& origin,
+UnitPieces join_pieces(const SearchPositions& positions, const JoinedNeighbours& neighbours, const Vec3d& origin,
                        std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces);
 
 }  // namespace pcm

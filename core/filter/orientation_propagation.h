@@ -39,10 +39,12 @@ public:
     explicit OrientationPropagation(const Tree& tree);
 
     // A unit whose normals are computed; makes them consistent, and at a level sets those of points that take the
-    // values of others. `two_surfaces`: one per point, as join_pieces() takes and changes it. `border`: points, by
-    // number, ascending, with neighbours outside of the unit. Any number of threads may call.
-    void add_unit(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
-                  std::vector<std::uint8_t>& two_surfaces, const std::vector<std::uint32_t>& border);
+    // values of others. `neighbours`: those of each point in the unit. `two_surfaces`: one per point, as join_pieces()
+    // takes and changes it. `border`: points, by number, ascending, with neighbours outside of the unit. Any number of
+    // threads may call.
+    void add_unit(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
+                  std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces,
+                  const std::vector<std::uint32_t>& border);
 
     // After the last unit, when the cache holds the normals of add_unit() at `place`: turns those around that the
     // pieces' neighbours disagree with. Returns how many. `memory_bytes`: the filter's limit. Reports progress from
@@ -63,8 +65,8 @@ private:
     using Vote = SideVote;
     class Voter;
 
-    UnitPieces join(const NeighbourhoodUnit& unit, std::vector<std::array<float, 3>>& normals,
-                    std::vector<std::uint8_t>& two_surfaces) const;
+    UnitPieces join(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
+                    std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces) const;
     // One vote for each pair of pieces.
     static void add_up(std::vector<Vote>& votes);
     std::vector<Vote> collect_votes(L2Cache& cache, std::size_t place, std::uint64_t memory_bytes, unsigned threads,

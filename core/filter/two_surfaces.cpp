@@ -61,8 +61,9 @@ private:
 // The points relative to their centroid: along the normal, and across it in units of their spread.
 struct Heights {
     std::array<double, most_surface_points> up, across, along;
-    std::array<bool, most_surface_points> above{};
+    std::array<bool, most_surface_points> above;
     std::size_t count = 0;
+    Vec3d centre{};  // centroid, relative to the point
 
     std::size_t upper() const
     {
@@ -72,13 +73,29 @@ struct Heights {
     bool has_two_sheets() const { return upper() >= least_of_a_sheet && count - upper() >= least_of_a_sheet; }
 };
 
+// The neighbour j, after all neighbours the point itself, relative to the centroid.
+Vec3d place_of(const OnePointsNeighbours& n, const Heights& h, std::size_t j)
+{
+    return (j + 1 < h.count ? Vec3d{n.dx[j], n.dy[j], n.dz[j]} : Vec3d{}) - h.centre;
+}
+
+// Without `across` and `along`.
 Heights heights_of(const OnePointsNeighbours& n, const Vec3d& normal)
 {
     Heights h;
     h.count = std::min(n.count + 1, most_surface_points);
-    Vec3d centre{};
-    for (std::size_t j = 0; j + 1 < h.count; ++j) centre = centre + Vec3d{n.dx[j], n.dy[j], n.dz[j]};
-    centre = centre / static_cast<double>(h.count);
+    for (std::size_t j = 0; j + 1 < h.count; ++j) h.centre = h.centre + Vec3d{n.dx[j], n.dy[j], n.dz[j]};
+    h.centre = h.centre / static_cast<double>(h.count);
+    for (std::size_t j = 0; j < h.count; ++j) {
+        h.up[j] = dot(place_of(n, h, j), normal);
+        h.above[j] = h.up[j] > 0;
+    }
+    return h;
+}
+
+// Sets `across` and `along`.
+void spread_out(Heights& h, const OnePointsNeighbours& n, const Vec3d& normal)
+{
     std::size_t least = 0;
     for (std::size_t a = 1; a < 3; ++a)
         if (std::fabs(normal[a]) < std::fabs(normal[least])) least = a;
@@ -87,16 +104,13 @@ Heights heights_of(const OnePointsNeighbours& n, const Vec3d& normal)
     const Vec3d first = normalised(cross(normal, axis)), second = cross(normal, first);
     double squares = 0;
     for (std::size_t j = 0; j < h.count; ++j) {
-        const Vec3d d = (j + 1 < h.count ? Vec3d{n.dx[j], n.dy[j], n.dz[j]} : Vec3d{}) - centre;
-        h.up[j] = dot(d, normal);
+        const Vec3d d = place_of(n, h, j);
         h.across[j] = dot(d, first);
         h.along[j] = dot(d, second);
-        h.above[j] = h.up[j] > 0;
         squares += h.across[j] * h.across[j] + h.along[j] * h.along[j];
     }
     const double spread = std::sqrt(squares / static_cast<double>(h.count));
     for (std::size_t j = 0; j < h.count && spread > 0; ++j) h.across[j] /= spread, h.along[j] /= spread;
-    return h;
 }
 
 // Whether the upper and the lower half are far apart compared with what is in them; a quick rejection.
@@ -165,6 +179,7 @@ bool are_two_surfaces(const OnePointsNeighbours& neighbours, const Vec3d& normal
     if (neighbours.count < least_neighbours) return false;
     Heights heights = heights_of(neighbours, normal);
     if (!may_be_two(heights)) return false;
+    spread_out(heights, neighbours, normal);
     const double gap = gap_of(heights);
     return gap > least_gap && explained_by_place(heights) <= most_explained;
 }

@@ -47,6 +47,17 @@ const NeighbourhoodUnit::Part& NeighbourhoodUnit::part_of(std::uint32_t number) 
     return *(after - 1);
 }
 
+std::uint32_t NeighbourhoodUnit::number_of(NodeId node, std::uint32_t index) const
+{
+    for (const Part& part : parts) {
+        if (part.node != node) continue;
+        const auto found = std::lower_bound(part.indices.begin(), part.indices.end(), index);
+        if (found != part.indices.end() && *found == index)
+            return part.first + static_cast<std::uint32_t>(found - part.indices.begin());
+    }
+    return no_number;
+}
+
 NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOptions& options,
                                            const std::function<std::unique_ptr<NeighbourhoodVisitor>()>& make_visitor)
 {

@@ -32,6 +32,8 @@ enum class NeighbourBackend : std::uint8_t {
 
 inline constexpr std::size_t most_neighbours = 1024;
 
+inline constexpr std::uint32_t no_number = 0xffffffffu;  // number in a unit of a point that is not of the unit
+
 // Enough that few points of a unit lie near its border, and few enough that a unit fits into a processor's caches and
 // into the minimum memory of filters.
 inline constexpr std::uint64_t usual_unit_points = 100'000;
@@ -50,6 +52,7 @@ struct NeighbourhoodOptions {
     std::size_t neighbours = 16;  // k, 1 to most_neighbours; the point itself is not counted
     double max_distance = std::numeric_limits<double>::infinity();  // source units, inclusive
     ColumnSet columns = ColumnSet::only_positions();                // columns of the units' chunks
+    bool numbers = false;  // whether visitors get the numbers of neighbours (Neighbourhoods::neighbours)
     // For the units of all threads, in addition to the cache: where it is short, fewer threads run; at least one does.
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     // About as many points have a unit. Not by the memory, so that what depends on units does not depend on it.
@@ -80,6 +83,8 @@ struct NeighbourhoodUnit {
         const Part& part = part_of(number);
         return part.indices[number - part.first];
     }
+    // The number of the point of a node with an index in its chunk; no_number: it is not of the unit.
+    std::uint32_t number_of(NodeId node, std::uint32_t index) const;
 };
 
 // Some points of a unit and their neighbours.
@@ -94,12 +99,15 @@ public:
     const double* dy(std::size_t i) const { return offsets[1].data() + i * stride; }
     const double* dz(std::size_t i) const { return offsets[2].data() + i * stride; }
     const double* squared(std::size_t i) const { return squares.data() + i * stride; }
+    // Their numbers in the unit, no_number for points of other units. Only with NeighbourhoodOptions::numbers.
+    const std::uint32_t* neighbours(std::size_t i) const { return neighbour_numbers.data() + i * stride; }
 
     std::vector<std::uint32_t> numbers;
     std::vector<std::uint32_t> counts;
     std::size_t stride = 0;
     std::array<std::vector<double>, 3> offsets;
     std::vector<double> squares;
+    std::vector<std::uint32_t> neighbour_numbers;
 };
 
 // What is computed. Each visitor serves one thread.

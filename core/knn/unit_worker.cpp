@@ -27,12 +27,20 @@ double rounding_of(const TreeInfo& info)
     return 1e-14 * std::max(largest_magnitude(bounds.min), largest_magnitude(bounds.max));
 }
 
-// The squared distance and the offset of a position from another.
-std::pair<double, Vec3d> seen_from(const Vec3i& at, const Vec3i& there, const Grid& grid)
+// A point as seen from another.
+struct Seen {
+    double squared;  // distance, source units
+    Vec3d offset;
+    NodeId node;
+    std::uint32_t index;
+    bool operator<(const Seen& o) const { return std::tie(squared, offset) < std::tie(o.squared, o.offset); }
+};
+
+Seen seen_from(const Vec3i& at, const Vec3i& there, const Grid& grid, NodeId node, std::uint32_t index)
 {
     Vec3d offset;
     for (std::size_t axis = 0; axis < 3; ++axis) offset[axis] = double(there[axis] - at[axis]) * grid.scale[axis];
-    return {(offset[0] * offset[0] + offset[1] * offset[1]) + offset[2] * offset[2], offset};
+    return {(offset[0] * offset[0] + offset[1] * offset[1]) + offset[2] * offset[2], offset, node, index};
 }
 
 }  // namespace
@@ -118,6 +126,10 @@ void UnitWorker::take(const FoundNeighbours& found)
         for (std::size_t axis = 0; axis < 3; ++axis)
             points_.put_offsets(axis, number, neighbours, found.counts[i], block_.offsets[axis].data() + at);
         std::copy_n(found.squared + i * found.stride, found.counts[i], block_.squares.data() + at);
+        if (options_.numbers)
+            std::transform(neighbours, neighbours + found.counts[i],
+                           block_.neighbour_numbers.begin() + static_cast<std::ptrdiff_t>(at),
+                           [&](std::uint32_t n) { return n < unit_.points ? n : no_number; });
         add_point(number, found.counts[i]);
     }
     hand_over();
@@ -159,27 +171,28 @@ void UnitWorker::search_alone(std::uint32_t number)
     const std::uint32_t index = unit_.index_of(number);
     const double limit = options_.max_distance * options_.max_distance;
     search_alone_.run(place, wanted, found_);
-    std::vector<std::pair<double, Vec3d>> sorted;
+    std::vector<Seen> sorted;
     double farthest = 0;
     for (const Neighbour& neighbour : found_) {
         if (neighbour.node == part.node && neighbour.index == index) continue;
         const auto chunk = cache_.get(neighbour.node, ColumnSet::only_positions());
-        const auto seen = seen_from(at, chunk->positions->grid(neighbour.index), grid);
-        farthest = std::max(farthest, std::sqrt(seen.first));
-        if (seen.first <= limit) sorted.push_back(seen);
+        const Seen seen = seen_from(at, chunk->positions->grid(neighbour.index), grid, neighbour.node, neighbour.index);
+        farthest = std::max(farthest, std::sqrt(seen.squared));
+        if (seen.squared <= limit) sorted.push_back(seen);
     }
     std::sort(sorted.begin(), sorted.end());
-    sorted.resize(std::min(sorted.size(), options_.neighbours));
+    if (sorted.size() > options_.neighbours)
+        sorted.erase(sorted.begin() + static_cast<std::ptrdiff_t>(options_.neighbours), sorted.end());
     // Points that were not found may come before the last one.
-    const double last = sorted.size() == options_.neighbours ? std::sqrt(sorted.back().first) : options_.max_distance;
+    const double last = sorted.size() == options_.neighbours ? std::sqrt(sorted.back().squared) : options_.max_distance;
     if (found_.size() == wanted && last > 0 && farthest <= last + 2 * rounding_) {
         sorted.clear();
         search_alone_.within(place, last + 2 * rounding_,
                              [&](const ChunkPositions& positions, NodeId node, std::uint32_t begin, std::uint32_t end) {
                                  for (std::uint32_t i = begin; i < end; ++i) {
                                      if (node == part.node && i == index) continue;
-                                     const auto seen = seen_from(at, positions.grid(i), grid);
-                                     if (!(seen.first <= limit)) continue;
+                                     const Seen seen = seen_from(at, positions.grid(i), grid, node, i);
+                                     if (!(seen.squared <= limit)) continue;
                                      if (sorted.size() == options_.neighbours) {
                                          if (!(seen < sorted.front())) continue;
                                          std::pop_heap(sorted.begin(), sorted.end());
@@ -193,8 +206,9 @@ void UnitWorker::search_alone(std::uint32_t number)
     }
     begin_block(options_.neighbours, 1);
     for (std::size_t j = 0; j < sorted.size(); ++j) {
-        block_.squares[j] = sorted[j].first;
-        for (std::size_t axis = 0; axis < 3; ++axis) block_.offsets[axis][j] = sorted[j].second[axis];
+        block_.squares[j] = sorted[j].squared;
+        for (std::size_t axis = 0; axis < 3; ++axis) block_.offsets[axis][j] = sorted[j].offset[axis];
+        if (options_.numbers) block_.neighbour_numbers[j] = unit_.number_of(sorted[j].node, sorted[j].index);
     }
     add_point(number, sorted.size());
     hand_over();
@@ -207,6 +221,7 @@ void UnitWorker::begin_block(std::size_t stride, std::size_t points)
     block_.stride = stride;
     for (auto& axis : block_.offsets) axis.resize(std::max(axis.size(), stride * points));
     block_.squares.resize(std::max(block_.squares.size(), stride * points));
+    if (options_.numbers) block_.neighbour_numbers.resize(block_.squares.size());
 }
 
 void UnitWorker::add_point(std::uint32_t number, std::size_t count)

@@ -19,6 +19,47 @@ using namespace pcm;
 using namespace pcm::test;
 namespace fs = std::filesystem;
 
+// Those of all points, by the search.
+JoinedNeighbours neighbours_of(const SearchPositions& positions)
+{
+    JoinedNeighbours neighbours;
+    neighbours.resize(positions.size());
+    UnitSearchOptions options;
+    options.neighbours = JoinedNeighbours::most;
+    make_unit_search(positions)->search(nullptr, options, [&](const FoundNeighbours& found) {
+        for (std::size_t i = 0; i < found.size; ++i)
+            neighbours.set(found.points[i], found.neighbours + i * found.stride, found.squared + i * found.stride,
+                           found.counts[i]);
+    });
+    return neighbours;
+}
+
+TEST(JoinedNeighbours, AreTheNearestOfTheUnitAndTheFirstAtAPlaceStandsForAll)
+{
+    JoinedNeighbours neighbours;
+    neighbours.resize(20);
+    const auto set = [&](std::uint32_t point, const std::vector<std::uint32_t>& numbers,
+                         const std::vector<double>& squared) {
+        neighbours.set(point, numbers.data(), squared.data(), numbers.size());
+    };
+    const auto of = [&](std::size_t point) {
+        std::vector<std::uint32_t> found;
+        for (std::size_t j = 0; j < JoinedNeighbours::most; ++j)
+            found.push_back(neighbours[point * JoinedNeighbours::most + j]);
+        return found;
+    };
+    for (std::uint32_t i = 0; i < 20; ++i) set(i, {}, {});
+    set(0, {no_number, 7, 5, no_number, 9}, {0, 1, 1, 2, 3});
+    EXPECT_EQ(of(0), (std::vector<std::uint32_t>{7, 5, 9, no_number, no_number, no_number}));
+    // 10 to 18 lie at one place, and each lists the others in an order of its own.
+    set(18, {13, 17, 12, 16, 11, 15, 14, 10}, {0, 0, 0, 0, 0, 0, 0, 0});
+    set(12, {18, 17, 16, 15, 14, 13, 11, 10, 3}, {0, 0, 0, 0, 0, 0, 0, 0, 4});
+    set(3, {4, 18, 12, 1, 2, 5, 6, 7}, {1, 4, 4, 5, 6, 7, 8, 9});
+    EXPECT_EQ(of(3), (std::vector<std::uint32_t>{4, 10, 10, 1, 2, 5}));
+    neighbours.resize(2);
+    EXPECT_EQ(of(0), std::vector<std::uint32_t>(JoinedNeighbours::most, no_number));
+}
+
 // Two level sheets, 100 apart, whose normals point up or down at random; some points have none.
 TEST(UnitPieces, AreTheSheetsAndHaveTheSumsOfTheirPoints)
 {
@@ -37,7 +78,7 @@ TEST(UnitPieces, AreTheSheetsAndHaveTheSumsOfTheirPoints)
         }
     std::vector<std::uint8_t> two_surfaces(normals.size(), 0);
     const std::vector<std::array<float, 3>> before = normals;
-    const UnitPieces pieces = join_pieces(positions, origin, normals, two_surfaces);
+    const UnitPieces pieces = join_pieces(positions, neighbours_of(positions), origin, normals, two_surfaces);
     ASSERT_EQ(pieces.piece.size(), normals.size());
     std::vector<PieceSums> expected(pieces.sums.size());
     std::set<std::uint32_t> of_sheet[2];

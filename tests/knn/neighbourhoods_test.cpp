@@ -19,6 +19,7 @@
 #include <map>
 #include <mutex>
 #include <random>
+#include <set>
 
 namespace pcm::test {
 namespace {
@@ -33,7 +34,13 @@ using All = std::map<Place, Found>;
 
 class Collector final : public NeighbourhoodVisitor {
 public:
-    Collector(All& all, std::mutex& mutex) : all_(all), mutex_(mutex) {}
+    Collector(All& all, std::mutex& mutex, const Grid& grid) : all_(all), mutex_(mutex), grid_(grid) {}
+    void begin(const NeighbourhoodUnit& unit) override
+    {
+        positions_.clear();
+        for (const auto& part : unit.parts)
+            for (const std::uint32_t i : part.indices) positions_.insert(part.chunk->positions->grid(i));
+    }
     void visit(const NeighbourhoodUnit& unit, const Neighbourhoods& some) override
     {
         const std::lock_guard lock(mutex_);
@@ -44,22 +51,55 @@ public:
                 found.squares.push_back(some.squared(i)[j]);
                 found.offsets.push_back({some.dx(i)[j], some.dy(i)[j], some.dz(i)[j]});
             }
+            expect_right_numbers(unit, some, i);
             const bool first = all_.emplace(Place{part.node, unit.index_of(some.number(i))}, found).second;
             EXPECT_TRUE(first) << "a point was visited twice";
         }
     }
 
 private:
+    static Vec3i position(const NeighbourhoodUnit& unit, std::uint32_t number)
+    {
+        return unit.part_of(number).chunk->positions->grid(unit.index_of(number));
+    }
+
+    // A number is that of a point where the neighbour is; a neighbour without one is not where points of the unit are.
+    void expect_right_numbers(const NeighbourhoodUnit& unit, const Neighbourhoods& some, std::size_t i) const
+    {
+        const Vec3i own = position(unit, some.number(i));
+        for (std::size_t j = 0; j < some.count(i); ++j) {
+            const std::array<double, 3> offset{some.dx(i)[j], some.dy(i)[j], some.dz(i)[j]};
+            Vec3i there;
+            for (std::size_t a = 0; a < 3; ++a)
+                there[a] = own[a] + static_cast<std::int64_t>(std::llround(offset[a] / grid_.scale[a]));
+            const std::uint32_t number = some.neighbours(i)[j];
+            if (number == no_number) {
+                if (positions_.count(there)) ADD_FAILURE() << "a neighbour in the unit without its number";
+                continue;
+            }
+            ASSERT_LT(number, unit.points);
+            ASSERT_NE(number, some.number(i));
+            const Vec3i at = position(unit, number);
+            for (std::size_t a = 0; a < 3; ++a)
+                ASSERT_EQ(static_cast<double>(at[a] - own[a]) * grid_.scale[a], offset[a]);
+        }
+    }
+
     All& all_;
     std::mutex& mutex_;
+    const Grid& grid_;
+    std::set<Vec3i> positions_;
 };
 
-All all_of(L2Cache& cache, const NeighbourhoodOptions& options, NeighbourhoodReport* report = nullptr)
+All all_of(L2Cache& cache, NeighbourhoodOptions options, NeighbourhoodReport* report = nullptr)
 {
     All all;
+    options.numbers = true;
+    const Grid& grid = cache.tree().info().grid;
     std::mutex mutex;
     const Stopwatch watch;
-    const auto made = for_each_neighbourhood(cache, options, [&] { return std::make_unique<Collector>(all, mutex); });
+    const auto made =
+        for_each_neighbourhood(cache, options, [&] { return std::make_unique<Collector>(all, mutex, grid); });
     if (report) *report = made;
     expect_outcome(made.outcome, cache.tree().info().points, all.size(), watch);
     return all;
