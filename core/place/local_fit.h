@@ -41,7 +41,7 @@ struct LocalFit {
     bool is_first_threshold = false;  // whether wider ones were not tried (`first_threshold`)
     EvenNoise even;                   // points around the places; empty where a threshold is given
     std::string next_kind;            // the next best kind with its numbers, for people; empty: there is none
-    std::optional<ShapeFit> next;     // its fit to `near`
+    std::optional<ShapeFit> higher;   // least noise of determined kinds of higher rank, where the best one is curved
     std::vector<std::string> notes;
 };
 
