@@ -28,7 +28,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_wider = 8000;        // points of a neighbourhood that is looked at for kinds of more numbers
 const double even_spread = 1 / std::sqrt(3.0);  // rms distance of points anywhere within a threshold, per threshold
 
 void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
@@ -241,29 +240,14 @@ private:
                                   ", which cannot be followed through the cloud";
         if (local.higher)
             local.fit = *std::exchange(local.higher, std::nullopt);
-        else if (!look_wider(local))
+        else if (auto wider = fit_more_numbers(cloud_, places_, local_options(), local))
+            local = std::move(*wider);
+        else
             return;
         local.next_kind = first;
         FittedPrimitive next = followed(std::move(local), way, 0.9, 1);
         doubt_few_points(next);
         if (next.primitive.fit.verdict == FitVerdict::good) result = std::move(next);
-    }
-
-    // Kinds of more numbers in a wider neighbourhood, which determines them; false where none of them is good there.
-    bool look_wider(LocalFit& local) const
-    {
-        LocalFitOptions options = local_options();
-        options.count = place_tuning().neighbourhood.widening * local.near.found;
-        options.kinds.clear();
-        for (const ShapeKind kind : options_.kinds)
-            if (model_of(kind).rank > model_of(local.fit.shape.kind).rank) options.kinds.push_back(kind);
-        const bool is_chosen = options_.radius > 0 || options_.count > 0 || options_.fit.threshold > 0;
-        if (is_chosen || options.kinds.empty() || options.count > most_wider) return false;
-        options.progress = part_of(whole_progress_, 0.9, 0.9);
-        LocalFit wider = fit_locally(cloud_, places_, options);
-        if (wider.fit.verdict != FitVerdict::good) return false;
-        local = std::move(wider);
-        return true;
     }
 
     static void doubt_kind(const std::string& why, ShapeFit& fit)

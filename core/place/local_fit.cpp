@@ -20,6 +20,7 @@
 namespace pcm {
 namespace {
 
+constexpr std::size_t most_wider = 8000;  // points of a neighbourhood that is looked at for kinds of more numbers
 constexpr std::size_t most_widenings = 3;
 constexpr std::size_t most_points = 4000;  // maximum number of points in a fit of a chosen neighbourhood
 constexpr int most_raised = 4;             // doublings of the threshold
@@ -458,6 +459,21 @@ private:
 LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
 {
     return LocalSearch(cloud, places, options).run();
+}
+
+std::optional<LocalFit> fit_more_numbers(const PointCloud& cloud, const std::vector<Vec3d>& places,
+                                         LocalFitOptions options, const LocalFit& local)
+{
+    const bool is_chosen = options.radius > 0 || options.count > 0 || options.fit.threshold > 0;
+    options.count = place_tuning().neighbourhood.widening * local.near.found;
+    std::vector<ShapeKind> kinds;
+    for (const ShapeKind kind : options.kinds)
+        if (model_of(kind).rank > model_of(local.fit.shape.kind).rank) kinds.push_back(kind);
+    if (is_chosen || kinds.empty() || options.count > most_wider) return {};
+    options.kinds = std::move(kinds);
+    LocalFit wider = fit_locally(cloud, places, options);
+    if (wider.fit.verdict != FitVerdict::good) return {};
+    return wider;
 }
 
 std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,

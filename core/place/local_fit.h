@@ -69,4 +69,10 @@ LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, 
 std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,
                                      const LocalFitOptions& options, const LocalFit& wide);
 
+// Where the shape of `local` is only a piece: the best of those of options.kinds that have more numbers, in a wider
+// neighbourhood, which determines them. Nothing where none of them is good there, or a neighbourhood or threshold was
+// given.
+std::optional<LocalFit> fit_more_numbers(const PointCloud& cloud, const std::vector<Vec3d>& places,
+                                         LocalFitOptions options, const LocalFit& local);
+
 }  // namespace pcm
