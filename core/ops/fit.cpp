@@ -248,7 +248,8 @@ private:
                 "as its report states it: the standard deviations of the shape (+-) then contain it. Without a unit of "
                 "length a cloud's coordinates are taken to be metres. Where points say from which station they are (an "
                 "attribute scan or point_source_id, gaps in gps_time) it is found from surfaces that several see, and "
-                "the larger one counts")
+                "the larger one counts. Errors along the rays of a scanner, which turn thin pipes thinner, are taken "
+                "from the shape, and what may be left of them is in the +-, too")
             .automatic("what the stations show; else the +- contains the noise of the points alone");
     }
 
@@ -389,9 +390,10 @@ private:
     static std::vector<std::string> contained_in_errors(const Primitive& primitive)
     {
         std::vector<std::string> names{"noise"};
-        if (!primitive.stations || !(primitive.stations->contained() > 0)) return names;
+        if (!primitive.stations) return names;
         const StationFacts& facts = *primitive.stations;
-        names.push_back(facts.registration > facts.spread ? "registration" : "stations");
+        if (facts.contained() > 0) names.push_back(facts.registration > facts.spread ? "registration" : "stations");
+        if (facts.ray_share > 0) names.push_back("rays");
         return names;
     }
 
@@ -439,8 +441,8 @@ Row fit_row()
         nullptr,
         with_done_keys({{"primitive", "object", "", "as in a list of primitives; or kind, verdict, issue and message"},
                         {"sigma_contains", "list?", "",
-                         "errors that primitive.sigma contains: noise, and stations (their spread, found) or "
-                         "registration (given)"},
+                         "errors that primitive.sigma contains: noise; stations (their spread, found) or "
+                         "registration (given); rays (what may be left of errors along a scanner's rays)"},
                         {"neighbourhood", "object", "", "points, found, radius, spacing and inliers of the first fit"},
                         {"growth", "object?", "", "step, rounds, converged, left_surface"},
                         {"list", "text?", "", "list that it was added to"}}),

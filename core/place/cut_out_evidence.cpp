@@ -13,6 +13,9 @@
 namespace pcm {
 namespace {
 
+// Points by chance are in all of these bands, on both sides; another face of a plate is in some.
+constexpr std::size_t bands_per_threshold = 2, bands = bands_per_threshold * std::size_t(around_thresholds - 1);
+
 // The points within the threshold, relative to the first of all.
 struct Inside {
     Inside(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
@@ -61,16 +64,19 @@ CutOutEvidence cut_out_evidence(const Shape& shape, double threshold, const std:
     std::nth_element(spacings.begin(), spacings.begin() + static_cast<std::ptrdiff_t>(count / 2), spacings.end());
     const double spacing = std::sqrt(spacings[count / 2]);
     const double slant = place_tuning().cut_outs.min_slant, gap = place_tuning().cut_outs.gap * spacing;
-    std::size_t overshoot = 0, far = 0;
+    std::size_t overshoot = 0;
+    std::array<double, 2 * bands> beside{};  // points next to the shape, by their distance
     for (const Vec3d& p : points) {
-        const double outside = distance_to(shape, p) - threshold;
+        const double distance = signed_distance(shape, p), outside = std::fabs(distance) - threshold;
         if (!(outside > 0 && outside <= (around_thresholds - 1) * threshold)) continue;
-        far += outside > threshold;
+        const auto band = static_cast<std::size_t>(outside / threshold * bands_per_threshold);
+        beside[std::min(band, bands - 1) + (distance > 0 ? bands : 0)] += 1;
         tree.nearest(p - points.front(), 1, near);
         overshoot += std::sqrt(near[0].square) > slant * outside + gap;
     }
     result.overshoot = static_cast<double>(overshoot) / static_cast<double>(count);
-    result.chance = static_cast<double>(far) / (around_thresholds - 2) / static_cast<double>(count);
+    std::nth_element(beside.begin(), beside.begin() + bands, beside.end());
+    result.chance = 2 * bands_per_threshold * beside[bands] / static_cast<double>(count);
     result.bend = squares > 0 ? smooth / squares : 0;
     return result;
 }

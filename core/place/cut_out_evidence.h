@@ -19,8 +19,8 @@ struct CutOutEvidence {
     double overshoot = 0;
     // Share of the squared distances within the threshold that is left in means of 17 neighbours; 1/17 for noise.
     double bend = 0;
-    // Expected number of chance points within the threshold, estimated from the points farther than twice the
-    // threshold, per point within it.
+    // Expected number of chance points within the threshold, per point within it: from the median of the numbers of
+    // points next to it, in bands of half a threshold on both sides. Another surface there is in some of the bands.
     double chance = 0;
 
     // `noise`: the fit's noise, in units of that of the surface near the place; 0: unknown.

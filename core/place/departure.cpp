@@ -1,6 +1,8 @@
 #include "pcm/place/departure.h"
 
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/station_spread.h"
+#include "pcm/fit/working_points.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/even_noise.h"
 #include "pcm/place/tuning.h"
@@ -44,15 +46,36 @@ Vector monomials(const std::array<double, variables>& x)
 struct OnShape {
     std::vector<Vec3d> foot, normal;  // the foot about the first of the points
     std::vector<double> distance;
-    std::vector<std::size_t> station;  // index from 0; empty: one station
+    std::vector<std::size_t> station;                     // index from 0; empty: one station
+    std::vector<std::array<double, most_parameters>> by;  // derivatives by the shape's parameters; for several stations
+    std::size_t parameters = 0;
     std::size_t stations = 0;
 };
+
+// In units of the points' extent, in which all parameters are of one size.
+void differentiate(const Shape& shape, const std::vector<Vec3d>& places, OnShape& on)
+{
+    Box3d box;
+    for (const Vec3d& p : places) box.extend(p);
+    const double extent = box.diagonal() > 0 ? box.diagonal() : 1;
+    const ShapeModel& model = model_of(shape.kind);
+    const SurfacePatch patch = model.patch_at(scaled(shape, box.centre(), extent), {});
+    on.parameters = model.parameters();
+    for (const Vec3d& p : places) {
+        const Vec3d at = (1 / extent) * (p - box.centre());
+        PatchBlock block;
+        model.differentiate(patch, &at[0], &at[1], &at[2], 1, block);
+        std::array<double, most_parameters>& by = on.by.emplace_back();
+        for (std::size_t j = 0; j < on.parameters; ++j) by[j] = block.by[j][0];
+    }
+}
 
 OnShape on_shape(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
                  const ShiftedStations* stations)
 {
     std::map<std::uint32_t, std::size_t> indices;
     OnShape on;
+    std::vector<Vec3d> places;
     for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most_points) {
         const double d = signed_distance(shape, points[i]);
         if (!(std::fabs(d) <= threshold)) continue;
@@ -60,9 +83,11 @@ OnShape on_shape(const Shape& shape, double threshold, const std::vector<Vec3d>&
         on.foot.push_back(points[i] - points.front() - d * normal);
         on.normal.push_back(normal);
         on.distance.push_back(d);
+        if (stations) places.push_back(points[i]);
         if (stations) on.station.push_back(indices.emplace(stations->numbers[i], indices.size()).first->second);
     }
     on.stations = indices.size();
+    if (stations && !places.empty()) differentiate(shape, places, on);
     return on;
 }
 
@@ -77,15 +102,18 @@ double agreement_of(const OnShape& on, const std::vector<double>& rest)
 }
 
 // Least squares of the distances by a polynomial, and by shifts of the stations, which a prior keeps near their spread.
+// Shifts have moved the shape that was fitted to all stations as one, so with them its own parameters are free, too.
 class SmoothSurface {
 public:
     SmoothSurface(const OnShape& on, const ShiftedStations* stations)
-        : on_(on), columns_(static_cast<Eigen::Index>(3 * on.stations))
+        : on_(on), columns_(static_cast<Eigen::Index>(3 * on.stations + on.parameters))
     {
         if (stations) prior_ = std::pow(stations->noise / stations->spread, 2);
         across_ = Eigen::MatrixXd::Zero(columns_, terms);
         pulls_ = Eigen::VectorXd::Zero(columns_);
         Eigen::MatrixXd normals = prior_ * Eigen::MatrixXd::Identity(columns_, columns_);
+        const auto own = static_cast<Eigen::Index>(on.parameters);
+        normals.bottomRightCorner(own, own).diagonal().setConstant(1e-6);  // what the points do not determine
         for (std::size_t i = 0; i < on.distance.size(); ++i) add(i, normals);
         if (columns_ == 0) return;
         shifts_.compute(normals);
@@ -134,11 +162,24 @@ private:
         b_ += d * row;
         squares_ += d * d;
         if (columns_ == 0) return;
-        const auto first = static_cast<Eigen::Index>(3 * on_.station[i]);
-        const Eigen::Vector3d normal(n[0], n[1], n[2]);
-        normals.block<3, 3>(first, first) += normal * normal.transpose();
-        across_.middleRows<3>(first) += normal * row.transpose();
-        pulls_.segment<3>(first) += d * normal;
+        const Eigen::VectorXd by = column(i);
+        for (Eigen::Index k = 0; k < columns_; ++k) {
+            if (by[k] == 0) continue;
+            normals.row(k) += by[k] * by.transpose();
+            across_.row(k) += by[k] * row.transpose();
+        }
+        pulls_ += d * by;
+    }
+
+    // Derivatives of a distance by the shifts and the shape's parameters.
+    Eigen::VectorXd column(std::size_t i) const
+    {
+        Eigen::VectorXd by = Eigen::VectorXd::Zero(columns_);
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            by[static_cast<Eigen::Index>(3 * on_.station[i] + axis)] = on_.normal[i][axis];
+        for (std::size_t j = 0; j < on_.parameters; ++j)
+            by[static_cast<Eigen::Index>(3 * on_.stations + j)] = on_.by[i][j];
+        return by;
     }
 
     // What polynomial and shifts leave.
@@ -148,14 +189,13 @@ private:
         std::vector<double> rest;
         for (std::size_t i = 0; i < rows_.size(); ++i) {
             rest.push_back(on_.distance[i] - rows_[i].dot(x_));
-            for (std::size_t axis = 0; columns_ && axis < 3; ++axis)
-                rest.back() -= on_.normal[i][axis] * shifts[static_cast<Eigen::Index>(3 * on_.station[i] + axis)];
+            if (columns_ > 0) rest.back() -= column(i).dot(shifts);
         }
         return rest;
     }
 
     const OnShape& on_;
-    const Eigen::Index columns_;  // number of unknowns of the shifts
+    const Eigen::Index columns_;  // number of shifts and parameters of the shape
     double prior_ = 0;
     Matrix a_ = Matrix::Zero();
     Vector b_ = Vector::Zero(), x_ = Vector::Zero();

@@ -43,9 +43,9 @@ struct ShiftedStations {
     double noise = 0;                    // standard deviation of the points, above 0, source units
 };
 
-// The same beyond what shifts of stations explain, by least squares of both together: a registration that leaves
-// stations apart makes a round pipe out of round, and an oval one is out of round for each of them. From two stations
-// to StationEvidence::most_stations; for other numbers of stations the Departure is empty.
+// The same beyond what shifts of stations and other sizes of the shape explain, by least squares of all together: a
+// registration that leaves stations apart makes a round pipe out of round, and an oval one is out of round for each of
+// them. From two stations to StationEvidence::most_stations; for other numbers of stations the Departure is empty.
 Departure departure_of(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
                        const ShiftedStations& stations);
 

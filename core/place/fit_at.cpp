@@ -11,6 +11,7 @@
 #include "pcm/place/local_fit.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/station_errors.h"
+#include "pcm/place/stations_around.h"
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/system/error.h"
@@ -62,7 +63,12 @@ double metres_per_unit(const std::vector<Metadata>& metadata)
 class PlacedFit {
 public:
     PlacedFit(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options)
-        : cloud_(cloud), tree_(cloud.tree()), places_(places), options_(options), limit_(options.limit)
+        : cloud_(cloud),
+          tree_(cloud.tree()),
+          places_(places),
+          options_(options),
+          limit_(options.limit),
+          around_(*tree_, places.front())
     {
     }
 
@@ -94,14 +100,13 @@ private:
                                      options_.outline, tree_->info().bounds());
     }
 
-    void compare_stations(FittedPrimitive& result) const
+    void compare_stations(FittedPrimitive& result)
     {
         StationErrorOptions options;
         options.registration = registration();
-        options.place = places_.front();
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.9, 0.95);
-        add_station_errors(result.points, options, result.agreement, result.primitive);
+        add_station_errors(result.points, around_, options, result.agreement, result.primitive);
         if (result.agreement > 1)
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(result.agreement) + " times those of independent points");
@@ -227,17 +232,21 @@ private:
     }
 
     // The best kind of a neighbourhood that is hardly more than a piece of the shape cannot be followed: the end of an
-    // elbow is a cylinder, as far as it goes. Then the next best one may be, where it has more numbers.
+    // elbow is a cylinder, as far as it goes. Then one that has more numbers may be.
     void follow_next_kind(LocalFit local, Way way, FittedPrimitive& result)
     {
-        if (result.primitive.fit.verdict == FitVerdict::good || !local.next || !is_determined(*local.next)) return;
-        const int rank = model_of(local.fit.shape.kind).rank;
-        if (rank == 0 || model_of(local.next->shape.kind).rank <= rank) return;  // a plane may be terrain
+        if (result.primitive.fit.verdict == FitVerdict::good || model_of(local.fit.shape.kind).rank == 0) return;
         const std::string first = std::string("next best kind: ") + traits_of(local.fit.shape.kind).name +
                                   ", which cannot be followed through the cloud";
-        local.fit = *std::exchange(local.next, std::nullopt);
+        if (local.higher)
+            local.fit = *std::exchange(local.higher, std::nullopt);
+        else if (auto wider = fit_more_numbers(cloud_, places_, local_options(), local))
+            local = std::move(*wider);
+        else
+            return;
         local.next_kind = first;
         FittedPrimitive next = followed(std::move(local), way, 0.9, 1);
+        doubt_few_points(next);
         if (next.primitive.fit.verdict == FitVerdict::good) result = std::move(next);
     }
 
@@ -438,7 +447,7 @@ private:
             grown.fit.message = result.local.message;
         }
         result.primitive.fit = std::move(grown.fit);
-        FollowedVerdict verdict(cloud_, places_, options_, known_, progress_);
+        FollowedVerdict verdict(cloud_, places_, options_, known_, around_, progress_);
         agreement_ = grown.agreement;
         verdict.judge({grown.around, grown.noise, grown.agreement, grown.part}, result);
         other_kind_ = verdict.other_kind();
@@ -462,6 +471,7 @@ private:
     const FitAtOptions& options_;
     const FollowingTuning& tuned_ = place_tuning().following;
     Selection limit_;
+    StationsAround around_;
     ProgressFunction whole_progress_, progress_;      // progress at one threshold; of following a shape there
     bool cuts_noise_ = false, is_cut_early_ = false;  // whether a threshold cut the noise of the points reached
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

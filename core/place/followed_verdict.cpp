@@ -5,10 +5,8 @@
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/cut_out_evidence.h"
-#include "pcm/place/point_stations.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/station_departure.h"
-#include "pcm/place/station_survey.h"
 #include "pcm/place/tuning.h"
 #include "pcm/system/text.h"
 
@@ -34,6 +32,10 @@ bool may_be_other_kind(const FollowedPoints& followed, const Departure& departur
     return left <= std::max(tuned.max_other_agreement, tuned.less_agreement * followed.agreement);
 }
 
+// Share of the variance that lies between two equal groups of points, by the coefficient of bimodality b that they have
+// together: a mixture of two normal distributions has the kurtosis 3 - 2 share^2, and b is its inverse.
+double share_between(double b) { return std::sqrt(std::clamp((3 - 1 / b) / 2, 0.0, 1.0)); }
+
 }  // namespace
 
 void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
@@ -44,8 +46,8 @@ void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
 }
 
 FollowedVerdict::FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
-                                 const KnownErrors& known, const ProgressFunction& progress)
-    : cloud_(cloud), places_(places), options_(options), known_(known), progress_(progress)
+                                 const KnownErrors& known, StationsAround& around, const ProgressFunction& progress)
+    : cloud_(cloud), places_(places), options_(options), known_(known), around_(around), progress_(progress)
 {
 }
 
@@ -53,12 +55,16 @@ void FollowedVerdict::judge(const FollowedPoints& followed, FittedPrimitive& res
 {
     ShapeFit& fit = result.primitive.fit;
     if (fit.verdict != FitVerdict::good || result.points.empty()) return;
+    // Straight pipes continue an elbow off the torus, and are not points of it.
+    const auto own = [&](std::vector<Vec3d> points) {
+        const auto is_other = [&](const Vec3d& p) { return followed.part && !followed.part->has(p); };
+        points.erase(std::remove_if(points.begin(), points.end(), is_other), points.end());
+        return points;
+    };
     const std::vector<Vec3d> around =
-        coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94));
-    std::vector<Vec3d> fitted;  // without points of other surfaces within the threshold, such as the feet of walls
-    for (const Vec3d& p :
-         random_points(result.points, most_departing, options_.threads, part_of(progress_, 0.94, 0.94)))
-        if (!followed.part || followed.part->has(p)) fitted.push_back(p);
+        own(coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94)));
+    const std::vector<Vec3d> fitted =
+        own(random_points(result.points, most_departing, options_.threads, part_of(progress_, 0.94, 0.94)));
     if (options_.fit.threshold == 0) judge_noise(followed, around, fitted, result);
     if (fit.verdict == FitVerdict::good) judge_kind(followed, around, fitted, result);
 }
@@ -67,13 +73,13 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
                                   const std::vector<Vec3d>& fitted, FittedPrimitive& result)
 {
     ShapeFit& fit = result.primitive.fit;
-    const double noise = followed.noise;
+    const double noise = followed.part ? fit.noise : followed.noise;
     const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
-    if (!evidence.is_one_surface() && !is_of_stations(noise, evidence))
+    if (!evidence.is_one_surface() && !is_of_stations(noise, evidence, followed.part, result))
         return doubt(fit, FitIssue::other_surface, evidence.message());
     // Points of coarse levels lie to one side of a face: the four of a post have one peak of them, and two of all.
     const SurfaceEvidence of_all = surface_evidence(fit.shape, spread_of(fit), resolution(), fitted);
-    if (of_all.has_two_peaks() && !is_of_stations(noise, of_all))
+    if (of_all.has_two_peaks() && !is_of_stations(noise, of_all, followed.part, result))
         return doubt(fit, FitIssue::other_surface, of_all.message());
     if (is_far_above_close_noise(fit, noise, evidence.bend, result.near))
         return doubt(fit, FitIssue::other_surface,
@@ -103,16 +109,17 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
     const CutOutEvidence cut_out = cut_out_evidence(fit.shape, fit.threshold, around);
     const Departure departure = departure_of(fit.shape, fit.threshold, fitted);
     const bool is_automatic = options_.fit.threshold == 0;
+    const double noise = followed.part ? fit.noise : followed.noise;
     if (is_automatic && may_be_other_kind(followed, departure, result.points.size()))
         find_other_kind(fit, followed.around);
     if (other_)
         other_doubt_ = std::string("a ") + traits_of(other_->shape.kind).name + " of noise " + brief(other_->noise) +
                        " is more probable here than this " + name + " of noise " + brief(followed.noise) + ": fit that";
-    if (cut_out.is_cut_out(known_.close_noise > 0 ? followed.noise / known_.close_noise : 0)) {
+    if (cut_out.is_cut_out(known_.close_noise > 0 ? noise / known_.close_noise : 0)) {
         doubt(fit, FitIssue::other_surface,
               "the surface continues smoothly next to these points, but off the " + name +
                   ": they are a ring or strip where it touches a surface of another kind; fit that");
-    } else if (const auto other = far_better_kind(result, followed.noise, around)) {
+    } else if (const auto other = far_better_kind(result, noise, around)) {
         doubt(
             fit, FitIssue::other_surface,
             std::string("a ") + traits_of(*other).name + " fits these points far better than a " + name + ": fit that");
@@ -122,20 +129,20 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
                   " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
                   "where the noise is larger");
     } else if (is_automatic && !departure.is_chance) {
-        const Departure own = without_stations(departure, result);
+        const Departure own = without_stations(departure, followed.part, result);
         const bool is_seen =
             departure.is_smooth(known_noise()) || own.share > place_tuning().departure.min_hidden_share;
         if (is_seen && own.is_smooth(known_noise())) doubt(fit, FitIssue::uneven, own.message(name));
     }
 }
 
-// The noise of close points does not include errors that neighbours share. Such errors show as a bend, at the place or
-// in all points.
-bool FollowedVerdict::is_far_above_close_noise(const ShapeFit& fit, double noise, double bend,
-                                               const NearPoints& near) const
+// The noise of close points does not include errors that neighbours share, nor shifts of stations that did not see the
+// place. Such errors show as a bend, at the place or in all points.
+bool FollowedVerdict::is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near)
 {
     const FollowingTuning& tuned = place_tuning().following;
-    if (!(known_noise() > 0) || !(noise > tuned.max_close_noise * known_noise())) return false;
+    if (!(known_noise() > 0) || !(noise > std::hypot(tuned.max_close_noise * known_noise(), stations().spread)))
+        return false;
     const SurfaceEvidence at_place = surface_evidence(fit.shape, spread_of(fit), resolution(), near.points.sources());
     return std::max(bend, at_place.bend) < tuned.min_shared_bend;
 }
@@ -163,35 +170,42 @@ double FollowedVerdict::known_noise() const
 const FollowedVerdict::Stations& FollowedVerdict::stations()
 {
     if (stations_) return *stations_;
-    stations_ = {known_.registration, known_.registration, false};
-    const PointStations stations(*cloud_.tree());
-    if (stations.source() == StationSource::none) return *stations_;
-    const StationSurvey survey = station_survey(*cloud_.tree(), stations, places_.front());
-    if (!survey.names_stations) return *stations_;
-    const StationSpread found = survey.evidence().spread();
+    stations_ = {known_.registration, known_.registration};
+    if (!around_.are_named()) return *stations_;
+    const StationSpread found = around_.survey().evidence().spread();
     const double most = found.spread > 0 ? found.spread * student_factor(found.freedom) : 0;
-    stations_ = {std::max(found.spread, known_.registration), std::max(most, known_.registration), true};
+    stations_ = {std::max(found.spread, known_.registration), std::max(most, known_.registration)};
     return *stations_;
 }
 
 // What is left of it beyond shifts of stations; nothing where it is not known which points are a station's.
-Departure FollowedVerdict::without_stations(const Departure& departure, const FittedPrimitive& result)
+Departure FollowedVerdict::without_stations(const Departure& departure, const std::optional<SweptPart>& part,
+                                            const FittedPrimitive& result)
 {
     const double spread = stations().spread;
     if (departure.is_smooth(known_noise()) && departure.size > place_tuning().departure.min_station_spreads * spread)
         return departure;
     const double most = stations().most_spread;
-    if (!(most > 0 && known_noise() > 0 && stations().are_named)) return {};
-    return departure_within_stations(result.points, result.primitive.fit, PointStations(*cloud_.tree()),
-                                     {most, known_noise()}, options_.threads, part_of(progress_, 0.94, 0.94));
+    if (!(most > 0 && known_noise() > 0 && around_.are_named())) return {};
+    return departure_within_stations(result.points, result.primitive.fit, around_.points(), {most, known_noise()}, part,
+                                     options_.threads, part_of(progress_, 0.94, 0.94));
 }
 
-// Two stations apart leave a surface to both of its sides, by what other surfaces show of them and no more.
-bool FollowedVerdict::is_of_stations(double noise, const SurfaceEvidence& evidence)
+// Two stations apart leave a surface to both of its sides, by what other surfaces show of them and no more; and their
+// shifts explain as much of the noise as lies between two peaks.
+bool FollowedVerdict::is_of_stations(double noise, const SurfaceEvidence& evidence,
+                                     const std::optional<SweptPart>& part, const FittedPrimitive& result)
 {
     if (!evidence.has_two_peaks()) return false;
     const double spread = stations().spread;
-    return spread > 0 && noise <= place_tuning().following.max_station_noise * std::hypot(known_noise(), spread);
+    if (!(spread > 0 && noise <= place_tuning().following.max_station_noise * std::hypot(known_noise(), spread)))
+        return false;
+    if (!around_.are_named()) return true;
+    const Departure own = departure_within_stations(result.points, result.primitive.fit, around_.points(),
+                                                    {stations().most_spread, known_noise()}, part, options_.threads,
+                                                    part_of(progress_, 0.94, 0.94));
+    const double left = place_tuning().following.max_left_by_stations * (1 - share_between(evidence.two_peaks));
+    return own.points == 0 || own.rest * own.rest <= left * noise * noise;
 }
 
 // Where the noise is larger than that around the places, and no threshold allows for it.

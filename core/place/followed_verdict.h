@@ -5,6 +5,7 @@
 #include "pcm/place/departure.h"
 #include "pcm/place/fit_at.h"
 #include "pcm/place/one_surface.h"
+#include "pcm/place/stations_around.h"
 #include "pcm/query/point_set.h"
 #include "pcm/system/progress.h"
 
@@ -35,7 +36,7 @@ struct KnownErrors {
 class FollowedVerdict {
 public:
     FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
-                    const KnownErrors& known, const ProgressFunction& progress);
+                    const KnownErrors& known, StationsAround& around, const ProgressFunction& progress);
 
     // Doubts a good fit whose points may be a ring or strip of another surface, several surfaces within a wide
     // threshold, there by chance, out of round or bulged.
@@ -51,7 +52,6 @@ private:
     struct Stations {
         double spread = 0;       // along each axis, source units; 0: they are not apart, or nothing is known
         double most_spread = 0;  // upper limit of the spread, which few differences leave uncertain
-        bool are_named = false;  // whether points say from which one they are
     };
 
     // `around`: points of coarse levels, up to around_thresholds from the shape; `fitted`: random sample of those
@@ -60,7 +60,7 @@ private:
                      FittedPrimitive& result);
     void judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around, const std::vector<Vec3d>& fitted,
                     FittedPrimitive& result);
-    bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near) const;
+    bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near);
     bool passes_places(const ShapeFit& fit, const NearPoints& near) const;
     std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
                                              const std::vector<Vec3d>& around) const;
@@ -68,13 +68,16 @@ private:
     double resolution() const;
     double known_noise() const;
     const Stations& stations();
-    Departure without_stations(const Departure& departure, const FittedPrimitive& result);
-    bool is_of_stations(double noise, const SurfaceEvidence& evidence);
+    Departure without_stations(const Departure& departure, const std::optional<SweptPart>& part,
+                               const FittedPrimitive& result);
+    bool is_of_stations(double noise, const SurfaceEvidence& evidence, const std::optional<SweptPart>& part,
+                        const FittedPrimitive& result);
 
     const PointCloud& cloud_;
     const std::vector<Vec3d>& places_;
     const FitAtOptions& options_;
     const KnownErrors known_;
+    StationsAround& around_;
     const ProgressFunction& progress_;
     std::optional<ShapeFit> other_;
     std::string other_doubt_;

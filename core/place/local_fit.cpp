@@ -1,6 +1,7 @@
 #include "pcm/place/local_fit.h"
 
 #include "pcm/cloud/numbers.h"
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/pcl_fit.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/place/best_kind.h"
@@ -19,6 +20,7 @@
 namespace pcm {
 namespace {
 
+constexpr std::size_t most_wider = 8000;  // points of a neighbourhood that is looked at for kinds of more numbers
 constexpr std::size_t most_widenings = 3;
 constexpr std::size_t most_points = 4000;  // maximum number of points in a fit of a chosen neighbourhood
 constexpr int most_raised = 4;             // doublings of the threshold
@@ -289,14 +291,14 @@ private:
 
     struct BestKind {
         ShapeFit fit;
-        std::optional<ShapeFit> next;  // fit of the next best kind
+        std::optional<ShapeFit> higher;  // LocalFit::higher
         std::string next_text;
     };
 
     static void take(BestKind kind, LocalFit& to)
     {
         to.fit = std::move(kind.fit);
-        to.next = std::move(kind.next);
+        to.higher = std::move(kind.higher);
         to.next_kind = std::move(kind.next_text);
     }
 
@@ -316,12 +318,22 @@ private:
         leave_out_noisier(near, fits);
         const KindChoice choice = choose_kind(fits, near.points);
         BestKind best;
-        if (choice.next) {
-            best.next_text = text_of_next(fits[*choice.next], choice.log_ratio);
-            best.next = std::move(fits[*choice.next]);
-        }
-        best.fit = std::move(fits[choice.best.value_or(0)]);
+        if (choice.next) best.next_text = text_of_next(fits[*choice.next], choice.log_ratio);
+        best.fit = fits[choice.best.value_or(0)];
+        best.higher = higher_kind(fits, best.fit);
         return best;
+    }
+
+    // The determined fit of least noise among kinds of higher rank than that of a curved one.
+    static std::optional<ShapeFit> higher_kind(const std::vector<ShapeFit>& fits, const ShapeFit& best)
+    {
+        const int rank = model_of(best.shape.kind).rank;
+        const ShapeFit* least = nullptr;
+        for (const ShapeFit& fit : fits)
+            if (is_determined(fit) && model_of(fit.shape.kind).rank > rank && (!least || fit.noise < least->noise))
+                least = &fit;
+        if (rank == 0 || !least) return {};  // a plane may be terrain
+        return *least;
     }
 
     static std::string text_of_next(const ShapeFit& next, double log_ratio)
@@ -447,6 +459,21 @@ private:
 LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
 {
     return LocalSearch(cloud, places, options).run();
+}
+
+std::optional<LocalFit> fit_more_numbers(const PointCloud& cloud, const std::vector<Vec3d>& places,
+                                         LocalFitOptions options, const LocalFit& local)
+{
+    const bool is_chosen = options.radius > 0 || options.count > 0 || options.fit.threshold > 0;
+    options.count = place_tuning().neighbourhood.widening * local.near.found;
+    std::vector<ShapeKind> kinds;
+    for (const ShapeKind kind : options.kinds)
+        if (model_of(kind).rank > model_of(local.fit.shape.kind).rank) kinds.push_back(kind);
+    if (is_chosen || kinds.empty() || options.count > most_wider) return {};
+    options.kinds = std::move(kinds);
+    LocalFit wider = fit_locally(cloud, places, options);
+    if (wider.fit.verdict != FitVerdict::good) return {};
+    return wider;
 }
 
 std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,

@@ -41,7 +41,7 @@ struct LocalFit {
     bool is_first_threshold = false;  // whether wider ones were not tried (`first_threshold`)
     EvenNoise even;                   // points around the places; empty where a threshold is given
     std::string next_kind;            // the next best kind with its numbers, for people; empty: there is none
-    std::optional<ShapeFit> next;     // its fit to `near`
+    std::optional<ShapeFit> higher;   // least noise of determined kinds of higher rank, where the best one is curved
     std::vector<std::string> notes;
 };
 
@@ -68,5 +68,11 @@ LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, 
 // the noise of `wide` is no larger, and where no shape of the points passes through the places.
 std::optional<LocalFit> fit_narrowly(const PointCloud& cloud, const std::vector<Vec3d>& places,
                                      const LocalFitOptions& options, const LocalFit& wide);
+
+// Where the shape of `local` is only a piece: the best of those of options.kinds that have more numbers, in a wider
+// neighbourhood, which determines them. Nothing where none of them is good there, or a neighbourhood or threshold was
+// given.
+std::optional<LocalFit> fit_more_numbers(const PointCloud& cloud, const std::vector<Vec3d>& places,
+                                         LocalFitOptions options, const LocalFit& local);
 
 }  // namespace pcm

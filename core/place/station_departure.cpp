@@ -15,11 +15,13 @@ constexpr std::size_t most_points = 4000;
 }  // namespace
 
 Departure departure_within_stations(const PointSet& points, const ShapeFit& fit, const PointStations& stations,
-                                    const StationNoise& errors, unsigned threads, const ProgressFunction& progress)
+                                    const StationNoise& errors, const std::optional<SweptPart>& part, unsigned threads,
+                                    const ProgressFunction& progress)
 {
     std::vector<Vec3d> places;
     std::vector<std::uint32_t> numbers;
     for (const PointOfStation& p : station_sample(points, stations, most_points, threads, progress)) {
+        if (part && !part->has(p.place)) continue;
         places.push_back(p.place);
         numbers.push_back(p.station);
     }

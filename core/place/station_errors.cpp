@@ -5,12 +5,10 @@
 #include "pcm/fit/station_sums.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
-#include "pcm/place/point_stations.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/station_sample.h"
 #include "pcm/place/station_scan.h"
-#include "pcm/place/station_survey.h"
 #include "pcm/place/tuning.h"
 
 #include <algorithm>
@@ -71,8 +69,9 @@ double agreement_within(StationScan& scan, const StationSums& sums, double sprea
 
 // Takes the bias of errors along the rays from the shape, and adds what may be left of it to its errors.
 void leave_ray_errors(const PointSet& points, const PointStations& stations, const StationErrorOptions& options,
-                      ShapeFit& fit)
+                      Primitive& primitive)
 {
+    ShapeFit& fit = primitive.fit;
     if (traits_of(fit.shape.kind).is_flat()) return;
     const std::vector<PointOfStation> sample =
         station_sample(points, stations, most_sampled_points, options.threads, part_of(options.progress, 0.75, 1));
@@ -83,25 +82,23 @@ void leave_ray_errors(const PointSet& points, const PointStations& stations, con
     ShapeErrors left = difference_of(fit.shape, better->shape, box.centre());
     enlarge(left, fit_tuning().ray_errors.left);
     fit.shape = better->shape;
+    primitive.stations->ray_share = better->share;
     add_in_quadrature(fit.errors, left);
 }
 
-void add_spread_of_stations(const PointSet& points, const PointStations& stations, const StationErrorOptions& options,
+void add_spread_of_stations(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
                             double& agreement, Primitive& primitive)
 {
     ShapeFit& fit = primitive.fit;
     StationFacts& facts = primitive.stations.emplace();
     facts.registration = options.registration;
-    facts.source = stations.source();
-    StationSurvey survey;
-    if (facts.source != StationSource::none) survey = station_survey(points.tree(), stations, options.place);
-    if (!survey.names_stations) facts.source = StationSource::none;
+    facts.source = around.are_named() ? around.points().source() : StationSource::none;
     if (facts.source == StationSource::none) {
         if (!(options.registration > 0)) return;
         add_in_quadrature(fit.errors, errors_of_unknown_stations(fit, options.registration));
         return doubt_uncertain_size(fit);
     }
-    StationScan scan(points, stations, {options.threads, part_of(options.progress, 0, 0.75), 3});
+    StationScan scan(points, around.points(), {options.threads, part_of(options.progress, 0, 0.75), 3});
     const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });
     const StationSums sums =
         scan.sums(StationSums(fit.shape, box.centre(), box.diagonal()),
@@ -121,7 +118,7 @@ void add_spread_of_stations(const PointSet& points, const PointStations& station
         if (agreement > 1) new_agreement = std::min(agreement, agreement_within(scan, sums, spread, within, box));
         own = sums.evidence(within * new_agreement);
     }
-    const StationSpread found = survey.evidence(own).spread();
+    const StationSpread found = around.survey().evidence(own).spread();
     facts.freedom = found.freedom;
     facts.spread = found.spread;
     if (facts.stations > 1 && as_one > 0)
@@ -135,13 +132,12 @@ void add_spread_of_stations(const PointSet& points, const PointStations& station
 
 }  // namespace
 
-void add_station_errors(const PointSet& points, const StationErrorOptions& options, double& agreement,
-                        Primitive& primitive)
+void add_station_errors(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
+                        double& agreement, Primitive& primitive)
 {
     if (!primitive.fit.has_shape() || points.empty()) return;
-    const PointStations stations(points.tree());
-    add_spread_of_stations(points, stations, options, agreement, primitive);
-    leave_ray_errors(points, stations, options, primitive.fit);
+    add_spread_of_stations(points, around, options, agreement, primitive);
+    leave_ray_errors(points, around.points(), options, primitive);
 }
 
 }  // namespace pcm

@@ -11,6 +11,7 @@
 // the ratio of their errors to that of the position.
 #pragma once
 
+#include "pcm/place/stations_around.h"
 #include "pcm/query/point_set.h"
 #include "pcm/shapes/primitive.h"
 #include "pcm/system/progress.h"
@@ -19,17 +20,17 @@ namespace pcm {
 
 struct StationErrorOptions {
     double registration = 0;  // known spread of a station along each axis, source units; 0: it is not known
-    Vec3d place{};            // around which surfaces are looked at
     unsigned threads = 0;     // 0: one per processor
     ProgressFunction progress;
 };
 
 // Takes the bias of errors along the rays from the shape (ray_errors.h), and changes its errors: the ray errors of
 // unknown stations are those of one. Sets `stations`, and doubts a good fit whose size is then uncertain. `points`:
-// those of the primitive. `agreement`: factor by which its errors were enlarged because neighbours share errors
-// (RefittedShape::agreement); becomes the factor within stations. Streams, four times. The result depends neither on
-// threads nor on memory. Throws Error(cancelled), and what reading throws.
-void add_station_errors(const PointSet& points, const StationErrorOptions& options, double& agreement,
-                        Primitive& primitive);
+// those of the primitive; `around`: its stations, around the place that was picked. `agreement`: factor by which its
+// errors were enlarged because neighbours share errors (RefittedShape::agreement); becomes the factor within stations.
+// Streams, four times. The result depends neither on threads nor on memory. Throws Error(cancelled), and what reading
+// throws.
+void add_station_errors(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
+                        double& agreement, Primitive& primitive);
 
 }  // namespace pcm

@@ -20,7 +20,10 @@ struct StationFacts {
     // source units; as the points of several stations on the same surfaces show it. 0: they show none.
     double spread = 0;
     std::uint32_t freedom = 0;  // number of independent differences that show it; 0: no surface is seen from two
-    double registration = 0;    // as given, source units; 0: none was given
+    // Share of the variance of the points' errors that lies along the rays of the scanner; 0: none shows. The shape is
+    // without the bias that such errors cause, and its errors contain what may be left of it.
+    double ray_share = 0;
+    double registration = 0;  // as given, source units; 0: none was given
 
     // The larger one of both: what the errors contain. 0: they are those of the points' noise alone.
     double contained() const { return spread > registration ? spread : registration; }
@@ -28,8 +31,8 @@ struct StationFacts {
 
 const char* name_of(StationSource source);  // "attribute"
 
-// Which errors the +- contains, as a sentence for people: "stations differ by 0.0014 here (3 see it): the +- contains
-// it".
+// Which errors the +- contains, as a sentence for people: "seen from 3 stations; stations differ by 0.0014 here: the +-
+// contains the noise and this".
 std::string station_text(const StationFacts& facts);
 
 }  // namespace pcm

@@ -118,7 +118,7 @@ TEST_F(StationsCommand, WhatIsGivenIsAddedInMillimetres)
     for (const char* number : {"position", "radius"})
         EXPECT_NEAR(given["sigma"][number].get<double>(), std::hypot(points["sigma"][number].get<double>(), 0.0015),
                     1e-9);
-    EXPECT_EQ(fit("a.pct")["sigma_contains"], Json::parse(R"(["noise"])"));
+    EXPECT_EQ(fit("a.pct")["sigma_contains"], Json::parse(R"(["noise", "rays"])"));
     const Result text =
         pcmlab("fit " + path("a.pct") + " --at 454323.2 5412345 311 --shape cylinder --registration 1.5");
     EXPECT_NE(text.out.find("a registration within 0.0015 as given"), std::string::npos) << text.out;

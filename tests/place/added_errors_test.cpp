@@ -52,8 +52,8 @@ protected:
     {
         StationErrorOptions options;
         options.registration = registration;
-        options.place = primitive.fit.shape.point;
-        add_station_errors(PointSet::all_of(tree), options, agreement, primitive);
+        StationsAround around(*tree, primitive.fit.shape.point);
+        add_station_errors(PointSet::all_of(tree), around, options, agreement, primitive);
         return agreement;
     }
     Dice dice_{31};
@@ -110,7 +110,8 @@ TEST_F(AddedErrors, AreThoseOfShapesAndSetsWithPoints)
     EXPECT_EQ(refused.fit.errors.position, 0.001);
     Primitive empty = fitted(ball_, {0.001, 0, 0, 0});
     double agreement = 1;
-    add_station_errors(PointSet(any), {0.02, hall}, agreement, empty);
+    StationsAround around(*any, hall);
+    add_station_errors(PointSet(any), around, {0.02}, agreement, empty);
     EXPECT_FALSE(empty.stations);
     EXPECT_EQ(empty.fit.errors.position, 0.001);
 }
@@ -205,7 +206,8 @@ TEST_F(AddedErrors, PointsThatDoNotDetermineTheShapeAddNothing)
     two.set(0, {0, 1});
     Primitive primitive = fitted(ball_, {1e-4, 0, 1e-4, 0});
     double agreement = 2;
-    add_station_errors(two, {0.02, hall}, agreement, primitive);
+    StationsAround around(*seen, hall);
+    add_station_errors(two, around, {0.02}, agreement, primitive);
     EXPECT_EQ(agreement, 2);
     EXPECT_EQ(primitive.fit.errors.position, 1e-4);
     EXPECT_EQ(primitive.fit.verdict, FitVerdict::good);
@@ -270,7 +272,8 @@ TEST_F(AddedErrors, OneStationOfSeveralChangesNothingByItself)
     ASSERT_EQ(first.size(), 4000u);
     Primitive primitive = fitted(ball_, {1e-3, 2e-3, 0.2, 0});
     double agreement = 40;
-    add_station_errors(first, {0, hall}, agreement, primitive);
+    StationsAround around(*seen, hall);
+    add_station_errors(first, around, {0}, agreement, primitive);
     EXPECT_EQ(primitive.stations->source, StationSource::attribute);
     EXPECT_EQ(primitive.stations->stations, 1u);
     EXPECT_EQ(primitive.stations->freedom, 0u);
@@ -304,7 +307,7 @@ TEST_F(AddedErrors, ProgressIsThatOfFourPasses)
     const auto run = [&](bool goes_on) {
         fractions.clear();
         StationErrorOptions options;
-        options.place = hall;
+        StationsAround around(*seen, hall);
         options.threads = 1;
         options.progress = [&](const ProgressUpdate& progress) {
             EXPECT_EQ(progress.stage, "Comparing stations");
@@ -313,7 +316,7 @@ TEST_F(AddedErrors, ProgressIsThatOfFourPasses)
         };
         double agreement = 2;
         Primitive primitive = fitted(ball_, {1e-4, 0, 1e-4, 0});
-        add_station_errors(PointSet::all_of(seen), options, agreement, primitive);
+        add_station_errors(PointSet::all_of(seen), around, options, agreement, primitive);
     };
     run(true);
     EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));

@@ -93,15 +93,32 @@ CutOutEvidence by_all_pairs(double threshold, const std::vector<Vec3d>& points)
         ways.push_back(std::sqrt(found[4].first));
     }
     std::sort(ways.begin(), ways.end());
-    double overshoot = 0, far = 0;
+    double overshoot = 0;
+    std::vector<double> bands(12);  // half a threshold each, above and below
     for (const Vec3d& p : points) {
         const double outside = std::fabs(p[2]) - threshold;
         if (outside <= 0 || outside > 3 * threshold) continue;
-        far += outside > threshold;
+        bands[static_cast<std::size_t>(outside / threshold * 2) + (p[2] > 0 ? 6 : 0)] += 1;
         overshoot += std::sqrt(nearest(p)[0].first) > 1.2 * outside + 1.5 * ways[inside.size() / 2];
     }
     const auto count = double(inside.size());
-    return {overshoot / count, smooth / squares, far / 2 / count};
+    std::sort(bands.begin(), bands.end());
+    return {overshoot / count, smooth / squares, 4 * bands[6] / count};
+}
+
+// Another face is in some of the distances next to a plane, points by chance are in all of them.
+TEST(CutOutEvidence, TheOtherFaceOfAPlateIsNotThereByChance)
+{
+    const Shape plane{ShapeKind::plane, {0, 0, 0}, {0, 0, 1}, 0, 0};
+    Dice dice(6);
+    std::vector<Vec3d> plate, clutter;
+    for (int i = 0; i < 2000; ++i) {
+        plate.push_back({dice.between(0, 1), dice.between(0, 1), 0.001 * dice.normal()});
+        plate.push_back({dice.between(0, 1), dice.between(0, 1), 0.008 + 0.001 * dice.normal()});
+        clutter.push_back({dice.between(0, 1), dice.between(0, 1), dice.between(-0.012, 0.012)});
+    }
+    EXPECT_FALSE(cut_out_evidence(plane, 0.003, plate).is_by_chance());
+    EXPECT_TRUE(cut_out_evidence(plane, 0.003, clutter).is_by_chance());
 }
 
 TEST(CutOutEvidence, EqualsThatOfAllPairs)

@@ -45,7 +45,8 @@ protected:
         const std::optional<SweptPart> part;
         const FitAtOptions options;
         const ProgressFunction progress;
-        FollowedVerdict verdict(*cloud, places_, options, {0.01, 0.01, 0}, progress);
+        StationsAround stations(*cloud->tree(), places_.front());
+        FollowedVerdict verdict(*cloud, places_, options, {0.01, 0.01, 0}, stations, progress);
         verdict.judge({around, fit.noise, 1, part}, result);
         return result;
     }

@@ -1,6 +1,7 @@
 // Which attribute or gap of times says from which station a point is, and what the surfaces around say of two stations.
 #include "pcm/place/point_stations.h"
 #include "pcm/place/station_survey.h"
+#include "pcm/place/stations_around.h"
 #include "tests/memory_reader.h"
 #include "tests/place/shape_cloud.h"
 
@@ -206,6 +207,22 @@ protected:
         return station_survey(*room, PointStations(*room), middle + Vec3d{2, 2, 0}).evidence().spread();
     }
 };
+
+TEST_F(StationSurveyTest, IsReadOnceAPlace)
+{
+    const auto room = tree("p", 6000, [&](int i) {
+        const Vec3d place{dice_.between(0, 4), dice_.between(0, 4), noise * dice_.normal()};
+        return Numbers{0, static_cast<std::uint16_t>(8 + i % 2), 0, place};
+    });
+    StationsAround around(*room, {2, 2, 0});
+    const std::uint64_t before = room->reads().chunks;
+    EXPECT_TRUE(around.are_named());
+    const std::uint64_t once = room->reads().chunks;
+    EXPECT_GT(once, before);
+    EXPECT_EQ(around.survey().evidence().stations(), 2u);
+    EXPECT_EQ(around.points().source(), StationSource::attribute);
+    EXPECT_EQ(room->reads().chunks, once);
+}
 
 TEST_F(StationSurveyTest, ShiftsAreThoseOfTheWalls)
 {

@@ -66,7 +66,7 @@ protected:
             return p[2] > hall[2] + 0.1 && std::hypot(p[0] - hall[0], p[1] - hall[1]) < 0.5;
         });
         return departure_within_stations(pipe, fit, PointStations(*found->tree()),
-                                         {std::max(spread, 0.005), scan_noise}, 1, {});
+                                         {std::max(spread, 0.005), scan_noise}, {}, 1, {});
     }
 
     FittedPrimitive fitted(double oval, double spread, std::uint64_t seed)

@@ -1,0 +1,28 @@
+// The stations of a cloud and how far they are apart around a place. A click asks more than once; all is read once.
+#pragma once
+
+#include "pcm/place/point_stations.h"
+#include "pcm/place/station_survey.h"
+#include "pcm/tree/tree.h"
+
+#include <optional>
+
+namespace pcm {
+
+// Keeps a reference. One object by one thread. Throws what reading throws.
+class StationsAround {
+public:
+    StationsAround(const Tree& tree, const Vec3d& place) : tree_(tree), place_(place) {}
+
+    const PointStations& points();  // reads a chunk of each part when it is first asked for
+    const StationSurvey& survey();  // reads the chunks from the root to the place then; empty without a source
+    bool are_named();               // whether points say from which station they are
+
+private:
+    const Tree& tree_;
+    const Vec3d place_;
+    std::optional<PointStations> points_;
+    std::optional<StationSurvey> survey_;
+};
+
+}  // namespace pcm
