@@ -93,8 +93,8 @@ void put_stations(Json& json, const Primitive& primitive)
                         {"count", facts.stations},
                         {"spread", finite(facts.spread, primitive)},
                         {"freedom", facts.freedom},
-                        {"registration", finite(facts.registration, primitive)},
-                        {"ray_share", finite(facts.ray_share, primitive)}};
+                        {"registration", finite(facts.registration, primitive)}};
+    if (facts.ray_share > 0) json["stations"]["ray_share"] = finite(facts.ray_share, primitive);
 }
 
 Json json_of(const Primitive& primitive)
@@ -207,7 +207,7 @@ StationFacts stations_of(const JsonFields& fields)
     facts.spread = fields.number("spread", false);
     facts.freedom = static_cast<std::uint32_t>(fields.whole("freedom", most));
     facts.registration = fields.number("registration", false);
-    if (fields.has("ray_share")) facts.ray_share = fields.number("ray_share", false);  // older lists lack it
+    if (fields.has("ray_share")) facts.ray_share = fields.number("ray_share", false);
     return facts;
 }
 

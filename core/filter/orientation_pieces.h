@@ -61,8 +61,8 @@ struct UnitPieces {
     std::vector<PieceSums> sums;       // sums of each piece
 };
 
-// The neighbours of a unit's points that lie in the unit themselves, at most so many a point: the nearest ones. Points
-// at one place have the same normals, and which of them a search lists is chance: the first of them stands for all.
+// For each point of a unit its nearest neighbours in the unit. Points at one place have the same normals, and which of
+// them a search lists is chance: the first of them stands for all.
 class JoinedNeighbours {
 public:
     static constexpr std::size_t most = 6;

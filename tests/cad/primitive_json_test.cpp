@@ -30,7 +30,8 @@ Primitive full_primitive(ShapeKind kind, double x)
     primitive.fit.inliers = std::numeric_limits<std::uint64_t>::max();
     primitive.fit.iterations = 77;
     primitive.fit.seconds = 0.1;
-    primitive.stations = StationFacts{StationSource::time_gaps, 4294967295u, 0.0014 / 3, 7, 0.002 / 3};  // the last one
+    primitive.stations =
+        StationFacts{StationSource::time_gaps, 4294967295u, 0.0014 / 3, 7, 1.0 / 3, 0.002 / 3};  // the last one
     primitive.points = 12345678901;
     primitive.label = 4294967295u;
     primitive.estimator = "msac";
@@ -57,6 +58,7 @@ void expect_equal(const Primitive& a, const Primitive& b)
         EXPECT_EQ(a.stations->spread, b.stations->spread);
         EXPECT_EQ(a.stations->freedom, b.stations->freedom);
         EXPECT_EQ(a.stations->registration, b.stations->registration);
+        EXPECT_EQ(a.stations->ray_share, b.stations->ray_share);
     }
     EXPECT_EQ(a.name, b.name);
     EXPECT_EQ(a.colour, b.colour);
