@@ -196,12 +196,8 @@ private:
         double cell = report_.sample;
         for (;; cell *= tuned_.coarser) {
             Resolution resolution;
-            resolution.sample = {units_.level_of(all.empty() ? 0 : cell),
-                                 cell,
-                                 margin_cells * cell,
-                                 options_.step,
-                                 most_unit_points,
-                                 {}};
+            resolution.sample = {units_.level_of(all.empty() ? 0 : cell), cell, margin_cells * cell, options_.step,
+                                 most_unit_points};
             resolution.units = units_.with_cell(cell);
             all.push_back(std::move(resolution));
             if (is_again_ || all.back().units.size() <= 1 || cell > tree_->info().bounds().diagonal()) break;
@@ -238,12 +234,8 @@ private:
     AssignOptions assign_options(double cell, double begin, double end)
     {
         AssignOptions assign;
-        assign.sample = {units_.level_of(cell > report_.sample ? cell : 0),
-                         cell,
-                         std::max(margin_cells * cell, 1.01 * options_.step),
-                         options_.step,
-                         most_unit_points,
-                         {}};
+        assign.sample = {units_.level_of(cell > report_.sample ? cell : 0), cell,
+                         std::max(margin_cells * cell, 1.01 * options_.step), options_.step, most_unit_points};
         assign.normal_angle = options_.normal_angle;
         assign.reach = tuned_.reach_cells * cell;
         assign.least_points = options_.least_points;

@@ -199,6 +199,19 @@ std::uint64_t SampleLattice::key_of(const Vec3i& cell)
 
 namespace {
 
+std::vector<Vicinity> reaching(const std::vector<Vicinity>& all, const Box3d& box)
+{
+    std::vector<Vicinity> some;
+    for (const Vicinity& one : all)
+        if (one.box.intersects(box)) some.push_back(one);
+    return some;
+}
+
+bool is_in_one(const std::vector<Vicinity>& only, const Vec3d& p)
+{
+    return only.empty() || std::any_of(only.begin(), only.end(), [&](const Vicinity& one) { return one.contains(p); });
+}
+
 // Nothing where there are more than `most`, as in for_each_sample().
 std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3i& box, const SampleSettings& settings,
                                           std::size_t most)
@@ -213,10 +226,13 @@ std::optional<SurfaceSample> sample_up_to(const ChosenPoints& points, const Box3
         return inside > most || (grid.size() > most + most / 3 && inside > most / 8) || grid.size() / 2 > most;
     };
     const Box3i around = box_around(box, settings.margin, tree.info());
+    const std::vector<Vicinity> only = reaching(settings.only, points.source_box(around));
+    if (only.empty() && !settings.only.empty()) return sample;
     points.visit(around, settings.level, [&](const ChosenPoints::Some& some) {
         if (settings.check) settings.check();
         if (too_many()) return;
         for (std::size_t i = 0; i < some.number.size(); ++i) {
+            if (!is_in_one(only, some.at[i])) continue;
             if (settings.cell > 0) {
                 const std::uint64_t key = SampleLattice::key_of(lattice.cell_of(some.grid[i]));
                 if (!sample.by_cell.emplace(key, static_cast<std::uint32_t>(grid.size())).second) continue;

@@ -70,12 +70,23 @@ private:
     Vec3d factor_{};
 };
 
+// Positions in a box and near a plane, cylinder or sphere; source coordinates and units.
+struct Vicinity {
+    Box3d box;
+    Shape shape;
+    double most = 0;  // distance from the shape
+
+    bool contains(const Vec3d& p) const { return box.contains(p) && distance_to(shape, p) <= most; }
+};
+
 struct SampleSettings {
-    std::uint16_t level = 0;        // points of coarser levels and of this one
-    double cell = 0;                // one point of each cell of this size, source units; 0: all points
-    double margin = 0;              // points around the box are there too
-    double step = 0;                // longest edge, source units; 0: as the spacing around a point allows
-    std::size_t most = 0;           // points of a sample of for_each_sample() in the box; 0: any number
+    std::uint16_t level = 0;  // points of coarser levels and of this one
+    double cell = 0;          // one point of each cell of this size, source units; 0: all points
+    double margin = 0;        // points around the box are there too
+    double step = 0;          // longest edge, source units; 0: as the spacing around a point allows
+    std::size_t most = 0;     // points of a sample of for_each_sample() in the box; 0: any number
+    // Points elsewhere are left out; none: no point is. Normals and edges next to those have no meaning.
+    std::vector<Vicinity> only{};
     std::function<void()> check{};  // called at least some times a second, by the thread that works; may throw
 };
 

@@ -117,6 +117,44 @@ TEST_F(SurfaceSamples, EdgesAreCutAtTheStepOrWhereTheSpacingEnds)
     }
 }
 
+// Next to the wall a strip of the floor, and what is up to 0.2 above it: points well inside have the same neighbours.
+TEST_F(SurfaceSamples, InVicinitiesHaveTheirPointsAloneWithTheSameNeighbours)
+{
+    const ChosenPoints chosen(tree_, {});
+    SampleSettings settings{tree_->info().levels};
+    const SurfaceSample all = sample_surface(chosen, tree_->info().box, settings);
+    Vicinity strip;
+    strip.box = {{-0.5, -2, -1}, {2, 2, 5}};
+    strip.shape.axis = {0, 0, 1};
+    strip.most = 0.2;
+    const Vicinity elsewhere{{{50, 50, 50}, {51, 51, 51}}, strip.shape, 100};
+    settings.only = {elsewhere, strip};
+    const SurfaceSample some = sample_surface(chosen, tree_->info().box, settings);
+    std::size_t next = 0, compared = 0;
+    std::vector<std::size_t> from;  // numbers in `all`
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const Vec3d p = all.origin + all.at[i];
+        if (p[0] < -0.5 || std::fabs(p[2]) > 0.2) continue;
+        ASSERT_LT(next, some.size());
+        EXPECT_EQ(some.at[next++], all.at[i]);
+        from.push_back(i);
+    }
+    EXPECT_EQ(next, some.size());
+    EXPECT_GT(next, 1000u);
+    EXPECT_LT(next, all.size() / 2);
+    for (std::size_t i = 0; i < some.size(); ++i) {
+        const Vec3d p = some.origin + some.at[i];
+        if (p[0] < -0.2 || p[0] > 0.8 || std::fabs(p[1]) > 0.8) continue;
+        ++compared;
+        EXPECT_EQ(some.normal[i], all.normal[from[i]]);
+        for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k)
+            EXPECT_EQ(from[some.neighbours(i)[k]], all.neighbours(from[i])[k]);
+    }
+    EXPECT_GT(compared, 300u);
+    settings.only = {elsewhere};
+    EXPECT_EQ(sample_surface(chosen, tree_->info().box, settings).size(), 0u);
+}
+
 TEST_F(SurfaceSamples, AreOfTheLevelsAndTheSelectionAskedFor)
 {
     const auto count = [&](const Selection& limit, std::uint16_t level) {
