@@ -1,9 +1,9 @@
 #include "pcm/bpc/chunk_decoder.h"
 
 #include "pcm/bpc/checksum.h"
+#include "pcm/bpc/chunk_bytes.h"
 #include "pcm/bpc/column_codec.h"
 #include "pcm/bpc/layout.h"
-#include "pcm/bpc/read_head.h"
 #include "pcm/bpc/scalar_words.h"
 #include "pcm/cloud/with_type.h"
 #include "pcm/system/error.h"
@@ -180,81 +180,99 @@ private:
     std::vector<std::uint64_t> wide_words_;
 };
 
-// Pieces with at most this many bytes between them are read together, since that is faster than a second read.
-constexpr std::uint64_t join_gap = 16384;
-
-// Reads and decodes the given columns of the kept segments of the chunk at `offset`. Pieces at most `gap` bytes apart
-// are read together. Returns the number of bytes read.
-std::uint64_t read_segments(const File& file, std::uint64_t offset, const BpcHeader& header, const ColumnSet& columns,
-                            const std::vector<std::uint32_t>& kept, std::uint64_t gap, Chunk& chunk)
+// Decodes the given columns of the kept segments. Pieces that lie near each other are read together. Returns the bytes
+// of the pieces.
+std::uint64_t decode_segments(ChunkBytes& bytes, const BpcHeader& header, const ColumnSet& columns,
+                              const std::vector<std::uint32_t>& kept, Chunk& chunk)
 {
     ChunkDecoder decoder(header, columns, kept);
     const auto& wanted = decoder.wanted();
     const auto end = [&](std::size_t i) { return wanted[i].piece->offset + wanted[i].piece->bytes; };
-    std::vector<std::byte> buffer;
-    std::uint64_t bytes_read = 0;
+    std::uint64_t used = 0;
     for (std::size_t from = 0; from < wanted.size();) {
         std::size_t to = from + 1;
         while (to < wanted.size() && wanted[to].piece->offset >= end(to - 1) &&
-               wanted[to].piece->offset - end(to - 1) <= gap)
+               wanted[to].piece->offset - end(to - 1) <= join_gap)
             ++to;
-        const std::uint64_t start = wanted[from].piece->offset;
-        const auto bytes = static_cast<std::size_t>(end(to - 1) - start);
-        buffer.resize(bytes + codec_slack);
-        file.read_at(buffer.data(), bytes, offset + start);
-        bytes_read += bytes;
-        for (; from < to; ++from) decoder.decode(wanted[from], buffer.data() + (wanted[from].piece->offset - start));
+        const std::uint64_t start = wanted[from].piece->offset, size = end(to - 1) - start;
+        const std::byte* const data = bytes.get(start, size);
+        for (; from < to; ++from) {
+            decoder.decode(wanted[from], data + (wanted[from].piece->offset - start));
+            used += wanted[from].piece->bytes;
+        }
     }
     chunk = decoder.finish();
-    return bytes_read;
+    return used;
 }
 
-// The header of a chunk whose length the caller knows.
-BpcHeader read_known_header(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes)
+BpcHeader decode_known_header(const ChunkBytes& chunk, std::uint64_t bytes)
 {
-    if (bytes < bpc_layout::fixed_header) throw Error(ErrorCode::corrupt, {}, "shorter than a chunk's header");
-    if (header_bytes > bytes) throw Error(ErrorCode::corrupt, {}, "shorter than its header");
-    if (header_bytes > bpc_layout::most_header_bytes) throw Error(ErrorCode::corrupt, {}, "its header is too long");
-    const std::vector<std::byte> head = read_head(file, offset, bytes, header_bytes ? header_bytes : 65536);
-    BpcHeader header = decode_header(head.data(), head.size(), {});
+    BpcHeader header = decode_header(chunk.beginning(), static_cast<std::size_t>(chunk.beginning_size()), {});
     if (header.total_bytes != bytes)
         throw Error(ErrorCode::corrupt, {}, "its length differs from the one in the index");
     return header;
 }
 
+// The chunk of `bytes` bytes at `offset`, with its first bytes.
+ChunkBytes beginning_of(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first)
+{
+    if (bytes < bpc_layout::fixed_header) throw Error(ErrorCode::corrupt, {}, "shorter than a chunk's header");
+    const std::uint64_t guess = std::min<std::uint64_t>(at_first ? at_first : 65536, bpc_layout::most_header_bytes);
+    return ChunkBytes(file, offset, bytes, guess);
+}
+
+DecodedChunk decode(ChunkBytes& chunk, std::uint64_t bytes, const ColumnSet& columns,
+                    ChunkPositionsMayBe positions_may_be)
+{
+    DecodedChunk result;
+    result.header = decode_known_header(chunk, bytes);
+    if (result.header.doubles && positions_may_be == ChunkPositionsMayBe::on_grid)
+        throw Error(ErrorCode::unsupported, {}, "its positions are doubles; a chunk on a grid was expected");
+    std::vector<std::uint32_t> all(result.header.segments.size());
+    std::iota(all.begin(), all.end(), 0u);
+    result.bytes_read = result.header.header_bytes;
+    result.bytes_read += decode_segments(chunk, result.header, columns, all, result.chunk);
+    return result;
+}
+
 }  // namespace
 
-DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
                             const ColumnSet& columns, const WantedSegment& wanted)
 {
     try {
         DecodedPart result;
-        result.header = read_known_header(file, offset, bytes, header_bytes);
+        ChunkBytes chunk = beginning_of(file, offset, bytes, at_first);
+        result.header = decode_known_header(chunk, bytes);
         if (result.header.doubles)
             throw Error(ErrorCode::unsupported, {}, "its positions are doubles; a chunk on a grid was expected");
         for (std::uint32_t s = 0; s < result.header.segments.size(); ++s)
             if (wanted(result.header.segments[s].box, result.header.segments[s].level)) result.kept.push_back(s);
         result.bytes_read = result.header.header_bytes;
-        result.bytes_read += read_segments(file, offset, result.header, columns, result.kept, join_gap, result.chunk);
+        result.bytes_read += decode_segments(chunk, result.header, columns, result.kept, result.chunk);
         return result;
     } catch (const Error& error) {
         rethrow_naming(error, file, offset);
     }
 }
 
-DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
                         const ColumnSet& columns, ChunkPositionsMayBe positions_may_be)
 {
     try {
-        DecodedChunk result;
-        result.header = read_known_header(file, offset, bytes, header_bytes);
-        if (result.header.doubles && positions_may_be == ChunkPositionsMayBe::on_grid)
-            throw Error(ErrorCode::unsupported, {}, "its positions are doubles; a chunk on a grid was expected");
-        std::vector<std::uint32_t> all(result.header.segments.size());
-        std::iota(all.begin(), all.end(), 0u);
-        result.bytes_read = result.header.header_bytes;
-        result.bytes_read += read_segments(file, offset, result.header, columns, all, 0, result.chunk);
-        return result;
+        ChunkBytes chunk = beginning_of(file, offset, bytes, at_first);
+        return decode(chunk, bytes, columns, positions_may_be);
+    } catch (const Error& error) {
+        rethrow_naming(error, file, offset);
+    }
+}
+
+DecodedChunk decode_chunk(const std::byte* chunk, std::uint64_t bytes, const File& file, std::uint64_t offset,
+                          const ColumnSet& columns)
+{
+    try {
+        ChunkBytes whole(chunk, bytes);
+        return decode(whole, bytes, columns, ChunkPositionsMayBe::on_grid);
     } catch (const Error& error) {
         rethrow_naming(error, file, offset);
     }

@@ -18,11 +18,17 @@ struct DecodedChunk {
 };
 enum class ChunkPositionsMayBe { on_grid, on_grid_or_doubles };
 // Reads the chunk of `bytes` bytes at `offset` of `file`. Only the columns in `columns` are read and decoded; their
-// checksums are verified. `header_bytes` is the header's length where the caller knows it, else 0. Throws
-// Error(corrupt | truncated | io), naming the file and the byte. Version 2 is Error(unsupported) unless `positions`
-// allows doubles.
-DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+// checksums are verified. `at_first` is how many bytes are read at once from the chunk's beginning: at least its header
+// where the caller knows its length, or 0; with the columns that the caller expects to follow, no second read is
+// necessary. Throws Error(corrupt | truncated | io), naming the file and the byte. Version 2 is Error(unsupported)
+// unless `positions` allows doubles.
+DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
                         const ColumnSet& columns, ChunkPositionsMayBe positions = ChunkPositionsMayBe::on_grid);
+
+// The same for a chunk whose `bytes` bytes were read from `offset` of `file` before; codec_slack readable bytes follow
+// them.
+DecodedChunk decode_chunk(const std::byte* chunk, std::uint64_t bytes, const File& file, std::uint64_t offset,
+                          const ColumnSet& columns);
 
 struct DecodedPart {
     BpcHeader header;
@@ -32,7 +38,7 @@ struct DecodedPart {
 };
 using WantedSegment = std::function<bool(const Box3i& box, std::uint16_t level)>;
 // The same for the segments for which `wanted` returns true. Pieces that lie near each other are read together.
-DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint32_t header_bytes,
+DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
                             const ColumnSet& columns, const WantedSegment& wanted);
 
 }  // namespace pcm

@@ -4,9 +4,9 @@
 #include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/checksum.h"
 #include "pcm/bpc/chunk.h"
+#include "pcm/bpc/chunk_bytes.h"
 #include "pcm/bpc/column_codec.h"
 #include "pcm/bpc/layout.h"
-#include "pcm/bpc/read_head.h"
 #include "pcm/bpc/scalar_words.h"
 #include "pcm/bpc/segments.h"
 #include "pcm/system/error.h"
@@ -257,8 +257,8 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
 BpcHeader read_header(const File& file, std::uint64_t offset, std::uint64_t available)
 {
     try {
-        const std::vector<std::byte> head = read_head(file, offset, available, 4096);
-        BpcHeader header = decode_header(head.data(), head.size(), {});
+        const ChunkBytes bytes(file, offset, available, 4096);
+        BpcHeader header = decode_header(bytes.beginning(), static_cast<std::size_t>(bytes.beginning_size()), {});
         if (header.total_bytes > available)
             throw Error(ErrorCode::truncated, {},
                         "its header states " + std::to_string(header.total_bytes) + " bytes; " +

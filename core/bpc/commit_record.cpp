@@ -2,7 +2,6 @@
 
 #include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/checksum.h"
-#include "pcm/bpc/read_head.h"
 #include "pcm/system/error.h"
 
 #include <cstring>

@@ -7,6 +7,7 @@
 
 #include <functional>
 #include <memory>
+#include <vector>
 
 namespace pcm {
 
@@ -22,6 +23,9 @@ public:
     virtual Chunk read(NodeId node, const ColumnSet& columns) const = 0;
     virtual ChunkPart read_part(NodeId node, const ColumnSet& columns,
                                 const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const = 0;
+
+    // As Tree::read_chunks; without an own way, one after another.
+    virtual void read_many(const std::vector<ChunkRequest>& requests, const TakeChunk& take) const;
 
     virtual bool writable() const { return false; }
     // Replaces a chunk by one with all its columns; `changed` names the columns that differ. Throws Error, and then the
@@ -43,6 +47,10 @@ public:
                         const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const override
     {
         return tree_->read_chunk_part(node, columns, wanted);
+    }
+    void read_many(const std::vector<ChunkRequest>& requests, const TakeChunk& take) const override
+    {
+        tree_->read_chunks(requests, take);
     }
 
 private:

@@ -126,12 +126,14 @@ std::optional<ChunkPart> L2Cache::read_part(NodeId node, const ColumnSet& column
 
 void L2Cache::request(std::vector<ChunkRequest> list, std::function<void(NodeId)> on_loaded)
 {
+    const std::size_t nodes = state_->tree.load()->nodes().size();
+    std::deque<State::Wanted> wanted;
+    for (const ChunkRequest& request : list)
+        if (request.node < nodes) wanted.push_back(state_->wanted_of(request));
     {
         const std::lock_guard lock(state_->mutex);
-        const std::size_t nodes = state_->tree.load()->nodes().size();
         state_->wanted.clear();
-        for (ChunkRequest& request : list)
-            if (request.node < nodes && !state_->closed) state_->wanted.push_back(std::move(request));
+        if (!state_->closed) state_->wanted = std::move(wanted);
         state_->on_loaded = std::make_shared<const std::function<void(NodeId)>>(std::move(on_loaded));
     }
     state_->work.notify_all();

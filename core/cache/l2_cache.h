@@ -51,11 +51,6 @@ struct L2Statistics {
     double write_seconds = 0;  // summed over threads
 };
 
-struct ChunkRequest {
-    NodeId node = no_node;
-    ColumnSet columns;
-};
-
 class L2Cache {
     struct Entry;
     struct State;
@@ -122,7 +117,8 @@ public:
     std::optional<ChunkPart> read_part(NodeId node, const ColumnSet& columns,
                                        const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted);
 
-    // Requests chunks in the background, in the order of the list. A new list replaces the previous one: chunks of the
+    // Requests chunks in the background, in the order of the list; those that lie next to one on disk come with it, in
+    // one read. A new list replaces the previous one: chunks of the
     // old list whose load has not begun are forgotten. `on_loaded` (may be empty) is called on a loader thread for each
     // chunk of the list, when it was loaded, was resident already, or failed; the chunk is pinned until it returns. It
     // must return quickly and must not call the cache's destructor.

@@ -56,9 +56,14 @@ struct L2Cache::State {
     std::condition_variable_any loaded;  // a load, a write or an edit has ended
     std::unordered_map<NodeId, Entry> entries;
     Entry *oldest = nullptr, *newest = nullptr;  // ends of the list in order of use
-    std::deque<ChunkRequest> wanted;
+    struct Wanted {
+        ChunkRequest request;
+        Extent place;  // chunk's extent in the tree; of no bytes where it is not known
+    };
+    std::deque<Wanted> wanted;
     std::deque<ChunkRequest> soon;  // requests of prefetch(); served before `wanted`
-    std::shared_ptr<const std::function<void(NodeId)>> on_loaded;
+    using OnLoaded = std::shared_ptr<const std::function<void(NodeId)>>;
+    OnLoaded on_loaded;
     std::size_t active_loads = 0;  // loads that run on loader threads
     std::uint64_t capacity = 0;
     std::uint64_t charged = 0;
@@ -78,6 +83,7 @@ struct L2Cache::State {
 
     // To be called with the mutex held; functions that take the lock release it while they read or write.
     void check_open(NodeId node) const;
+    Wanted wanted_of(const ChunkRequest& request) const;  // without the mutex
     void unlist(Entry& entry);
     void list_as_newest(Entry& entry);
     void list_as_oldest(Entry& entry);
@@ -89,6 +95,13 @@ struct L2Cache::State {
     Entry& entry_of(NodeId node);
     Entry& get(NodeId node, const ColumnSet& columns, Lock& lock);
     void load(Entry& entry, const ColumnSet& columns, Lock& lock);
+    void load_together(const std::vector<ChunkRequest>& requests, const OnLoaded& on_each, Lock& lock);
+    void begin_load(Entry& entry);
+    void end_load(Entry& entry, Chunk read, const std::exception_ptr& failure, double seconds);
+    Extent place_if_idle(const Wanted& wanted, const Wanted& first) const;
+    std::vector<ChunkRequest> with_near_ones(const Wanted& first);
+    void hand_over(Entry& entry, const OnLoaded& on_each, Lock& lock);
+    void serve(Lock& lock);
     // Writes an entry that is changed and not being written. On failure it stays changed; returns the reason, which is
     // also kept in write_failure.
     std::optional<WriteFailure> write_back(Entry& entry, Lock& lock);

@@ -130,8 +130,15 @@ std::size_t File::read_some_at(void* to, std::size_t bytes, std::uint64_t offset
         if (got == 0) break;
         done += static_cast<std::size_t>(got);
     }
-    count_bytes_read(done);
+    count_read(done);
     return done;
+}
+
+void File::expect_scattered_reads() const
+{
+#ifdef POSIX_FADV_RANDOM
+    ::posix_fadvise(descriptor_, 0, 0, POSIX_FADV_RANDOM);
+#endif
 }
 
 void File::read_at(void* to, std::size_t bytes, std::uint64_t offset) const

@@ -41,6 +41,8 @@ public:
     void read_at(void* to, std::size_t bytes, std::uint64_t offset) const;
     // Reads up to `bytes`, fewer at the end of the file; returns how many.
     std::size_t read_some_at(void* to, std::size_t bytes, std::uint64_t offset) const;
+    // Advice to the system: reads take what they need in one piece, and what follows is not to be read ahead.
+    void expect_scattered_reads() const;
     void write_at(const void* from, std::size_t bytes, std::uint64_t offset);
     void sync();
     // Gives a file without a name the name `path`. False when something has this name already. Throws

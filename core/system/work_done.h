@@ -10,11 +10,12 @@ struct WorkDone {
     double cpu_seconds = 0;         // processor time of all threads, in the program and in the system
     std::uint64_t points_read = 0;  // decoded, of trees' chunks and of files; again for each time
     std::uint64_t bytes_read = 0;   // asked of files, temporary ones among them; the system may have them in memory
+    std::uint64_t reads = 0;        // in which they were asked for
 };
 WorkDone work_done();
 WorkDone operator-(const WorkDone& after, const WorkDone& before);
 
 void count_points_read(std::uint64_t points);
-void count_bytes_read(std::uint64_t bytes);
+void count_read(std::uint64_t bytes);
 
 }  // namespace pcm

@@ -18,6 +18,7 @@ std::shared_ptr<const File> open_whole(const std::filesystem::path& folder, std:
         throw Error(ErrorCode::truncated, file->path(),
                     "the file has " + std::to_string(file->size()) + " bytes, the index expects " +
                         std::to_string(expected.bytes));
+    file->expect_scattered_reads();  // reading ahead would bring columns that nobody asked for
     return file;
 }
 

@@ -1,7 +1,8 @@
 #include "pcm/tree/tree.h"
 
-#include "pcm/bpc/chunk_decoder.h"
+#include "pcm/bpc/chunk_header.h"
 #include "pcm/system/error.h"
+#include "pcm/tree/column_shares.h"
 #include "pcm/tree/damage.h"
 #include "pcm/tree/data_file_pool.h"
 #include "pcm/tree/tree_index.h"
@@ -41,18 +42,6 @@ bool keeps_its_name(const File& file)
     if (is_damage(error) || error.code() == ErrorCode::not_found || error.code() == ErrorCode::unsupported)
         throw DamagedTree(error, folder, "put the tree's own file back, or keep what the other files hold");
     throw error;
-}
-
-// Reads of a node's chunk. `read` throws errors without hints.
-template <class Read>
-auto read_undamaged(const fs::path& folder, const Read& read)
-{
-    try {
-        return read();
-    } catch (const Error& error) {
-        if (!is_damage(error)) throw;
-        throw DamagedTree(error, folder, "restore the file from a copy, or leave out the damaged chunk");
-    }
 }
 
 [[noreturn]] void refuse_folder(const fs::path& folder)
@@ -127,6 +116,7 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
 std::shared_ptr<Tree> Tree::without_files(const fs::path& folder, OpenIndex index)
 {
     std::shared_ptr<Tree> tree(new Tree);
+    tree->shares_ = std::make_shared<ColumnShares>();
     tree->folder_ = folder;
     tree->info_ = index.head->info;
     tree->nodes_ = std::move(index.nodes);
@@ -199,50 +189,6 @@ void Tree::check(NodeId id, const BpcHeader& header) const
         throw Error(ErrorCode::corrupt, folder_ / data_file_name(node.extent.file),
                     "chunk at byte " + std::to_string(node.extent.offset) + ": it does not belong to node " +
                         std::to_string(id));
-}
-
-Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
-{
-    const Node& node = nodes_.at(id);
-    if (node.points == 0) return empty_chunk(columns);
-    const Extent& extent = node.extent;
-    const std::shared_ptr<const File> file = data_file(extent.file);
-    DecodedChunk decoded = read_undamaged(folder_, [&] {
-        DecodedChunk chunk = pcm::read_chunk(*file, extent.offset, extent.bytes, extent.header_bytes, columns);
-        check(id, chunk.header);
-        return chunk;
-    });
-    add_missing_columns(decoded.chunk, info_.schema, columns);
-    reads_->add(decoded.chunk, decoded.bytes_read);
-    return std::move(decoded.chunk);
-}
-
-ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
-                                const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const
-{
-    ChunkPart part;
-    const Node& node = nodes_.at(id);
-    if (node.points == 0) {
-        part.chunk = empty_chunk(columns);
-        return part;
-    }
-    const Extent& extent = node.extent;
-    const std::shared_ptr<const File> file = data_file(extent.file);
-    DecodedPart decoded = read_undamaged(folder_, [&] {
-        DecodedPart found =
-            pcm::read_chunk_part(*file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);
-        check(id, found.header);
-        return found;
-    });
-    for (const std::uint32_t s : decoded.kept) {
-        part.first.push_back(decoded.header.segments[s].first);
-        part.count.push_back(decoded.header.segments[s].count);
-    }
-    part.chunk = std::move(decoded.chunk);
-    add_missing_columns(part.chunk, info_.schema, columns);
-    part.bytes_read = decoded.bytes_read;
-    reads_->add(part.chunk, part.bytes_read);
-    return part;
 }
 
 std::shared_ptr<const Tree> Tree::with_schema(const Schema& longer) const

@@ -27,6 +27,7 @@
 #include "pcm/tree/tree_reads.h"
 
 #include <cstdint>
+#include <exception>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -37,7 +38,9 @@
 namespace pcm {
 
 struct BpcHeader;
+struct DecodedChunk;
 class DataFilePool;
+class ColumnShares;
 struct IndexHead;
 struct OpenIndex;
 struct TreeIndex;
@@ -98,6 +101,14 @@ struct ChunkPart {
     std::uint64_t bytes_read = 0;
 };
 
+struct ChunkRequest {
+    NodeId node = no_node;
+    ColumnSet columns;
+};
+
+// Takes the chunk of a request, or the reason why it cannot be read; the number is that of the request.
+using TakeChunk = std::function<void(std::size_t number, Chunk chunk, std::exception_ptr failure)>;
+
 class Tree {
 public:
     static constexpr std::size_t usual_open_files = 128;
@@ -138,6 +149,10 @@ public:
     // an empty chunk. Throws Error(corrupt | io | truncated), naming the data file and the byte.
     Chunk read_chunk(NodeId id, const ColumnSet& columns) const;
 
+    // The same for several chunks: those that lie near each other on disk are read at once. `take` is called once for
+    // each request, on this thread, in the order of the files; what it throws is passed on.
+    void read_chunks(const std::vector<ChunkRequest>& requests, const TakeChunk& take) const;
+
     // The same for the segments of the chunk for which `wanted` returns true, given the segment's tight box on the grid
     // and the level of its points. Bytes that lie near each other are read together.
     ChunkPart read_chunk_part(NodeId id, const ColumnSet& columns,
@@ -156,6 +171,10 @@ private:
     Tree() = default;
     static std::shared_ptr<Tree> without_files(const std::filesystem::path& folder, OpenIndex index);
     Chunk empty_chunk(const ColumnSet& columns) const;
+    Chunk checked(NodeId id, DecodedChunk decoded, const ColumnSet& columns) const;
+    Chunk decode(const ChunkRequest& request, const std::byte* bytes) const;
+    Extent place_among_others(const ChunkRequest& request) const;
+    std::vector<std::byte> read_bytes(const Extent& first, const Extent& last) const;
     std::shared_ptr<const File> data_file(std::uint32_t number) const;
     std::filesystem::path folder_;
     TreeInfo info_;
@@ -163,6 +182,7 @@ private:
     std::shared_ptr<const IndexHead> head_;
     std::shared_ptr<DataFilePool> files_;
     std::shared_ptr<TreeReadCounter> reads_ = std::make_shared<TreeReadCounter>();
+    std::shared_ptr<ColumnShares> shares_;
 };
 
 // Whether `path` is a folder with an index file, or a file of such a tree (a cheap test of names, not a validation).

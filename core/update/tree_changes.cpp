@@ -47,6 +47,13 @@ Chunk TreeChanges::read_now(NodeId node, const ColumnSet& columns) const
     return chunk;
 }
 
+void TreeChanges::read_many(const std::vector<ChunkRequest>& requests, const TakeChunk& take) const
+{
+    for (const ChunkRequest& request : requests)
+        if (place_of(request.node)) return ChunkStore::read_many(requests, take);
+    tree()->read_chunks(requests, take);
+}
+
 ChunkPart TreeChanges::read_part(NodeId node, const ColumnSet& columns,
                                  const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const
 {

@@ -29,6 +29,7 @@ public:
     Chunk read(NodeId node, const ColumnSet& columns) const override;
     ChunkPart read_part(NodeId node, const ColumnSet& columns,
                         const std::function<bool(const Box3i& box, std::uint16_t level)>& wanted) const override;
+    void read_many(const std::vector<ChunkRequest>& requests, const TakeChunk& take) const override;
     bool writable() const override { return true; }
     void write(NodeId node, const Chunk& written, const ColumnSet& changed) override;
     void commit() override;

@@ -2,8 +2,10 @@
 
 #include "pcm/cache/l2_cache.h"
 
+#include "pcm/bpc/chunk_bytes.h"
 #include "pcm/build/builder.h"
 #include "pcm/system/error.h"
+#include "pcm/system/work_done.h"
 #include "tests/clouds.h"
 #include "tests/failing_threads.h"
 #include "tests/sanitizers.h"
@@ -44,6 +46,23 @@ protected:
         for (std::size_t i = 0; i < tree_->info().schema.size(); ++i)
             if (columns.attributes.test(i)) bytes += tree_->info().schema[i].bytes();
         return bytes * tree_->node(node).points;
+    }
+
+    // Nodes with points that no read brings together, in the order of their chunks.
+    std::vector<NodeId> nodes_read_apart(std::size_t count) const
+    {
+        std::map<std::uint64_t, NodeId> by_offset;
+        for (NodeId id = 0; id < tree_->nodes().size(); ++id)
+            if (tree_->node(id).extent.bytes > 0) by_offset[tree_->node(id).extent.offset] = id;
+        std::vector<NodeId> nodes;
+        std::uint64_t end = 0;
+        for (const auto& [offset, id] : by_offset) {
+            if (nodes.size() == count || (!nodes.empty() && offset <= end + join_gap)) continue;
+            nodes.push_back(id);
+            end = offset + tree_->node(id).extent.bytes;
+        }
+        EXPECT_EQ(nodes.size(), count);
+        return nodes;
     }
 
     TemporaryFolder folder_;
@@ -236,6 +255,31 @@ TEST_F(L2CacheTest, AChunkIsLoadedOnceForManyClients)
     EXPECT_EQ(cache.statistics().loaded_bytes, bytes);
 }
 
+// A callback may ask for any chunk, also one that was read together with its own; and one thread serves all.
+TEST_F(L2CacheTest, CallbacksOfChunksThatAreReadTogetherMayAskForEachOther)
+{
+    L2Options options;
+    options.capacity_bytes = 1;  // nothing stays
+    L2Cache cache(tree_, options);
+    std::vector<ChunkRequest> list;
+    for (NodeId id = 0; id < tree_->nodes().size(); ++id) list.push_back({id, positions_});
+    std::mutex mutex;
+    std::vector<NodeId> arrived;
+    const WorkDone before = work_done();
+    cache.request(list, [&](NodeId node) {
+        EXPECT_TRUE(cache.find(node, positions_)) << "pinned while it is handed over";
+        const std::lock_guard lock(mutex);
+        arrived.push_back(node);
+        if (arrived.size() % 8 == 0) cache.get((node + 1) % static_cast<NodeId>(tree_->nodes().size()), positions_);
+    });
+    cache.wait_idle();
+    EXPECT_EQ(arrived.size(), list.size());
+    EXPECT_LT((work_done() - before).reads, list.size() / 2) << "chunks near each other come in one read";
+    std::sort(arrived.begin(), arrived.end());
+    EXPECT_TRUE(std::unique(arrived.begin(), arrived.end()) == arrived.end()) << "each once";
+    EXPECT_EQ(cache.statistics().resident_bytes, 0u);
+}
+
 TEST_F(L2CacheTest, RequestsAreServedInOrderAndReplaced)
 {
     L2Cache cache(tree_);
@@ -249,22 +293,23 @@ TEST_F(L2CacheTest, RequestsAreServedInOrderAndReplaced)
         wake.notify_all();
         wake.wait(lock, [&] { return open; });
     };
-    cache.request({{5, positions_}, {6, positions_}, {7, positions_}}, gate);
+    const std::vector<NodeId> apart = nodes_read_apart(5);
+    cache.request({{apart[0], positions_}, {apart[1], positions_}, {apart[2], positions_}}, gate);
     {
         std::unique_lock lock(mutex);
         wake.wait(lock, [&] { return !arrived.empty(); });
     }
     // The loader waits in the first callback; requests that it has not begun are forgotten.
-    cache.request({{20, positions_}, {21, positions_}}, gate);
+    cache.request({{apart[3], positions_}, {apart[4], positions_}}, gate);
     {
         const std::lock_guard lock(mutex);
         open = true;
     }
     wake.notify_all();
     cache.wait_idle();
-    EXPECT_EQ(arrived, (std::vector<NodeId>{5, 20, 21}));
-    EXPECT_FALSE(cache.find(6, positions_));
-    EXPECT_TRUE(cache.find(21, positions_));
+    EXPECT_EQ(arrived, (std::vector<NodeId>{apart[0], apart[3], apart[4]}));
+    EXPECT_FALSE(cache.find(apart[1], positions_));
+    EXPECT_TRUE(cache.find(apart[4], positions_));
 }
 
 TEST_F(L2CacheTest, ErrorsReachTheCaller)

@@ -15,7 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t data_file_limit = std::uint64_t(1) << 30;  // larger ones are not begun
-constexpr std::uint16_t front_depth = 6;  // chunks down to this depth are in the first file, parents first
+// The front has all chunks of the levels that have at most this many points together: of about 2 to 8 million, since a
+// level has three to four times the points of the one before. A view of the whole cloud draws one or two million.
+constexpr std::uint64_t front_points = 8'000'000;
 
 std::shared_ptr<File> cut_off(const fs::path& path, std::uint64_t bytes)
 {
@@ -31,6 +33,15 @@ std::shared_ptr<File> cut_off(const fs::path& path, std::uint64_t bytes)
     return file;
 }
 
+// Nodes before those below them, and those below a node's first child before those below its second one.
+bool comes_before(const NodePath& a, const NodePath& b)
+{
+    const auto side = [](const NodePath& path, unsigned depth) { return path.bits[depth / 64] >> (depth % 64) & 1; };
+    for (unsigned depth = 0; depth < std::min(a.depth, b.depth); ++depth)
+        if (side(a, depth) != side(b, depth)) return side(a, depth) < side(b, depth);
+    return a.depth < b.depth;
+}
+
 }  // namespace
 
 DataFiles::DataFiles(const fs::path& folder, const fs::path& work, std::uint32_t first)
@@ -39,10 +50,19 @@ DataFiles::DataFiles(const fs::path& folder, const fs::path& work, std::uint32_t
     bytes_.push_back(0);  // the first file is the front, written last
 }
 
+void DataFiles::choose_front(const std::vector<std::uint64_t>& points_of_levels)
+{
+    std::uint64_t points = 0;
+    for (std::size_t level = 0; level < points_of_levels.size(); ++level) {
+        points += points_of_levels[level];
+        if (points <= front_points) front_level_ = static_cast<std::uint16_t>(level);
+    }
+}
+
 void DataFiles::append(Draft& draft, const std::byte* bytes, std::size_t size)
 {
     appended_ += size;
-    if (draft.path.depth <= front_depth) {
+    if (draft.first_level <= front_level_) {
         if (!front_) front_ = std::make_shared<File>(front_path_, File::Mode::create_or_truncate);
         front_->write_at(bytes, size, front_bytes_);
         draft.extent.file = first_;
@@ -67,8 +87,8 @@ void DataFiles::finish()
 {
     finish_file();
     std::sort(fronted_.begin(), fronted_.end(), [](const Draft* p, const Draft* q) {
-        if (p->path.depth != q->path.depth) return p->path.depth < q->path.depth;
-        return p->path.bits < q->path.bits;
+        if (p->first_level != q->first_level) return p->first_level < q->first_level;
+        return comes_before(p->path, q->path);
     });
     File front(folder_ / data_file_name(first_), File::Mode::create_or_truncate);
     std::vector<std::byte> buffer;

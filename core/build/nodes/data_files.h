@@ -15,13 +15,16 @@ namespace pcm {
 class ByteReader;
 class ByteWriter;
 
-// Chunks are appended in the order of the calls. Those of the top nodes go to a temporary file, from which finish()
-// writes the first data file, parents first. One thread at a time.
+// Chunks are appended in the order of the calls. Those of the coarse levels go to a temporary file, from which finish()
+// writes the first data file: level by level, and neighbours in space one after another, so that a view of the whole
+// cloud, or of a part of it, is a few ranges of that file. One thread at a time.
 class DataFiles {
 public:
     // In `folder`, numbered from `first` on; the temporary file is in `work`.
     DataFiles(const std::filesystem::path& folder, const std::filesystem::path& work, std::uint32_t first);
 
+    // Before append(), with the number of points of each level of the cloud.
+    void choose_front(const std::vector<std::uint64_t>& points_of_levels);
     // Writes a chunk and sets its extent in the draft.
     void append(Draft& draft, const std::byte* bytes, std::size_t size);
     // Writes the first data file and syncs everything; its drafts get their final extents.
@@ -41,6 +44,7 @@ private:
     void finish_file();
     std::filesystem::path folder_, front_path_;
     std::uint32_t first_;
+    std::uint16_t front_level_ = 0;  // chunks that begin with this level or a coarser one are in the front
     std::shared_ptr<File> front_, file_;
     std::uint64_t front_bytes_ = 0, appended_ = 0;
     std::vector<Draft*> fronted_;

@@ -80,6 +80,7 @@ NodeJobs<Coord>::NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bi
 {
     list(0, NodePath());
     plan();
+    if (!jobs_.empty()) files_.choose_front(jobs_.back().histogram);  // the root's
 }
 
 template <class Coord>

@@ -1,0 +1,20 @@
+// Which chunks of a tree are read at once.
+#pragma once
+
+#include "pcm/tree/node.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace pcm {
+
+// The most that one read of several chunks takes.
+inline constexpr std::uint64_t most_read_together = std::uint64_t{1} << 20;
+
+// The chunks to be read together with the first one, of those at `extents`, which are in the order in which they are
+// wanted: they lie in its file, with gaps that are cheaper to read than to skip, and end within most_read_together.
+// Numbers in `extents`, in the order of the file; the first one is among them.
+std::vector<std::size_t> read_together(const std::vector<Extent>& extents);
+
+}  // namespace pcm
