@@ -7,6 +7,7 @@
 //
 // Prints one line of JSON, times in ms, of columns the medians.
 #include "pcm/point_cloud.h"
+#include "pcm/system/work_done.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -55,8 +56,9 @@ int first(char** argument)
     cloud->cache().request(std::move(list));
     cloud->cache().wait_idle();
     if (cloud->cache().statistics().resident_chunks != chunks) throw std::runtime_error("not all chunks were loaded");
-    std::printf("{\"open_ms\": %.3f, \"total_ms\": %.3f, \"points\": %llu, \"chunks\": %zu}\n", opened, ms_since(start),
-                static_cast<unsigned long long>(points), chunks);
+    std::printf("{\"open_ms\": %.3f, \"total_ms\": %.3f, \"points\": %llu, \"chunks\": %zu, \"reads\": %llu}\n", opened,
+                ms_since(start), static_cast<unsigned long long>(points), chunks,
+                static_cast<unsigned long long>(pcm::work_done().reads));
     return 0;
 }
 

@@ -63,8 +63,12 @@ private:
     std::unique_ptr<Work> work_;
 };
 
+// What a voxel grid of such points is: its attributes and type of positions, and what a user should know.
+FileInfo info_of_voxels(FileInfo from, const VoxelGridOptions& options);
+
 struct VoxelGridReport {
     BuildReport build;              // points_in: of the source; points_out: voxels
+    Box3d box;                      // around the points of the source
     std::uint64_t most_in_one = 0;  // number of points of the fullest voxel
 };
 

@@ -4,6 +4,7 @@
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
 
 namespace pcm::ops {

@@ -4,6 +4,7 @@
 #include "pcm/ops/shared/target_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
 #include "pcm/tree/damage.h"
 #include "pcm/tree/verify_levels.h"

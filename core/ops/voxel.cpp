@@ -1,9 +1,8 @@
 // One point for each voxel.
-#include "pcm/filter/voxel_grid.h"
+#include "pcm/filter/voxel_grid_in_memory.h"
 #include "pcm/ops/shared/result_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/system/text.h"
-#include "pcm/tree/tree.h"
 
 #include <cmath>
 #include <limits>
@@ -70,12 +69,18 @@ public:
         if (!anchor_.empty()) options_.voxels.anchor = {anchor_[0], anchor_[1], anchor_[2]};
         if (nearest_) options_.point = VoxelPoint::nearest;
         check_voxels(options_.voxels, {}, nullptr);  // before files are read
-        const Sources sources(to_, to_.target.choice(context.face, arguments_), Sampling::grid, context.progress);
-        double rounding = 0;  // rounding of centroids to doubles
-        const VoxelGridReport report = sources.apply([&](const std::filesystem::path& tree, const ResultOptions& to) {
-            if (options_.point == VoxelPoint::centroid) rounding = last_bit_of(Tree::open(tree)->info().bounds());
-            return voxel_grid(tree, options_, to);
-        });
+        const Sources sources(to_, to_.target.choice(context.face, arguments_), Sampling::grid, context.progress,
+                              [&](const FileInfo& points) { return fits_in_memory(points, to_.work.memory); });
+        const VoxelGridReport report =
+            sources.points()
+                ? sources.apply_to_points([&](PointReader& points, const auto& names, const ResultOptions& to) {
+                      return voxel_grid_in_memory(points, names, options_, to);
+                  })
+                : sources.apply([&](const std::filesystem::path& tree, const ResultOptions& to) {
+                      return voxel_grid(tree, options_, to);
+                  });
+        // Centroids are rounded to doubles.
+        const double rounding = options_.point == VoxelPoint::centroid ? last_bit_of(report.box) : 0;
         Result result;
         sources.describe(result, report.build);
         result.accuracy = rounded_positions(report.build.outcome.error + rounding);

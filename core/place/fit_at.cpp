@@ -9,12 +9,12 @@
 #include "pcm/place/cover_points.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/local_fit.h"
-#include "pcm/place/progress_part.h"
 #include "pcm/place/station_errors.h"
 #include "pcm/place/stations_around.h"
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/system/error.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/system/seconds.h"
 #include "pcm/system/text.h"
 

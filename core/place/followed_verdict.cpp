@@ -5,9 +5,9 @@
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/cut_out_evidence.h"
-#include "pcm/place/progress_part.h"
 #include "pcm/place/station_departure.h"
 #include "pcm/place/tuning.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>

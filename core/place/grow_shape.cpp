@@ -4,12 +4,12 @@
 #include "pcm/place/inner_points.h"
 #include "pcm/place/near_shape.h"
 #include "pcm/place/next_to.h"
-#include "pcm/place/progress_part.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/swept_part.h"
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/select/grow.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/threads/watch.h"
 
 #include <algorithm>

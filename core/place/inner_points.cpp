@@ -1,8 +1,8 @@
 #include "pcm/place/inner_points.h"
 
-#include "pcm/place/progress_part.h"
 #include "pcm/place/tuning.h"
 #include "pcm/select/point_scan.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/tree/source_rounding.h"
 
 #include <algorithm>

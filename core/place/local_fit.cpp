@@ -7,8 +7,8 @@
 #include "pcm/place/best_kind.h"
 #include "pcm/place/even_noise.h"
 #include "pcm/place/one_surface.h"
-#include "pcm/place/progress_part.h"
 #include "pcm/place/tuning.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>

@@ -1,6 +1,6 @@
 #include "pcm/place/next_to.h"
 
-#include "pcm/place/progress_part.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/tree/source_rounding.h"
 
 #include <algorithm>

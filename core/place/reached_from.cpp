@@ -1,10 +1,10 @@
 #include "pcm/place/reached_from.h"
 
 #include "pcm/place/near_shape.h"
-#include "pcm/place/progress_part.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/select/grow.h"
 #include "pcm/select/point_scan.h"
+#include "pcm/system/progress_part.h"
 
 #include <algorithm>
 #include <array>

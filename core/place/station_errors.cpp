@@ -5,11 +5,11 @@
 #include "pcm/fit/station_sums.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
-#include "pcm/place/progress_part.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/station_sample.h"
 #include "pcm/place/station_scan.h"
 #include "pcm/place/tuning.h"
+#include "pcm/system/progress_part.h"
 
 #include <algorithm>
 #include <cmath>

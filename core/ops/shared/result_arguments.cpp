@@ -1,7 +1,7 @@
 #include "pcm/ops/shared/result_arguments.h"
 
-#include "pcm/convert/open_cloud.h"
 #include "pcm/system/output_path.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/system/renamed_error.h"
 
 #include <algorithm>
@@ -77,7 +77,7 @@ BuildOptions NewCloudArguments::build_options(const Context& context) const
 }
 
 Sources::Sources(const ResultArguments& arguments, const TargetChoice& choice, Sampling sampling,
-                 const ProgressFunction& progress)
+                 const ProgressFunction& progress, const std::function<bool(const FileInfo&)>& needs_no_tree)
     : arguments_(arguments), choice_(choice), progress_(progress)
 {
     const std::vector<std::string>& inputs = arguments.inputs;
@@ -91,8 +91,13 @@ Sources::Sources(const ResultArguments& arguments, const TargetChoice& choice, S
     inputs_ = inputs.size() == 1 ? inputs[0] : "the inputs";
     CloudOptions options;
     options.read = arguments.reading.get(arguments.work.threads);
-    CloudSources sources({inputs.begin(), inputs.end()}, options);
-    const auto cloud = sources.open();
+    const std::vector<fs::path> paths(inputs.begin(), inputs.end());
+    files_ = std::make_unique<CloudSources>(paths, options);
+    std::unique_ptr<PointReader> cloud = files_->open();
+    if (needs_no_tree && needs_no_tree(cloud->info())) {
+        points_ = std::move(cloud);
+        return;
+    }
     BuildOptions build;
     build.memory_bytes = arguments.work.memory;
     build.threads = arguments.work.threads;
@@ -101,7 +106,7 @@ Sources::Sources(const ResultArguments& arguments, const TargetChoice& choice, S
     scratch_ = std::make_unique<ScratchFolder>(output);
     path_ = scratch_->work() / "input.pct";
     try {
-        notes_ = build_tree(*cloud, sources.names(), path_, build).notes;
+        notes_ = build_tree(*cloud, files_->names(), path_, build).notes;
     } catch (const Error& error) {
         throw renamed(error, path_, output);
     }
@@ -118,7 +123,7 @@ ResultOptions Sources::result_options() const
     options.memory_bytes = arguments_.work.memory;
     options.threads = arguments_.work.threads;
     options.chunk_points = arguments_.chunk_points;
-    if (scratch_) options.sampling = Sampling::poisson;
+    if (scratch_ || points_) options.sampling = Sampling::poisson;
     options.progress = scratch_ ? part_of(progress_, 0.5, 1) : progress_;
     return options;
 }

@@ -1,6 +1,7 @@
 // Arguments of operations whose result is another cloud, made of a tree or of files.
 #pragma once
 
+#include "pcm/convert/open_cloud.h"
 #include "pcm/filter/result_tree.h"
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/target_arguments.h"
@@ -10,6 +11,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -43,13 +45,15 @@ struct NewCloudArguments {
 };
 
 // The tree that a filter reads: the input itself, or a temporary tree of several inputs or files, which is built by the
-// constructor in a scratch folder next to the output (system/scratch_folder.h), and removed by the destructor.
+// constructor in a scratch folder next to the output (system/scratch_folder.h), and removed by the destructor. Or no
+// tree: the points of files themselves, where the filter can do without.
 class Sources {
 public:
-    // `choice`: where the result goes; `sampling`: the sampling of a temporary tree. Throws what open_cloud() and
-    // build_tree() throw, and ArgumentError for a change in place of files.
+    // `choice`: where the result goes; `sampling`: the sampling of a temporary tree; `needs_no_tree`: whether the
+    // filter takes such points of files as they come. Throws what open_cloud() and build_tree() throw, and
+    // ArgumentError for a change in place of files.
     Sources(const ResultArguments& arguments, const TargetChoice& choice, Sampling sampling,
-            const ProgressFunction& progress);
+            const ProgressFunction& progress, const std::function<bool(const FileInfo&)>& needs_no_tree = {});
     ~Sources();
     Sources(const Sources&) = delete;
     Sources& operator=(const Sources&) = delete;
@@ -63,6 +67,14 @@ public:
         } catch (const Error& error) {
             throw about_inputs(error);
         }
+    }
+    // The points of the files, once, when there is no tree; else null.
+    PointReader* points() const { return points_.get(); }
+    // Calls `filter(points, names of the files, options)`.
+    template <class FilterOfPoints>
+    auto apply_to_points(const FilterOfPoints& filter) const
+    {
+        return filter(*points_, files_->names(), result_options());
     }
     // The head of the answer: the build's outcome with the seconds of all of it, and the notes of reading and build.
     void describe(Result& result, const BuildReport& report) const;
@@ -79,6 +91,8 @@ private:
     std::vector<std::string> notes_;
     std::string inputs_;                      // for users
     std::unique_ptr<ScratchFolder> scratch_;  // the folder of a temporary tree
+    std::unique_ptr<CloudSources> files_;
+    std::unique_ptr<PointReader> points_;  // cloud of files_, where there is no tree
 };
 
 }  // namespace pcm::ops

@@ -61,15 +61,6 @@ void chunk_points_argument(Arguments& arguments, std::uint32_t& chunk_points)
         .advanced();
 }
 
-ProgressFunction part_of(const ProgressFunction& progress, double begin, double end)
-{
-    return [&progress, begin, end](ProgressUpdate update) {
-        update.fraction = begin + (end - begin) * update.fraction;
-        update.seconds_left = -1;
-        return !progress || progress(update);
-    };
-}
-
 void note_memory(FilterReport& report, std::uint64_t limit)
 {
     if (report.peak_memory_bytes > limit)

@@ -27,9 +27,6 @@ private:
 
 void chunk_points_argument(Arguments& arguments, std::uint32_t& chunk_points);
 
-// The part of the progress from `begin` to `end`, for an operation that reports 0 to 1. `progress` must live as long.
-ProgressFunction part_of(const ProgressFunction& progress, double begin, double end);
-
 // Adds a note where the process took more memory than the limit.
 void note_memory(FilterReport& report, std::uint64_t limit);
 
