@@ -28,6 +28,11 @@ struct JointTuning {
     // A cylinder has points of the beginning of an elbow until that leaves its threshold, and the reverse.
     // Chosen: an elbow of three radii leaves a threshold of a third of the radius there; not swept.
     double max_overlap = 1.5;  // radii
+    // The same of a pipe and an elbow. Their surfaces have a curve in common, on which points are of both: on a bend of
+    // radius R up to an angle t with tan(t / 2)^2 = radius / R.
+    // Chosen: for R of three radii that is 60 degrees; in a scanned plant pipes reach 1.7 radii into elbows, and elbows
+    // 2.7 radii into pipes; not swept.
+    double max_elbow_overlap = 3;  // radii
     // What the points of an elbow leave open of its arc at one end.
     // Chosen: a third of a quarter turn; not swept.
     double max_open_arc = 0.52;  // radians
@@ -48,9 +53,23 @@ struct CornerTuning {
     double max_difference = 2;  // radii
 };
 
+// Elbows that are looked for between two pipes (detect/elbow_search.h).
+struct ElbowTuning {
+    // How far behind the nearer end an arc may begin: pipes whose points reach into the bend.
+    // Chosen: elbows of three radii in a plant scanned from ten stations reach 1.7; twice as much; not swept.
+    double max_reach = 3.5;  // radii
+    // Distance of points from the arc that is tried, at least: the axes' errors move it.
+    // Chosen: half of the step between tangents that are tried; not swept.
+    double threshold = 0.05;  // radii
+    // Points on the middle half of the arc.
+    // Chosen: fits of a torus to fewer have errors of the radius' size; not swept.
+    double min_points = 30;  // number
+};
+
 struct PipingTuning {
     JointTuning joints;
     CornerTuning corners;
+    ElbowTuning elbows;
 };
 
 // The values above, unless a benchmark has set one (tuned_values.h). Constant while anything works.
