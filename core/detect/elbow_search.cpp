@@ -156,8 +156,7 @@ private:
         const std::vector<Vec3d> points = points_around(frame, most + 2 * radius);
         std::vector<Vec3d> best;
         for (std::size_t i = 0; i <= tangent_steps; ++i) {
-            const double tangent =
-                least + (most - least) * static_cast<double>(i) / static_cast<double>(tangent_steps);
+            const double tangent = least + (most - least) * static_cast<double>(i) / static_cast<double>(tangent_steps);
             std::vector<Vec3d> found = on_arc(frame, frame.torus(tangent, radius), threshold, points);
             if (found.size() > best.size()) best = std::move(found);
         }

@@ -23,9 +23,6 @@ double centre_length(const Tube& tube)
     return tube.is_straight() ? length(tube.ends[1].place - tube.ends[0].place) : tube.bend * tube.arc;
 }
 
-// Between two unit vectors, 0 to pi.
-double angle_between(const Vec3d& a, const Vec3d& b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
-
 // A line that is tangent to the centre lines of both tubes.
 struct Tangent {
     Vec3d point{}, direction{};
@@ -40,9 +37,9 @@ public:
           offset_(limit(tuned_.offset_share * radius_, std::hypot(a.place_error, b.place_error),
                         tuned_.max_offset * radius_)),
           angle_(limit(tuned_.angle, std::hypot(a.angle_error, b.angle_error), tuned_.max_angle)),
-          overlap_(std::min({(a.is_straight() && b.is_straight() ? tuned_.max_overlap : tuned_.max_elbow_overlap) *
-                                 radius_,
-                             centre_length(a) / 2, centre_length(b) / 2}))
+          overlap_(
+              std::min({(a.is_straight() && b.is_straight() ? tuned_.max_overlap : tuned_.max_elbow_overlap) * radius_,
+                        centre_length(a) / 2, centre_length(b) / 2}))
     {
         test(a.radius - b.radius, limit(tuned_.radius_share * radius_, std::hypot(a.radius_error, b.radius_error),
                                         tuned_.max_radius_share * radius_));
@@ -264,6 +261,8 @@ void prefer_straight_on(std::size_t ends, std::vector<PipeJoint>& joints)
 }
 
 }  // namespace
+
+double angle_between(const Vec3d& a, const Vec3d& b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
 
 bool PipeJoint::is_assumed_bend() const { return rank == corner; }
 

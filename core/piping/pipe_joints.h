@@ -24,6 +24,9 @@ struct PipeJoint {
     bool is_assumed_bend() const;
 };
 
+// Between two unit vectors, 0 to pi.
+double angle_between(const Vec3d& a, const Vec3d& b);
+
 // Where the axes of two straight tubes come nearest to each other beyond these ends: a.place + to_a a.out and
 // b.place + to_b b.out, `apart` from each other. The ends must not be parallel.
 struct AxesMeeting {

@@ -16,6 +16,7 @@
 namespace pcm {
 namespace {
 
+using piping::angle_between;
 using piping::EndIndex;
 using piping::PipeJoint;
 
@@ -192,7 +193,9 @@ private:
     piping::RunBend bend_of(const Tube& elbow, const PipeJoint* before, const PipeJoint* next) const
     {
         piping::RunBend bend;
-        bend.turn = elbow.arc;
+        bend.turn = elbow.arc;  // of which pipes on both sides have a part
+        if (before && next) bend.turn = angle_between(tangent_into(elbow, *before), -1 * tangent_into(elbow, *next));
+        bend.arc = elbow.bend * bend.turn;
         bend.tangent_error = elbow.place_error;
         for (const PipeJoint* joint : {before, next}) {
             if (!joint) continue;
@@ -203,13 +206,20 @@ private:
         return bend;
     }
 
+    // Unit tangent at a joint of the elbow that points into it.
+    Vec3d tangent_into(const Tube& elbow, const PipeJoint& joint) const
+    {
+        return &tubes_[joint.b / 2] == &elbow ? joint.enters : -1 * joint.leaves;
+    }
+
     // Pipes end before the bend begins, or have points of it, by up to what joints allow of overlaps.
     piping::RunBend assumed_bend(const PipeJoint& joint, double radius) const
     {
         piping::RunBend bend;
-        bend.turn = std::atan2(length(cross(joint.leaves, joint.enters)), dot(joint.leaves, joint.enters));
+        bend.turn = angle_between(joint.leaves, joint.enters);
         bend.tangent_error = piping_tuning().joints.max_overlap * radius;
         const double bend_radius = length(joint.at_b - joint.at_a) / (2 * std::sin(bend.turn / 2));
+        bend.arc = bend_radius * bend.turn;
         for (const EndIndex end : {joint.a, joint.b}) add_tangent(tubes_[end / 2], bend_radius, bend);
         return bend;
     }

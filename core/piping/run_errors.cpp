@@ -36,14 +36,18 @@ double length_error(const std::vector<RunBend>& bends, const std::array<double, 
         const double half = std::min(bend.turn, pi) / 2;
         const double along = half > 0 ? 2 - bend.turn / std::tan(half) : 0;
         const double k = std::min(std::tan(half), 2.0);
-        sum += square(along * bend.tangent_error) + square(k * bend.place_error) + square(k * k * bend.direction_error);
+        const double missed = square(bend.place_error) + square(bend.tangent_error);
+        const double across = bend.arc > 0 ? std::min(missed / bend.arc, std::sqrt(missed)) : 0;
+        sum += square(across) + square(along * bend.tangent_error) + square(k * bend.place_error) +
+               square(k * k * bend.direction_error);
     }
     return std::sqrt(sum);
 }
 
 double end_error(const Primitive& primitive, const Tube& tube)
 {
-    const double length = tube.is_straight() ? pcm::length(tube.ends[1].place - tube.ends[0].place) : tube.bend * tube.arc;
+    const double length =
+        tube.is_straight() ? pcm::length(tube.ends[1].place - tube.ends[0].place) : tube.bend * tube.arc;
     const double points = static_cast<double>(std::max<std::uint64_t>(primitive.points, 1));
     const double spacing = std::sqrt(2 * pi * tube.radius * length / points);
     return std::hypot(std::min(spacing, length), primitive.fit.noise);

@@ -138,8 +138,7 @@ void put_lines(Result& result, const PipeRun& run, const std::string& unit)
                 after + ", length " +
                 (run.length_error > 0 ? with_error(run.length(), run.length_error)
                                       : rounded_text(run.length(), run.radius / 100)) +
-                after + ", " + bends_text(run) +
-                (run.is_closed ? ", closed" : ""));
+                after + ", " + bends_text(run) + (run.is_closed ? ", closed" : ""));
     if (const std::string doubt = doubt_text(run); !doubt.empty()) result.line("  doubtful: " + doubt);
 }
 
