@@ -19,8 +19,8 @@
 //     coarser    what cells twice as wide change: the part of the cells' size
 //     excess     of cut and fill alone: errors of heights near the reference make both larger,
 //                sum of A (E max(d + e, 0) - max(d, 0)), e normal
-//     left out   where cells without points count for nothing: their area times the mean height of the others, for the
-//                polygon has a volume there, too
+//     left out   where cells without points count for nothing: their area times the root mean square of d in the
+//                others (of cut: of d above 0; of fill: below), for the polygon has a volume there, too
 //
 // In 200 generated polygons with up to 60 % of empty cells 97 % of net volumes lie within 3 of it, four of five within
 // 1 (tests/measure/volume_trial_test.cpp). It contains no error that all points share: of georeferencing, of the
@@ -86,6 +86,7 @@ struct VolumeReport {
     // Volumes of the cells with points alone, and of cells twice as wide over the same area.
     double cut_measured = 0, fill_measured = 0;
     double cut_coarse = 0, fill_coarse = 0;
+    double cut_squares = 0, fill_squares = 0;  // sum of d^2 A over cells that count, source units to the fourth
     double side = 0;
     double usual_side = 0;    // side that would be taken where none is given
     double area = 0;          // area of the polygon in plan
