@@ -217,6 +217,10 @@ std::vector<std::string> VolumeReport::notes() const
     constexpr double much = 0.05;
     const auto percent = [&](double part) { return brief(std::round(1000 * part / area) / 10) + " %"; };
     std::vector<std::string> notes;
+    for (const double repeated : repeats)
+        if (repeated > 1.5)
+            notes.push_back("there are " + brief(repeated) +
+                            " points at each place in the mean: they count as one measurement");
     const double left_out = area - area_counted;
     if (covered() < 0.5)
         notes.push_back(

@@ -20,6 +20,11 @@ std::string counted(std::uint64_t number, const std::string& noun)
     return grouped(number) + " " + noun + (number == 1 ? "" : "s");
 }
 
+std::string counted(std::uint64_t number, const std::string& noun, const std::string& one, const std::string& several)
+{
+    return counted(number, noun) + " " + (number == 1 ? one : several);
+}
+
 std::string points_text(std::uint64_t points) { return counted(points, "point"); }
 
 std::string exact(double value)

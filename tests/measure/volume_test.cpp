@@ -3,6 +3,7 @@
 
 #include "pcm/measure/gap_filling.h"
 #include "pcm/measure/height_cells.h"
+#include "pcm/measure/repeated_points.h"
 #include "pcm/system/error.h"
 #include "tests/measure/measured_tree.h"
 #include "tests/outcome.h"
@@ -249,6 +250,46 @@ TEST_F(Volumes, BetweenTwoClouds)
     const VolumeReport back = measure_volume(*old_cloud, options);
     EXPECT_NEAR(back.cut, report.fill, 1e-9);
     EXPECT_NEAR(back.fill, report.cut, 1e-9);
+}
+
+// A file that is there twenty times measures no more than once.
+TEST_F(Volumes, RepeatedPointsCountAsOneMeasurement)
+{
+    const auto slope = [](double x, double y) { return 0.1 * x + 0.3 * std::sin(y); };
+    const std::vector<Vec3d> points = surface(slope, 6000, 0.02, 1);
+    std::vector<Vec3d> repeated;
+    for (int i = 0; i < 20; ++i) repeated.insert(repeated.end(), points.begin(), points.end());
+    VolumeOptions options;
+    options.polygon = at_origin(square);
+    options.reference.height = origin[2] - 5;
+    const VolumeReport once = measure_volume(*measured_tree(folder_, "a", points, origin), options);
+    const auto cloud = measured_tree(folder_, "b", repeated, origin);
+    const VolumeReport often = measure_volume(*cloud, options);
+    EXPECT_NEAR(once.repeats[0], 1, 0.02);
+    EXPECT_NEAR(often.repeats[0], 20, 0.5);
+    EXPECT_EQ(often.points[0], 20 * once.points[0]);
+    EXPECT_NEAR(often.side, once.side, 0.1 * once.side);
+    EXPECT_NEAR(often.net_spread, once.net_spread, 0.1 * once.net_spread);
+    EXPECT_TRUE(once.notes().empty());
+    ASSERT_EQ(often.notes().size(), 1u);
+    EXPECT_NE(often.notes()[0].find("20 points at each place"), std::string::npos) << often.notes()[0];
+    // In cells of one side the surface is the same.
+    options.side = 0.5;
+    EXPECT_NEAR(measure_volume(*cloud, options).net_spread,
+                measure_volume(*measured_tree(folder_, "c", points, origin), options).net_spread, 1e-6);
+}
+
+TEST(EvenSample, HoldsPointsOfTheWholeStream)
+{
+    EvenSample sample;
+    for (int i = 0; i < 100000; ++i) sample.add({1.0 * i, 0, 0});
+    EXPECT_GE(sample.points().size(), 100u);
+    EXPECT_LE(sample.points().size(), 256u);
+    EXPECT_EQ(sample.points()[0][0], 0);
+    const double step = sample.points()[1][0];
+    for (std::size_t i = 0; i < sample.points().size(); ++i)
+        EXPECT_EQ(sample.points()[i][0], step * static_cast<double>(i));
+    EXPECT_GT(sample.points().back()[0], 100000 - 2 * step);
 }
 
 TEST_F(Volumes, CellsWithoutPointsAreLeftOutOrInterpolated)
