@@ -84,7 +84,7 @@ private:
         object_ = handle;
     }
     mutable OutputFile file_;
-    mutable std::optional<std::map<int, int>> owners_;  // by the handle of what they own
+    mutable std::optional<std::map<int, int>> owners_;  // handles, keyed by what they own
     mutable int object_ = 0;                            // handle of the one being written
     mutable bool seed_follows_ = false;
     mutable std::uint64_t seed_at_ = 0;

@@ -134,7 +134,7 @@ std::vector<Column> all_columns()
         {"inliers", plain, [](P p) { return std::to_string(p.fit.inliers); }},
         {"points", plain, [](P p) { return std::to_string(p.points); }},
         {"length", length_unit, [](P p) { return has_ends(p) ? number(p.bounds.to - p.bounds.from) : ""; }},
-        {"sigma_length", length_unit, [](P) { return std::string(); }},  // of runs alone
+        {"sigma_length", length_unit, [](P) { return std::string(); }},  // runs alone have one
         {"from_x", length_unit, end_at<0, false>},
         {"from_y", length_unit, end_at<1, false>},
         {"from_z", length_unit, end_at<2, false>},

@@ -1,6 +1,7 @@
 #include "pcm/detect/elbow_search.h"
 
 #include "pcm/cloud/numbers.h"
+#include "pcm/detect/tuning.h"
 #include "pcm/piping/pipe_joints.h"
 #include "pcm/piping/pipe_run.h"
 #include "pcm/piping/tuning.h"
@@ -18,7 +19,7 @@ namespace {
 using piping::AxesMeeting;
 using piping::EndIndex;
 
-constexpr std::size_t most_points = 20000;  // of which the bend's radius is estimated
+constexpr std::size_t most_points = 20000;  // points around a corner that the bend's radius is estimated from
 constexpr std::size_t tangent_steps = 40;   // tangents that are tried
 
 // A detected cylinder as a part of a pipe.
@@ -152,7 +153,7 @@ private:
         const double radius = radius_of(corner), half = std::tan(frame.turn / 2);
         const double nearest = std::min(corner.meeting.to_a, corner.meeting.to_b);
         const double least = std::max(nearest - radius, tuned_.corners.min_bend * radius * half);
-        const double most = std::max(nearest + tuned_.elbows.max_reach * radius, least);
+        const double most = std::max(nearest + detect_tuning().elbows.max_reach * radius, least);
         const std::vector<Vec3d> points = points_around(frame, most + 2 * radius);
         std::vector<Vec3d> best;
         for (std::size_t i = 0; i <= tangent_steps; ++i) {
@@ -168,11 +169,11 @@ private:
     {
         const BendFrame frame = frame_of(end_of(corner.a), end_of(corner.b), corner.meeting);
         const double radius = radius_of(corner);
-        double threshold = tuned_.elbows.threshold * radius;
+        double threshold = detect_tuning().elbows.threshold * radius;
         for (const EndIndex end : {corner.a, corner.b})
             threshold = std::max(threshold, primitives_[pipes_[end / 2].primitive].fit.threshold);
         const std::vector<Vec3d> arc = arc_points(corner, frame, threshold);
-        if (arc.size() < static_cast<std::size_t>(tuned_.elbows.min_points)) return {};
+        if (arc.size() < static_cast<std::size_t>(detect_tuning().elbows.min_points)) return {};
         for (const Vec3d& side : {-1 * frame.inwards, frame.axis, -1 * frame.axis}) {
             const auto by_side = [&](const Vec3d& p, const Vec3d& q) { return dot(p - q, side) < 0; };
             Primitive elbow = fitted_at(*std::max_element(arc.begin(), arc.end(), by_side), radius);

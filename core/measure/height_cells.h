@@ -16,7 +16,7 @@ struct HeightCell {
 
     void add(double height);
     void add(const HeightCell& other);  // as if its points had been added (Chan, Golub and LeVeque)
-    // As if only one of so many points at each place had been added: the same mean, from fewer heights.
+    // As if one point of each place had been added: the same mean, from fewer heights.
     void count_places(double points_per_place);
 };
 

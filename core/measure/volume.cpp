@@ -229,7 +229,7 @@ std::vector<HeightCell> Volume::read(std::size_t number, const CellGrid& grid)
             sample.add(view.position(i));
         }
     report_.outcome.points_in += cursor.statistics().points_read;
-    // Of a sample, some hundredths more than 1 are chance.
+    // Chance makes it some hundredths more than 1 in a sample.
     constexpr double least_repeats = 1.05;
     report_.repeats[number] = points_per_place(cloud.cloud(), sample.points(), options_.level);
     if (report_.repeats[number] > least_repeats)

@@ -125,6 +125,13 @@ void add_coarse(VolumeReport& report, const CellGrid& grid, const std::vector<st
         }
 }
 
+// Adds a cell that counts.
+void add_height(double d, double area, VolumeReport& report)
+{
+    (d > 0 ? report.cut : report.fill) += std::fabs(d) * area;
+    (d > 0 ? report.cut_squares : report.fill_squares) += d * d * area;
+}
+
 }  // namespace
 
 void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<std::vector<HeightCell>>& cells,
@@ -156,8 +163,7 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
         const double d = filled.difference[cell];
         if (std::isnan(d)) continue;
         report.area_counted += area;
-        (d > 0 ? report.cut : report.fill) += std::fabs(d) * area;
-        (d > 0 ? report.cut_squares : report.fill_squares) += d * d * area;
+        add_height(d, area, report);
         // A surface that has points in the cell, in any case.
         double variance = 0;
         for (const Surface2d& surface : surfaces) variance += surface.variance[cell];

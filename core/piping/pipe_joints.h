@@ -30,7 +30,7 @@ double angle_between(const Vec3d& a, const Vec3d& b);
 // Where the axes of two straight tubes come nearest to each other beyond these ends: a.place + to_a a.out and
 // b.place + to_b b.out, `apart` from each other. The ends must not be parallel.
 struct AxesMeeting {
-    double turn = 0;  // of a line that goes along a.out, and on against b.out: 0 to pi
+    double turn = 0;  // angle between a.out and -b.out, 0 to pi
     double to_a = 0, to_b = 0, apart = 0;
 };
 AxesMeeting axes_meeting(const TubeEnd& a, const TubeEnd& b);

@@ -193,7 +193,7 @@ private:
     piping::RunBend bend_of(const Tube& elbow, const PipeJoint* before, const PipeJoint* next) const
     {
         piping::RunBend bend;
-        bend.turn = elbow.arc;  // of which pipes on both sides have a part
+        bend.turn = elbow.arc;  // longer than the bend where it has points of pipes
         if (before && next) bend.turn = angle_between(tangent_into(elbow, *before), -1 * tangent_into(elbow, *next));
         bend.arc = elbow.bend * bend.turn;
         bend.tangent_error = elbow.place_error;

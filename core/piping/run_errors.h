@@ -22,8 +22,8 @@ struct RunBend {
     double turn = 0;             // radians
     double arc = 0;              // length of the arc, source units
     double tangent_error = 0;    // standard deviation of where the arc begins and ends along its tangents, source units
-    double place_error = 0;      // of the tangents across themselves, both together, source units
-    double direction_error = 0;  // of the tangents' directions, both together, times the bend's radius, source units
+    double place_error = 0;      // offset of both tangents across themselves, source units
+    double direction_error = 0;  // angle error of both tangents times the bend's radius, source units
 };
 
 // Standard deviation of the length of a centre line, source units. A line whose tangents meet at a turn t, each `u`

@@ -33,9 +33,6 @@ std::vector<TunedValue> piping_tuned_values()
         PCM_TUNED(piping.corners.max_turn),
         PCM_TUNED(piping.corners.min_bend),
         PCM_TUNED(piping.corners.max_difference),
-        PCM_TUNED(piping.elbows.max_reach),
-        PCM_TUNED(piping.elbows.threshold),
-        PCM_TUNED(piping.elbows.min_points),
     }};
     return {all.begin(), all.end()};
 }

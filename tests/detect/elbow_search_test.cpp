@@ -144,7 +144,7 @@ TEST_F(ElbowSearch, NoneBetweenPipesThatDoNotBend)
     list[1].fit.shape.point[2] += 0.2;  // the axes miss each other
     EXPECT_TRUE(find_elbows(*cloud, list, {}).empty());
     list = usual.pipes(0);
-    list[0].bounds.to += 2;  // goes on beyond
+    list[0].bounds.to += 2;  // passes the corner
     EXPECT_TRUE(find_elbows(*cloud, list, {}).empty());
 }
 

@@ -3,7 +3,6 @@
 
 #include "pcm/measure/gap_filling.h"
 #include "pcm/measure/height_cells.h"
-#include "pcm/measure/repeated_points.h"
 #include "pcm/system/error.h"
 #include "tests/measure/measured_tree.h"
 #include "tests/outcome.h"
@@ -252,46 +251,6 @@ TEST_F(Volumes, BetweenTwoClouds)
     EXPECT_NEAR(back.fill, report.cut, 1e-9);
 }
 
-// A file that is there twenty times measures no more than once.
-TEST_F(Volumes, RepeatedPointsCountAsOneMeasurement)
-{
-    const auto slope = [](double x, double y) { return 0.1 * x + 0.3 * std::sin(y); };
-    const std::vector<Vec3d> points = surface(slope, 6000, 0.02, 1);
-    std::vector<Vec3d> repeated;
-    for (int i = 0; i < 20; ++i) repeated.insert(repeated.end(), points.begin(), points.end());
-    VolumeOptions options;
-    options.polygon = at_origin(square);
-    options.reference.height = origin[2] - 5;
-    const VolumeReport once = measure_volume(*measured_tree(folder_, "a", points, origin), options);
-    const auto cloud = measured_tree(folder_, "b", repeated, origin);
-    const VolumeReport often = measure_volume(*cloud, options);
-    EXPECT_NEAR(once.repeats[0], 1, 0.02);
-    EXPECT_NEAR(often.repeats[0], 20, 0.5);
-    EXPECT_EQ(often.points[0], 20 * once.points[0]);
-    EXPECT_NEAR(often.side, once.side, 0.1 * once.side);
-    EXPECT_NEAR(often.net_spread, once.net_spread, 0.1 * once.net_spread);
-    EXPECT_TRUE(once.notes().empty());
-    ASSERT_EQ(often.notes().size(), 1u);
-    EXPECT_NE(often.notes()[0].find("20 points at each place"), std::string::npos) << often.notes()[0];
-    // In cells of one side the surface is the same.
-    options.side = 0.5;
-    EXPECT_NEAR(measure_volume(*cloud, options).net_spread,
-                measure_volume(*measured_tree(folder_, "c", points, origin), options).net_spread, 1e-6);
-}
-
-TEST(EvenSample, HoldsPointsOfTheWholeStream)
-{
-    EvenSample sample;
-    for (int i = 0; i < 100000; ++i) sample.add({1.0 * i, 0, 0});
-    EXPECT_GE(sample.points().size(), 100u);
-    EXPECT_LE(sample.points().size(), 256u);
-    EXPECT_EQ(sample.points()[0][0], 0);
-    const double step = sample.points()[1][0];
-    for (std::size_t i = 0; i < sample.points().size(); ++i)
-        EXPECT_EQ(sample.points()[i][0], step * static_cast<double>(i));
-    EXPECT_GT(sample.points().back()[0], 100000 - 2 * step);
-}
-
 TEST_F(Volumes, CellsWithoutPointsAreLeftOutOrInterpolated)
 {
     const auto slope = [](double x, double y) { return 0.1 * x - 0.05 * y; };
@@ -334,7 +293,7 @@ TEST_F(Volumes, CellsWithoutPointsAreLeftOutOrInterpolated)
     options.reference.height += left_out.net() / left_out.area_counted;
     const VolumeReport around = measure_volume(*cloud, options);
     EXPECT_LT(std::fabs(around.net()), 0.01 * truth);
-    double squares = 0;  // of a slope of 0.1 and 0.05 over a square 16 wide
+    double squares = 0;  // slopes of 0.1 and 0.05 over a square 16 wide
     for (const double slope : {0.1, 0.05}) squares += std::pow(slope * 16, 2) / 12;
     EXPECT_NEAR(around.values()[0].uncertainty, around.area_without_data * std::sqrt(squares),
                 0.1 * around.values()[0].uncertainty);

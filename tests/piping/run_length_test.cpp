@@ -13,7 +13,7 @@ using pipes::PipeLayer;
 using pipes::Random;
 using pipes::uniform;
 
-// So many points that a free end is exact: the errors are those of axes and bends.
+// With this number of points a free end is exact: the errors are those of axes and bends.
 constexpr std::uint64_t countless = std::uint64_t(1) << 62;
 
 Noise fitted_noise()
