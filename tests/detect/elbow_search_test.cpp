@@ -60,9 +60,9 @@ struct BentPipe {
         Primitive other = pipe;
         other.name = "Cylinder 2";
         other.fit.shape.point = end_of_arc();
-        other.fit.shape.axis = -1 * out();
-        other.bounds.from = -last;
-        other.bounds.to = reach;
+        other.fit.shape.axis = out();
+        other.bounds.from = -reach;
+        other.bounds.to = last;
         return {pipe, other};
     }
 };
@@ -104,9 +104,11 @@ TEST_F(ElbowSearch, FindsTheBendAndCutsThePipes)
         EXPECT_EQ(elbows[0].name, "Elbow 1");
         EXPECT_NEAR(fit.shape.radius, truth.bend, std::max(4 * fit.errors.radius, 0.002)) << truth.radius;
         EXPECT_NEAR(fit.shape.second, truth.radius, 0.001);
+        EXPECT_EQ(list[0].bounds.from, 0);
+        EXPECT_EQ(list[1].bounds.to, truth.last);
         // The pipes end where the arc begins, to what the centre is known to.
         EXPECT_NEAR(list[0].bounds.to, truth.first, 0.015 * truth.bend + 0.003);
-        EXPECT_NEAR(list[1].bounds.to, 0, 0.015 * truth.bend + 0.003);
+        EXPECT_NEAR(list[1].bounds.from, 0, 0.015 * truth.bend + 0.003);
         EXPECT_NEAR(elbows[0].bounds.end - elbows[0].bounds.begin, truth.turn, 0.04);
         list.push_back(elbows[0]);
         const std::vector<PipeRun> runs = pipe_runs(list);
