@@ -1,5 +1,6 @@
 #include "pcm/cad/drawing_list.h"
 
+#include "pcm/system/counted.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
@@ -21,11 +22,6 @@ void check_numbers(const Primitive& primitive)
         !std::isfinite(bounds.to) || !is_finite(bounds.zero) || !std::isfinite(bounds.begin) ||
         !std::isfinite(bounds.end))
         throw Error(ErrorCode::invalid_argument, {}, "the bounds of '" + primitive.name + "' are not finite");
-}
-
-std::string counted(std::size_t count, const std::string& word, const std::string& one, const std::string& several)
-{
-    return std::to_string(count) + " " + word + (count == 1 ? " " + one : "s " + several);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <optional>
 #include <string_view>
 
 namespace pcm {
@@ -41,6 +42,7 @@ public:
         } else {
             put(code, hex(static_cast<unsigned long>(value), 1));
         }
+        if (owners_) put_owner(code, value);
     }
     void dxfString(int code, const char* value) const override
     {
@@ -52,6 +54,10 @@ public:
     // The handle from which programs number what they add is above all of this file: dxflib's is 65535, whatever
     // follows.
     void put_seed() { file_.rewrite(hex(getNextHandle(), 8).data(), 8, seed_at_); }
+
+    // From here on each object names its owner, the dictionary that has its handle (code 350); the first one has none.
+    // dxflib leaves that out.
+    void begin_owners() { owners_.emplace(); }
 
     OutputFile& file() { return file_; }
 
@@ -69,7 +75,17 @@ private:
         const std::string number = std::to_string(code);
         file_.append(std::string(number.size() < 3 ? 3 - number.size() : 0, ' ') + number + "\n" + value + "\n");
     }
+    void put_owner(int code, int handle) const
+    {
+        if (code == 350) owners_->emplace(handle, object_);
+        if (code != 5) return;
+        const auto owner = owners_->find(handle);
+        put(330, hex(owner == owners_->end() ? 0 : static_cast<unsigned long>(owner->second), 1));
+        object_ = handle;
+    }
     mutable OutputFile file_;
+    mutable std::optional<std::map<int, int>> owners_;  // handles, keyed by what they own
+    mutable int object_ = 0;                            // handle of the one being written
     mutable bool seed_follows_ = false;
     mutable std::uint64_t seed_at_ = 0;
 };
@@ -304,6 +320,7 @@ void DxfFile::text(const std::string& layer, const Vec3d& p, double height, cons
 void DxfFile::finish()
 {
     state_->writer.sectionEnd();
+    state_->writer.begin_owners();
     state_->library.writeObjects(state_->writer);
     state_->library.writeObjectsEnd(state_->writer);
     state_->writer.dxfEOF();

@@ -134,6 +134,7 @@ std::vector<Column> all_columns()
         {"inliers", plain, [](P p) { return std::to_string(p.fit.inliers); }},
         {"points", plain, [](P p) { return std::to_string(p.points); }},
         {"length", length_unit, [](P p) { return has_ends(p) ? number(p.bounds.to - p.bounds.from) : ""; }},
+        {"sigma_length", length_unit, [](P) { return std::string(); }},  // runs alone have one
         {"from_x", length_unit, end_at<0, false>},
         {"from_y", length_unit, end_at<1, false>},
         {"from_z", length_unit, end_at<2, false>},
@@ -182,6 +183,7 @@ std::unordered_map<std::string, std::string> cells_of(const PipeRun& run)
         {"radius", number(run.radius)},
         {"sigma_radius", run.radius_error > 0 ? number(run.radius_error) : ""},
         {"length", number(run.length())},
+        {"sigma_length", run.length_error > 0 ? number(run.length_error) : ""},
         {"points", std::to_string(points)},
         {"verdict", name_of(doubt.empty() ? FitVerdict::good : FitVerdict::doubtful)},
         {"message", doubt},

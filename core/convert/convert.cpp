@@ -192,7 +192,7 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
     report.skipped = cloud->info().skipped;
     report.points_skipped = report.outcome.points_in - report.outcome.points_out;
     if (report.points_skipped)
-        report.notes.push_back(grouped(report.points_skipped) + " points without a finite position were left out");
+        report.notes.push_back(points_text(report.points_skipped) + " without a finite position left out");
     report.outcome.points_in += cloud->info().points_left_out;
     report.points_skipped += cloud->info().points_left_out;
     append(report.notes, writer->notes());

@@ -35,7 +35,8 @@ SearchValues search_values(DetectTuning& detect)
     }};
 }
 
-using ResultValues = std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, MergingTuning>>;
+using ResultValues =
+    std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, MergingTuning, ElbowTuning>>;
 static_assert(std::tuple_size_v<SearchValues> + std::tuple_size_v<ResultValues> == values_of<DetectTuning>);
 ResultValues result_values(DetectTuning& detect)
 {
@@ -72,6 +73,9 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.merging.same_rms),
         PCM_TUNED(detect.merging.explained_share),
         PCM_TUNED(detect.merging.min_interior),
+        PCM_TUNED(detect.elbows.max_reach),
+        PCM_TUNED(detect.elbows.threshold),
+        PCM_TUNED(detect.elbows.min_points),
     }};
 }
 

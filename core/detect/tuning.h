@@ -209,6 +209,19 @@ struct MergingTuning {
     double min_interior = 0.5;  // share of the points
 };
 
+// Elbows that are looked for between two pipes (elbow_search.h).
+struct ElbowTuning {
+    // How far behind the nearer end an arc may begin: pipes whose points reach into the bend.
+    // Chosen: elbows of three radii in a plant scanned from ten stations reach 1.7; twice as much; not swept.
+    double max_reach = 3.5;  // radii
+    // Distance of points from the arc that is tried, at least: the axes' errors move it.
+    // Chosen: half of the step between tangents that are tried; not swept.
+    double threshold = 0.05;  // radii
+    // Points on the middle half of the arc.
+    // Chosen: fits of a torus to fewer have errors of the radius' size; not swept.
+    double min_points = 30;  // number
+};
+
 struct DetectTuning {
     SurveyTuning survey;
     ResolutionTuning resolution;
@@ -217,6 +230,7 @@ struct DetectTuning {
     PieceTuning pieces;
     WideningTuning widening;
     MergingTuning merging;
+    ElbowTuning elbows;
 };
 
 // The values above, unless a benchmark has set one (tuned_values.h). Constant while anything works. A loop over points

@@ -32,6 +32,14 @@ void HeightCell::add(const HeightCell& other)
     highest = std::max(highest, other.highest);
 }
 
+void HeightCell::count_places(double points_per_place)
+{
+    if (points == 0) return;
+    points =
+        std::max<std::uint64_t>(1, static_cast<std::uint64_t>(static_cast<double>(points) / points_per_place + 0.5));
+    squares = points > 1 ? squares / points_per_place : 0;
+}
+
 Surface2d surface_of(const std::vector<HeightCell>& cells, CellHeight kind)
 {
     double squares = 0, freedom = 0;

@@ -16,6 +16,8 @@ struct HeightCell {
 
     void add(double height);
     void add(const HeightCell& other);  // as if its points had been added (Chan, Golub and LeVeque)
+    // As if one point of each place had been added: the same mean, from fewer heights.
+    void count_places(double points_per_place);
 };
 
 // Heights of the cells and their variances; NaN for cells without points.

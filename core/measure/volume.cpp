@@ -7,6 +7,7 @@
 #include "pcm/measure/measure_values.h"
 #include "pcm/measure/placed_cloud.h"
 #include "pcm/measure/refuse.h"
+#include "pcm/measure/repeated_points.h"
 #include "pcm/measure/volume_sums.h"
 #include "pcm/system/error.h"
 #include "pcm/system/seconds.h"
@@ -217,6 +218,7 @@ std::vector<HeightCell> Volume::read(std::size_t number, const CellGrid& grid)
             return options_.progress(whole);
         };
     PointCursor cursor = cloud.cloud().points(query);
+    EvenSample sample;
     for (PointView view; cursor.getNextData(view);)
         for (std::size_t i = 0; i < view.size(); ++i) {
             const Vec3d p = cloud.position(view, i);
@@ -224,8 +226,14 @@ std::vector<HeightCell> Volume::read(std::size_t number, const CellGrid& grid)
             if (cell == grid.size()) continue;
             cells[cell].add(p[2] - base_.at(p[0], p[1]));
             ++report_.points[number];
+            sample.add(view.position(i));
         }
     report_.outcome.points_in += cursor.statistics().points_read;
+    // Chance makes it some hundredths more than 1 in a sample.
+    constexpr double least_repeats = 1.05;
+    report_.repeats[number] = points_per_place(cloud.cloud(), sample.points(), options_.level);
+    if (report_.repeats[number] > least_repeats)
+        for (HeightCell& cell : cells) cell.count_places(report_.repeats[number]);
     return cells;
 }
 

@@ -125,6 +125,13 @@ void add_coarse(VolumeReport& report, const CellGrid& grid, const std::vector<st
         }
 }
 
+// Adds a cell that counts.
+void add_height(double d, double area, VolumeReport& report)
+{
+    (d > 0 ? report.cut : report.fill) += std::fabs(d) * area;
+    (d > 0 ? report.cut_squares : report.fill_squares) += d * d * area;
+}
+
 }  // namespace
 
 void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<std::vector<HeightCell>>& cells,
@@ -156,7 +163,7 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
         const double d = filled.difference[cell];
         if (std::isnan(d)) continue;
         report.area_counted += area;
-        (d > 0 ? report.cut : report.fill) += std::fabs(d) * area;
+        add_height(d, area, report);
         // A surface that has points in the cell, in any case.
         double variance = 0;
         for (const Surface2d& surface : surfaces) variance += surface.variance[cell];
@@ -191,16 +198,20 @@ void add_volumes(VolumeReport& report, const CellGrid& grid, const std::vector<s
 std::vector<MeasureValue> VolumeReport::values() const
 {
     const double net_coarse = (cut_measured - fill_measured) - (cut_coarse - fill_coarse);
-    // What the area that counts for nothing may hold, relative to what the rest holds.
-    const double left_out = area_counted > 0 ? std::max(0.0, area - area_counted) / area_counted : 0;
+    // What the area that counts for nothing may hold, by the heights of the rest. Their mean is near 0 where the
+    // reference goes through the surface, and says nothing then.
+    const auto left_out = [this](double squares) {
+        return area_counted > 0 ? std::max(0.0, area - area_counted) * std::sqrt(squares / area_counted) : 0;
+    };
     const auto root = [](std::initializer_list<double> parts) {
         double squares = 0;
         for (const double part : parts) squares += part * part;
         return std::sqrt(squares);
     };
-    return {{"net", net(), root({net_spread, net_gaps, net_coarse, left_out * net()}), "^3"},
-            {"cut", cut, root({cut_spread, cut_gaps, cut_measured - cut_coarse, excess, left_out * cut}), "^3"},
-            {"fill", fill, root({fill_spread, fill_gaps, fill_measured - fill_coarse, excess, left_out * fill}), "^3"},
+    return {{"net", net(), root({net_spread, net_gaps, net_coarse, left_out(cut_squares + fill_squares)}), "^3"},
+            {"cut", cut, root({cut_spread, cut_gaps, cut_measured - cut_coarse, excess, left_out(cut_squares)}), "^3"},
+            {"fill", fill, root({fill_spread, fill_gaps, fill_measured - fill_coarse, excess, left_out(fill_squares)}),
+             "^3"},
             {"area with points", 100 * covered(), 0, "%"},
             {"area without data", area_without_data, 0, "^2"},
             {"area extrapolated", area_extrapolated, 0, "^2"},
@@ -212,6 +223,10 @@ std::vector<std::string> VolumeReport::notes() const
     constexpr double much = 0.05;
     const auto percent = [&](double part) { return brief(std::round(1000 * part / area) / 10) + " %"; };
     std::vector<std::string> notes;
+    for (const double repeated : repeats)
+        if (repeated > 1.5)
+            notes.push_back("there are " + brief(repeated) +
+                            " points at each place in the mean: they count as one measurement");
     const double left_out = area - area_counted;
     if (covered() < 0.5)
         notes.push_back(

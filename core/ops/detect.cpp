@@ -1,5 +1,6 @@
 // All planes, cylinders and spheres of a cloud.
 #include "pcm/detect/detect.h"
+#include "pcm/detect/elbow_search.h"
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/ops/shared/drawing_arguments.h"
@@ -10,6 +11,7 @@
 #include "pcm/ops/shared/window_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
+#include "pcm/system/counted.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_group.h"
 #include "pcm/system/rounded_text.h"
@@ -73,6 +75,7 @@ public:
         const LabelOptions label = label_options(context);
         if (!label_.empty()) check_label_attribute(*cloud->tree(), label);
         DetectReport found = detect_primitives(cloud->tree(), options_);
+        add_elbows(*cloud, found);
         Result result;
         result.notes = found.notes;
         if (context.window.keep_primitives && !found.primitives.empty())
@@ -218,6 +221,21 @@ private:
         label.threads = options_.threads;
         label.progress = context.progress;
         return label;
+    }
+
+    // Behind the others, whose labels are their places in the list.
+    void add_elbows(const PointCloud& cloud, DetectReport& found) const
+    {
+        ElbowOptions elbows;
+        elbows.limit = options_.limit;
+        elbows.memory_bytes = options_.memory_bytes;
+        elbows.threads = options_.threads;
+        elbows.progress = options_.progress;
+        std::vector<Primitive> all = find_elbows(cloud, found.primitives, elbows);
+        if (!all.empty())
+            found.notes.push_back(counted(all.size(), "elbow") +
+                                  " between pipes were fitted to the points there, which have no label of theirs");
+        for (Primitive& elbow : all) found.primitives.push_back(std::move(elbow));
     }
 
     void write_list(const DetectReport& found, const std::string& unit, Result& result) const

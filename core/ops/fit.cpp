@@ -10,6 +10,7 @@
 #include "pcm/ops/table.h"
 #include "pcm/place/fit_at.h"
 #include "pcm/point_cloud.h"
+#include "pcm/system/counted.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -402,7 +403,7 @@ private:
         const std::string growth = !fitted.left_surface.empty() ? ", and not followed: " + fitted.left_surface
                                    : fitted.rounds == 0         ? ""
                                                                 : ", grown by steps of " + brief(fitted.step);
-        result.line(tree_ + ": " + grouped(fitted.points.size()) + " points belong to it; fitted to " +
+        result.line(tree_ + ": " + counted(fitted.points.size(), "point", "belongs", "belong") + " to it; fitted to " +
                     grouped(fitted.local.inliers) + " of " + points_text(fitted.near.ids.size()) + " around the place" +
                     growth);
         if (fitted.rounds > 0 && !fitted.converged && fitted.left_surface.empty())

@@ -149,12 +149,11 @@ void print_tree(Result& result, const Tree& tree, const std::optional<CloudStati
         result.print("levels      have gaps where points were deleted; 'pcmlab compact' closes them");
     result.line(info.sampling == Sampling::grid ? "levels      sampled on a grid (a fast build)"
                                                 : "levels      Poisson disks");
-    result.print("level  nodes          points  points to here  spacing");
+    result.print("level       nodes           points   points to here  spacing");
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const LevelSummary& level = levels[i];
-        result.print("%5zu %6llu %15s %15s  %s", i, static_cast<unsigned long long>(level.nodes),
-                     grouped(level.points).c_str(), grouped(level.points_to_here).c_str(),
-                     level.spacing > 0 ? brief(level.spacing).c_str() : "full");
+        result.print("%5zu %11s %16s %16s  %s", i, grouped(level.nodes).c_str(), grouped(level.points).c_str(),
+                     grouped(level.points_to_here).c_str(), level.spacing > 0 ? brief(level.spacing).c_str() : "full");
     }
     if (statistics) print_statistics(result, *statistics, info.schema);
 }

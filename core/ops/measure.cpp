@@ -4,6 +4,7 @@
 #include "pcm/measure/snap.h"
 #include "pcm/ops/shared/measure_report.h"
 #include "pcm/ops/table.h"
+#include "pcm/system/counted.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/text.h"
 #include "pcm/system/update_file.h"
@@ -102,7 +103,7 @@ public:
         values["largest_move"] = cloud ? Json(moved) : Json();
         values["unit"] = unit;
         if (cloud) result.line("places were moved to the nearest points, at most " + brief(moved));
-        files_.describe(result, std::to_string(list.size()) + (list.size() == 1 ? " measure" : " measures"));
+        files_.describe(result, counted(list.size(), "measure"));
         return result;
     }
 

@@ -7,6 +7,7 @@
 #include "pcm/ops/shared/primitive_report.h"
 #include "pcm/ops/table.h"
 #include "pcm/shapes/primitive_text.h"
+#include "pcm/system/counted.h"
 #include "pcm/system/new_output.h"
 #include "pcm/system/output_group.h"
 #include "pcm/system/text.h"
@@ -177,12 +178,10 @@ private:
         for (const PipeRun& run : runs) put_lines(result, run, name_of(options_.unit));
         if (primitives.empty()) result.line(list_ + ": no primitives");
         for (const Json& file : files) {
-            const auto counted = [&](const char* key, const std::string& word) {
-                const auto count = file[key].get<std::size_t>();
-                return std::to_string(count) + " " + word + (count == 1 ? "" : "s");
-            };
-            result.line(file["file"].get<std::string>() + ": " + counted("primitives", "primitive") +
-                        (file["runs"] == 0 ? "" : ", " + counted("runs", "pipe run")));
+            const auto drawn = file["runs"].get<std::uint64_t>();
+            result.line(file["file"].get<std::string>() + ": " +
+                        counted(file["primitives"].get<std::uint64_t>(), "primitive") +
+                        (drawn == 0 ? "" : ", " + counted(drawn, "pipe run")));
         }
     }
 

@@ -177,7 +177,7 @@ private:
             .help(
                 "Leave cells without points out: the volume of the part of the polygon that has points; the "
                 "uncertainty "
-                "contains the mean height times the area left out");
+                "contains the root mean square of the heights times the area left out");
         arguments_.add("level", options_.level)
             .letter('l')
             .label("Level")

@@ -23,9 +23,6 @@ double centre_length(const Tube& tube)
     return tube.is_straight() ? length(tube.ends[1].place - tube.ends[0].place) : tube.bend * tube.arc;
 }
 
-// Between two unit vectors, 0 to pi.
-double angle_between(const Vec3d& a, const Vec3d& b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
-
 // A line that is tangent to the centre lines of both tubes.
 struct Tangent {
     Vec3d point{}, direction{};
@@ -40,7 +37,9 @@ public:
           offset_(limit(tuned_.offset_share * radius_, std::hypot(a.place_error, b.place_error),
                         tuned_.max_offset * radius_)),
           angle_(limit(tuned_.angle, std::hypot(a.angle_error, b.angle_error), tuned_.max_angle)),
-          overlap_(std::min({tuned_.max_overlap * radius_, centre_length(a) / 2, centre_length(b) / 2}))
+          overlap_(
+              std::min({(a.is_straight() && b.is_straight() ? tuned_.max_overlap : tuned_.max_elbow_overlap) * radius_,
+                        centre_length(a) / 2, centre_length(b) / 2}))
     {
         test(a.radius - b.radius, limit(tuned_.radius_share * radius_, std::hypot(a.radius_error, b.radius_error),
                                         tuned_.max_radius_share * radius_));
@@ -128,14 +127,11 @@ std::optional<PipeJoint> corner_joint(const TubeEnd& a, const TubeEnd& b, Trial 
     const CornerTuning& tuned = piping_tuning().corners;
     const double turn = angle_between(a.out, -1 * b.out);
     if (!(turn >= tuned.min_turn && turn <= tuned.max_turn)) return {};
-    // a.place + to_a a.out and b.place + to_b b.out are nearest to each other.
-    const Vec3d between = b.place - a.place;
-    const double c = dot(a.out, b.out);
-    const double to_a = (dot(between, a.out) - c * dot(between, b.out)) / (1 - c * c);
-    const double to_b = c * to_a - dot(between, b.out);
+    const AxesMeeting meeting = axes_meeting(a, b);
+    const double to_a = meeting.to_a, to_b = meeting.to_b;
     const double least = std::min(to_a, to_b);
     if (!(least >= tuned.min_bend * trial.radius() * std::tan(turn / 2))) return {};
-    trial.offset(length(between + to_b * b.out - to_a * a.out));
+    trial.offset(meeting.apart);
     trial.gap(to_a);
     trial.gap(to_b);
     trial.test(to_a - to_b, tuned.max_difference * trial.radius());
@@ -265,6 +261,22 @@ void prefer_straight_on(std::size_t ends, std::vector<PipeJoint>& joints)
 }
 
 }  // namespace
+
+double angle_between(const Vec3d& a, const Vec3d& b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
+
+bool PipeJoint::is_assumed_bend() const { return rank == corner; }
+
+AxesMeeting axes_meeting(const TubeEnd& a, const TubeEnd& b)
+{
+    AxesMeeting meeting;
+    meeting.turn = angle_between(a.out, -1 * b.out);
+    const Vec3d between = b.place - a.place;
+    const double c = dot(a.out, b.out);
+    meeting.to_a = (dot(between, a.out) - c * dot(between, b.out)) / (1 - c * c);
+    meeting.to_b = c * meeting.to_a - dot(between, b.out);
+    meeting.apart = length(between + meeting.to_b * b.out - meeting.to_a * a.out);
+    return meeting;
+}
 
 std::vector<PipeJoint> pipe_joints(const std::vector<Tube>& tubes)
 {

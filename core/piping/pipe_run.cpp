@@ -2,17 +2,21 @@
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/piping/pipe_joints.h"
+#include "pcm/piping/run_errors.h"
+#include "pcm/piping/tuning.h"
 #include "pcm/shapes/axis_mesh.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
 namespace pcm {
 namespace {
 
+using piping::angle_between;
 using piping::EndIndex;
 using piping::PipeJoint;
 
@@ -124,20 +128,20 @@ private:
     PipeRun run_from(EndIndex first, std::vector<bool>& seen) const
     {
         PipeRun run;
-        std::vector<const Tube*> tubes;
+        std::vector<EndIndex> ins;
         run.is_closed = joint_of_[first] != nullptr;
         EndIndex in = first;
         do {
             seen[in / 2] = true;
             run.parts.push_back(primitives_[in / 2]);
-            tubes.push_back(&tubes_[in / 2]);
+            ins.push_back(in);
             add_part(in, run.line);
             const PipeJoint* const next = joint_of_[other_end(in)];
             if (!next) break;
             add_between(passed(*next, other_end(in)), run.line);
             in = partner(*next, other_end(in));
         } while (in != first);
-        set_radius(tubes, run);
+        set_errors(ins, run);
         return run;
     }
 
@@ -162,25 +166,68 @@ private:
             add_arc(from, to, (in % 2 == 0 ? 1.0 : -1.0) * tube.axis, true, line);
     }
 
-    // With weights of 1 / error^2 where all errors are known, else 1. sqrt(sum of w (r - mean)^2 / (n - 1)) is the
-    // ratio of the differences to those that the errors explain.
-    static void set_radius(const std::vector<const Tube*>& tubes, PipeRun& run)
+    // The length's error is known where all errors of the parts are.
+    void set_errors(const std::vector<EndIndex>& ins, PipeRun& run) const
     {
-        const bool known = std::all_of(tubes.begin(), tubes.end(), [](const Tube* tube) {
-            return tube->radius_error > 0 && std::isfinite(tube->radius_error);
-        });
-        const double first = tubes.front()->radius;
-        double weights = 0, sum = 0, misfit = 0;
-        const auto weight = [&](const Tube& tube) { return known ? 1 / square(tube.radius_error) : 1.0; };
-        for (const Tube* tube : tubes) {
-            weights += weight(*tube);
-            sum += weight(*tube) * (tube->radius - first);
+        std::vector<const Tube*> tubes;
+        for (const EndIndex in : ins) tubes.push_back(&tubes_[in / 2]);
+        const piping::ValueWithError radius = piping::run_radius(tubes);
+        run.radius = radius.value;
+        run.radius_error = radius.error;
+        if (!(radius.error > 0)) return;
+        std::vector<piping::RunBend> bends;
+        std::array<double, 2> free_ends{};
+        for (std::size_t i = 0; i < ins.size(); ++i) {
+            const Tube& tube = *tubes[i];
+            const PipeJoint *const before = joint_of_[ins[i]], *const next = joint_of_[other_end(ins[i])];
+            const double end_error = piping::end_error(*run.parts[i], tube);
+            if (!before) free_ends[0] = end_error;
+            if (!next) free_ends[1] = end_error;
+            if (!tube.is_straight()) bends.push_back(bend_of(tube, before, next));
+            if (next && next->is_assumed_bend()) bends.push_back(assumed_bend(*next, radius.value));
         }
-        run.radius = first + sum / weights;
-        if (!known) return;
-        for (const Tube* tube : tubes) misfit += weight(*tube) * square(tube->radius - run.radius);
-        run.radius_error =
-            std::max(1.0, std::sqrt(misfit / static_cast<double>(tubes.size() - 1))) / std::sqrt(weights);
+        run.length_error = piping::length_error(bends, free_ends);
+    }
+
+    // Straight parts on both sides hold the arc; an elbow next to another one has its own errors alone.
+    piping::RunBend bend_of(const Tube& elbow, const PipeJoint* before, const PipeJoint* next) const
+    {
+        piping::RunBend bend;
+        bend.turn = elbow.arc;  // longer than the bend where it has points of pipes
+        if (before && next) bend.turn = angle_between(tangent_into(elbow, *before), -1 * tangent_into(elbow, *next));
+        bend.arc = elbow.bend * bend.turn;
+        bend.tangent_error = elbow.place_error;
+        for (const PipeJoint* joint : {before, next}) {
+            if (!joint) continue;
+            const Tube &a = tubes_[joint->a / 2], &b = tubes_[joint->b / 2];
+            const Tube& other = &a == &elbow ? b : a;
+            if (other.is_straight()) add_tangent(other, elbow.bend, bend);
+        }
+        return bend;
+    }
+
+    // Unit tangent at a joint of the elbow that points into it.
+    Vec3d tangent_into(const Tube& elbow, const PipeJoint& joint) const
+    {
+        return &tubes_[joint.b / 2] == &elbow ? joint.enters : -1 * joint.leaves;
+    }
+
+    // Pipes end before the bend begins, or have points of it, by up to what joints allow of overlaps.
+    piping::RunBend assumed_bend(const PipeJoint& joint, double radius) const
+    {
+        piping::RunBend bend;
+        bend.turn = angle_between(joint.leaves, joint.enters);
+        bend.tangent_error = piping_tuning().joints.max_overlap * radius;
+        const double bend_radius = length(joint.at_b - joint.at_a) / (2 * std::sin(bend.turn / 2));
+        bend.arc = bend_radius * bend.turn;
+        for (const EndIndex end : {joint.a, joint.b}) add_tangent(tubes_[end / 2], bend_radius, bend);
+        return bend;
+    }
+
+    static void add_tangent(const Tube& straight, double bend_radius, piping::RunBend& bend)
+    {
+        bend.place_error = std::hypot(bend.place_error, straight.place_error);
+        bend.direction_error = std::hypot(bend.direction_error, straight.angle_error * bend_radius);
     }
 
     std::vector<Tube> tubes_;

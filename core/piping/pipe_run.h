@@ -30,6 +30,9 @@ struct PipeRun {
     // Weighted mean of the parts' radii, and its standard deviation: the larger of what the parts' own errors and what
     // their differences say. The error is 0 where that of a part is not known.
     double radius = 0, radius_error = 0;
+    // Standard deviation of length(), to first order (piping/run_errors.h): free ends are as uncertain as points are
+    // apart there, bends that no shape shows by what pipes may have of them. 0: not known.
+    double length_error = 0;
 
     double length() const;      // along the centre line
     std::size_t bends() const;  // number of arcs

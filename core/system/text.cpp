@@ -1,5 +1,7 @@
 #include "pcm/system/text.h"
 
+#include "pcm/system/counted.h"
+
 #include <charconv>
 #include <cmath>
 #include <cstdio>
@@ -13,7 +15,17 @@ std::string grouped(std::uint64_t number)
     return text;
 }
 
-std::string points_text(std::uint64_t points) { return grouped(points) + (points == 1 ? " point" : " points"); }
+std::string counted(std::uint64_t number, const std::string& noun)
+{
+    return grouped(number) + " " + noun + (number == 1 ? "" : "s");
+}
+
+std::string counted(std::uint64_t number, const std::string& noun, const std::string& one, const std::string& several)
+{
+    return counted(number, noun) + " " + (number == 1 ? one : several);
+}
+
+std::string points_text(std::uint64_t points) { return counted(points, "point"); }
 
 std::string exact(double value)
 {

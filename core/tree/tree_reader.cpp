@@ -121,9 +121,8 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
     }
     if (tree_info.points_skipped)
         info_.notes.push_back(
-            grouped(tree_info.points_skipped) +
-            " points without a finite position, or beyond a limit that was given, were left out when the "
-            "tree was built");
+            points_text(tree_info.points_skipped) +
+            " without a finite position, or beyond a limit that was given, left out when the tree was built");
     if (tree_info.position_error > 0 && !rounding_.single_precision())
         info_.notes.push_back("positions differ by up to " + brief(tree_info.position_error) +
                               " from those of the tree's source");

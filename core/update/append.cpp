@@ -64,8 +64,7 @@ public:
         report_.notes.insert(report_.notes.end(), system_notes_.begin(), system_notes_.end());
         report_.notes.insert(report_.notes.end(), fitted_.info().notes.begin(), fitted_.info().notes.end());
         if (fitted_.points_skipped())
-            report_.notes.push_back(grouped(fitted_.points_skipped()) +
-                                    " points without a finite position were left out");
+            report_.notes.push_back(points_text(fitted_.points_skipped()) + " without a finite position left out");
         if (report_.points_added + report_.points_skipped != report_.outcome.points_in)
             throw Error(ErrorCode::corrupt, update_.folder(),
                         grouped(report_.outcome.points_in) + " points were read, " + grouped(report_.points_added) +

@@ -204,7 +204,7 @@ TEST_F(NoData, AreLeftOutByNameAndTheOthersKeepAllBits)
     EXPECT_EQ(report.points_skipped, 2u);
     EXPECT_EQ(report.outcome.error, 0);
     EXPECT_TRUE(std::any_of(report.notes.begin(), report.notes.end(), [](const std::string& note) {
-        return note.find("1 points with a coordinate beyond 1000 were left out, the first at 50 50 3.4e+38") == 0;
+        return note.find("1 point with a coordinate beyond 1000 was left out, the first at 50 50 3.4e+38") == 0;
     }));
     EXPECT_EQ(Tree::open(tree)->info().points_skipped, 2u);
     EXPECT_TRUE(verify_tree(tree, {}).faults.empty());

@@ -222,6 +222,27 @@ TEST_F(Dxf, TheSeedOfHandlesIsAboveAllOfThem)
     }
 }
 
+// The dictionary that lists an object is its owner: the one at the beginning has none.
+TEST_F(Dxf, ObjectsNameTheirOwners)
+{
+    DxfFile file(folder_ / "a.dxf", {{"a", 1}});
+    file.point("a", {1, 2, 3});
+    file.finish();
+    std::map<std::string, std::string> listed;
+    std::size_t owned = 0;
+    for (const Entity& object : section(folder_ / "a.dxf", "OBJECTS")) {
+        ASSERT_EQ(object.groups.count(5), 1u) << object.type;
+        ASSERT_GE(object.groups.count(330), 1u) << object.type;
+        const std::string handle = object.text(5), owner = object.groups.lower_bound(330)->second;
+        EXPECT_EQ(owner, listed.count(handle) ? listed[handle] : "0") << object.type << " " << handle;
+        owned += owner != "0";
+        const auto [first, last] = object.groups.equal_range(350);
+        for (auto entry = first; entry != last; ++entry) listed[entry->second] = handle;
+    }
+    EXPECT_EQ(owned, listed.size());
+    EXPECT_GE(owned, 13u);
+}
+
 TEST_F(Dxf, LayersAreInTheTable)
 {
     DxfFile file(folder_ / "a.dxf", {{"ground/north", 3}, {"b", 5}, {"b", 6}});

@@ -71,7 +71,7 @@ TEST_F(PrimitiveFiles, ATableHasUnitsInItsHeader)
         << lines[0];
     EXPECT_NE(lines[0].find(",arc [deg],area [mm^2],sigma_area [mm^2],outline,"), std::string::npos);
     EXPECT_EQ(lines[1].rfind("Pipe 1,cylinder,#ffc800,500000.25,4800000.5,100,0,0,1,0.3,,,0.001,1,0.0002,,,0.0015,0,0,"
-                             "1234,2000,3,500000.25,4800000.5,99,500000.25,4800000.5,102,",
+                             "1234,2000,3,,500000.25,4800000.5,99,500000.25,4800000.5,102,",
                              0),
               0u)
         << lines[1];

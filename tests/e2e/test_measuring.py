@@ -250,7 +250,7 @@ class Measuring(MeshLabTest):
             click 0.05 0.05
             wait-label {MESSAGE} No point
             click 0.4 0.5
-            wait-label PointCloudMeasureHint 1 points
+            wait-label PointCloudMeasureHint 1 point
             key Return
             wait-label {MESSAGE} 1 of at least 2 points
             click 0.6 0.5
@@ -258,7 +258,7 @@ class Measuring(MeshLabTest):
             click 0.95 0.95
             wait-label {MESSAGE} No point
             key Backspace
-            wait-label PointCloudMeasureHint 1 points
+            wait-label PointCloudMeasureHint 1 point
             key Escape
             wait-label {MESSAGE} cancelled
             print-camera clicked

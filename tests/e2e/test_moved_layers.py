@@ -64,7 +64,7 @@ class MovedLayers(MeshLabTest):
             field PointCloudMeasureCloud = after (18,263 of 110,000)
             field PointCloudMeasureWidth = 20
             click 0.4 0.5
-            wait-label PointCloudMeasureHint 1 points
+            wait-label PointCloudMeasureHint 1 point
             click 0.6 0.52
             wait-label PointCloudMeasureHint 2 points
             key Return
@@ -77,7 +77,7 @@ class MovedLayers(MeshLabTest):
             field PointCloudMeasureCompared = before (18,263 of 110,000)
             field PointCloudMeasureCell = 10
             click 0.40 0.40
-            wait-label PointCloudMeasureHint 1 points
+            wait-label PointCloudMeasureHint 1 point
             click 0.60 0.42
             wait-label PointCloudMeasureHint 2 points
             click 0.55 0.60
@@ -279,7 +279,7 @@ class MovedLayers(MeshLabTest):
             field PointCloudMeasureKind = Profile
             field PointCloudMeasureWidth = 200
             click 0.4 0.5
-            wait-label PointCloudMeasureHint 1 points
+            wait-label PointCloudMeasureHint 1 point
             click 0.6 0.5
             wait-label PointCloudMeasureHint 2 points
             key Return

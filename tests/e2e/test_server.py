@@ -105,7 +105,7 @@ class Server(MeshLabTest):
         self.assertFalse(tree.exists())
         run = self.server([build(text, tree, largest=1000)])
         self.assertEqual(run.code, 0, run.text)
-        self.assertIn("1 points with a coordinate beyond 1000 were left out", run.text)
+        self.assertIn("1 point with a coordinate beyond 1000 was left out", run.text)
         self.assertEqual(pcmlab("info", tree)["points"], 1600)
 
     def test_refuses_to_overwrite(self):

@@ -287,6 +287,17 @@ TEST_F(Volumes, CellsWithoutPointsAreLeftOutOrInterpolated)
     EXPECT_NEAR(values[0].uncertainty, left_out.area_without_data * left_out.net() / left_out.area_counted,
                 0.02 * values[0].uncertainty);
     EXPECT_LT(std::fabs(left_out.cut - truth), 1.1 * values[1].uncertainty);
+    // Where the reference goes through the surface the volume is about 0, and what is left out is not.
+    options.empty = EmptyCells::left_out;
+    const double usual = options.reference.height;
+    options.reference.height += left_out.net() / left_out.area_counted;
+    const VolumeReport around = measure_volume(*cloud, options);
+    EXPECT_LT(std::fabs(around.net()), 0.01 * truth);
+    double squares = 0;  // slopes of 0.1 and 0.05 over a square 16 wide
+    for (const double slope : {0.1, 0.05}) squares += std::pow(slope * 16, 2) / 12;
+    EXPECT_NEAR(around.values()[0].uncertainty, around.area_without_data * std::sqrt(squares),
+                0.1 * around.values()[0].uncertainty);
+    options.reference.height = usual;
     EXPECT_LT(filled.values()[0].uncertainty, values[0].uncertainty);
     EXPECT_TRUE(filled.notes().empty());
 }

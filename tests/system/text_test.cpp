@@ -1,5 +1,7 @@
 #include "pcm/system/text.h"
 
+#include "pcm/system/counted.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
@@ -17,6 +19,8 @@ TEST(Text, NumbersForPeople)
     EXPECT_EQ(grouped(0), "0");
     EXPECT_EQ(grouped(999), "999");
     EXPECT_EQ(grouped(1234567), "1,234,567");
+    EXPECT_EQ(counted(1, "pipe run"), "1 pipe run");
+    EXPECT_EQ(counted(1234, "pipe run"), "1,234 pipe runs");
     EXPECT_EQ(points_text(0), "0 points");
     EXPECT_EQ(points_text(1), "1 point");
     EXPECT_EQ(points_text(1234), "1,234 points");

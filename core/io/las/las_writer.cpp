@@ -362,7 +362,7 @@ std::vector<std::string> LasWriter::notes() const
                           "' need more bits than point format " + std::to_string(plan_.target.format) +
                           " has for them; they are clamped to " + std::to_string(plan_.columns[c].field.mask));
     if (not_finite_)
-        all.push_back(grouped(not_finite_) + " points without a finite position are left out: LAS cannot store them");
+        all.push_back(points_text(not_finite_) + " without a finite position left out: LAS cannot store them");
     return all;
 }
 

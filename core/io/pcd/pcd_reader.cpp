@@ -10,6 +10,7 @@
 #include "pcm/io/records/scalars.h"
 #include "pcm/io/records/stored_values.h"
 #include "pcm/system/file.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <array>
@@ -308,7 +309,7 @@ void PcdReader::read_columns(PointBatch& batch, std::size_t count)
 void PcdReader::note_rest()
 {
     if (const auto rest = describe_rest(*lines_))
-        info_.notes.push_back(*rest + "; the header promises " + std::to_string(info_.points) + " points");
+        info_.notes.push_back(*rest + "; the header promises " + points_text(info_.points));
 }
 
 bool PcdReader::read(PointBatch& batch, std::size_t max_points)

@@ -57,8 +57,9 @@ void LimitedReader::take_notes()
     info_.notes = cloud_->info().notes;
     info_.metadata = cloud_->info().metadata;
     if (info_.points_left_out)
-        info_.notes.push_back(grouped(info_.points_left_out) + " points with a coordinate beyond " + exact(largest_) +
-                              " were left out, the first at " + exact(first_));
+        info_.notes.push_back(points_text(info_.points_left_out) + " with a coordinate beyond " + exact(largest_) +
+                              (info_.points_left_out == 1 ? " was" : " were") + " left out, the first at " +
+                              exact(first_));
 }
 
 }  // namespace pcm

@@ -3,6 +3,7 @@
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/io/metadata_text.h"
 #include "pcm/io/text/text_output.h"
+#include "pcm/system/counted.h"
 #include "pcm/system/text.h"
 
 #include <algorithm>
@@ -138,12 +139,13 @@ std::vector<std::string> PtsWriter::notes() const
                         " are not and were written unchanged (they are from " + exact(least_intensity_) + " to " +
                         exact(largest_intensity_) + ")");
     if (rounded_colours_)
-        notes.push_back("colours of PTS are 0..255: those of " + grouped(rounded_colours_) + " points were rounded");
+        notes.push_back("colours of PTS are 0..255: those of " +
+                        counted(rounded_colours_, "point", "was rounded", "were rounded"));
     if (rounded_colours_ && largest_colour_ && largest_colour_ <= 255)
         notes.push_back("the largest colour is " + std::to_string(largest_colour_) +
                         " of 65535, so all were written as 0 or 1: perhaps the source means 0..255");
     if (cut_colours_)
-        notes.push_back("colours of " + grouped(cut_colours_) + " points were out of range and were clamped");
+        notes.push_back("colours of " + points_text(cut_colours_) + " were out of range and were clamped");
     return notes;
 }
 

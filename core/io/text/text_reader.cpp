@@ -357,8 +357,7 @@ void TextReader::end_list(const std::string& where)
     if (!promised_) return;
     // Some of the promised points may be on bad lines.
     const std::uint64_t found = rows_->counts().rows + rows_->counts().bad_lines - lines_before_list_;
-    const std::string promise =
-        "line " + std::to_string(promise_line_) + " promises " + grouped(*promised_) + " points";
+    const std::string promise = "line " + std::to_string(promise_line_) + " promises " + points_text(*promised_);
     if (found < *promised_) fail(ErrorCode::truncated, promise + ", " + where + " after " + grouped(found), "");
     if (found > *promised_ && info_.notes.size() < 100)
         info_.notes.push_back(promise + ", " + grouped(found) + " follow; all are read");

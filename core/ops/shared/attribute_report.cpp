@@ -1,6 +1,7 @@
 #include "pcm/ops/shared/attribute_report.h"
 
 #include "pcm/filter/backends.h"
+#include "pcm/system/counted.h"
 #include "pcm/system/text.h"
 
 namespace pcm::ops {
@@ -39,7 +40,8 @@ void put_attribute_report(Result& result, const WantedValues& wanted, const Neig
         result.line("neighbours on a line: " + points_text(report.lines) + "; in a blob: " + grouped(report.blobs) +
                     "; too few: " + grouped(report.too_few) + "; on two surfaces: " + grouped(report.two_surfaces));
     if (report.limited)
-        result.line(grouped(report.limited) + " points are isolated: their radii are those of their surroundings");
+        result.line(counted(report.limited, "point", "is", "are") +
+                    " isolated: radii there are those of the surroundings");
     if (report.used_known_normals) result.line("radii were measured across the normals that the tree has");
 }
 

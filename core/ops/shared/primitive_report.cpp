@@ -122,6 +122,7 @@ Json json_of(const std::vector<PipeRun>& runs)
                        {"radius", run.radius},
                        {"sigma_radius", run.radius_error > 0 ? Json(run.radius_error) : Json()},
                        {"length", run.length()},
+                       {"sigma_length", run.length_error > 0 ? Json(run.length_error) : Json()},
                        {"is_closed", run.is_closed},
                        {"doubt", doubt_text(run)},
                        {"line", line}});
@@ -134,8 +135,10 @@ void put_lines(Result& result, const PipeRun& run, const std::string& unit)
     const std::string after = unit.empty() ? "" : " " + unit;
     result.line(run.name + ": " + parts_text(run));
     result.line("  radius " + (run.radius_error > 0 ? with_error(run.radius, run.radius_error) : brief(run.radius)) +
-                after + ", length " + rounded_text(run.length(), run.radius / 100) + after + ", " + bends_text(run) +
-                (run.is_closed ? ", closed" : ""));
+                after + ", length " +
+                (run.length_error > 0 ? with_error(run.length(), run.length_error)
+                                      : rounded_text(run.length(), run.radius / 100)) +
+                after + ", " + bends_text(run) + (run.is_closed ? ", closed" : ""));
     if (const std::string doubt = doubt_text(run); !doubt.empty()) result.line("  doubtful: " + doubt);
 }
 

@@ -18,6 +18,7 @@ void put_lines(Result& result, const Primitive& primitive);
 Json json_of(const std::vector<PipeRun>& runs);
 inline constexpr const char* pipe_runs_help =
     "pipes and elbows that continue each other: name, parts (names), radius, sigma_radius (null: not known), length, "
+    "sigma_length (null: not known), "
     "is_closed, doubt (empty: none), line: pieces with from, to and measured; bends with angle, radius, centre and "
     "axis";
 // Name, parts, and the numbers in the unit, which may be empty.

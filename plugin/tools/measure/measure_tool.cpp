@@ -54,7 +54,7 @@ QString so_far(const Draft& draft, const std::string& unit)
     measure.kind = draft.kind();
     measure.points = draft.points();
     if (measure.points.empty()) return {};
-    const QString count = QString("\n%1 points").arg(measure.points.size());
+    const QString count = "\n" + QString::fromStdString(points_text(measure.points.size()));
     try {
         return count + ": " + QString::fromStdString(text_of(values_of(measure).at(0), unit));
     } catch (...) {  // too few points, or such that more are needed

@@ -54,7 +54,7 @@ TEST(PcdSurplus, LinesAfterTheLastPoint)
     };
     EXPECT_TRUE(any_mentions(notes_after(pcd(1, "1 2 3\n4 5 6\n7 8 9\n"), "a.pcd"),
                              "2 lines after the last point are ignored, the first is line 11: '4 5 6'; the header "
-                             "promises 1 points"));
+                             "promises 1 point"));
     EXPECT_TRUE(any_mentions(notes_after(pcd(0, "4 5 6\n"), "a.pcd"), "1 line after the last point is ignored"));
     EXPECT_TRUE(notes_after(pcd(1, "1 2 3\n"), "a.pcd").empty());
 }

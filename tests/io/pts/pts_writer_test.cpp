@@ -126,7 +126,7 @@ TEST(PtsWriter, ColoursInFloats)
     rgb[6] = -1.f;
     rgb[9] = std::numeric_limits<float>::quiet_NaN();
     const auto notes = write_cloud(folder / "a.pts", cloud, batch);
-    EXPECT_TRUE(any_mentions(notes, "1 points were rounded"));
+    EXPECT_TRUE(any_mentions(notes, "1 point was rounded"));
     EXPECT_TRUE(any_mentions(notes, "3 points were out of range"));
     const auto cut = lines_of(folder / "a.pts");
     EXPECT_EQ(cut[1], "0 0 0 0 128 0 0");

@@ -330,7 +330,7 @@ TEST(TextReader, SkippedFieldsAreCounted)
 {
     EXPECT_TRUE(any_mentions(notes_after("x,y,z\n1,2,3\n1,2,3,4\n1,2,3\n", "a.csv"), "1 line has more fields"));
     EXPECT_TRUE(any_mentions(notes_after("x,y,z,a\n1,2,3,4\n1,2,3,\n1,2,3,,\n", "a.csv"), "2 empty fields are NaN"));
-    EXPECT_TRUE(any_mentions(notes_after("1\n1 2 3\n1 2 3\n", "a.pts"), "line 1 promises 1 points, 2 follow"));
+    EXPECT_TRUE(any_mentions(notes_after("1\n1 2 3\n1 2 3\n", "a.pts"), "line 1 promises 1 point, 2 follow"));
     std::string text = "# x y z intensity\n";
     for (int i = 0; i < 300000; ++i) text += "1 2 3 0.5\n";
     EXPECT_TRUE(any_mentions(notes_after(text + "1 2 3 0.50000000001\n", "a.xyz"), "1 value has more digits"));
@@ -344,7 +344,7 @@ TEST(TextReader, NotesAddedWhileReadingReachTheMergedCloud)
     MergedReader cloud({one, two}, {});
     EXPECT_EQ(read_whole(cloud).points.size, 4u);
     EXPECT_TRUE(any_mentions(cloud.info().notes, "a.csv: 1 line has more fields"));
-    EXPECT_TRUE(any_mentions(cloud.info().notes, "b.pts: line 1 promises 1 points, 2 follow"));
+    EXPECT_TRUE(any_mentions(cloud.info().notes, "b.pts: line 1 promises 1 point, 2 follow"));
 }
 
 TEST(TextReader, FoldersHoldOnlyTextOfPoints)

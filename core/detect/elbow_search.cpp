@@ -1,0 +1,257 @@
+#include "pcm/detect/elbow_search.h"
+
+#include "pcm/cloud/numbers.h"
+#include "pcm/detect/tuning.h"
+#include "pcm/piping/pipe_joints.h"
+#include "pcm/piping/pipe_run.h"
+#include "pcm/piping/tuning.h"
+#include "pcm/place/fit_at.h"
+#include "pcm/place/near_points.h"
+#include "pcm/threads/watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace pcm {
+namespace {
+
+using piping::AxesMeeting;
+using piping::EndIndex;
+
+constexpr std::size_t most_points = 20000;  // points around a corner that the bend's radius is estimated from
+constexpr std::size_t tangent_steps = 40;   // tangents that are tried
+
+// A detected cylinder as a part of a pipe.
+struct Pipe {
+    std::size_t primitive = 0;  // index in the list
+    Tube tube;
+};
+
+// Two ends whose axes meet.
+struct Corner {
+    EndIndex a = 0, b = 0;
+    AxesMeeting meeting;
+};
+
+// Arc of a tube that touches two lines from `at`; `tangent` long up to where it touches them.
+struct BendFrame {
+    Vec3d at{}, out_a{}, out_b{}, inwards{}, axis{};
+    double turn = 0;
+
+    Shape torus(double tangent, double tube) const
+    {
+        Shape shape{ShapeKind::torus, {}, axis, tangent / std::tan(turn / 2), tube};
+        shape.point = at + (shape.radius / std::cos(turn / 2)) * inwards;
+        return shape;
+    }
+};
+
+BendFrame frame_of(const TubeEnd& a, const TubeEnd& b, const AxesMeeting& meeting)
+{
+    BendFrame frame;
+    frame.at = 0.5 * ((a.place + meeting.to_a * a.out) + (b.place + meeting.to_b * b.out));
+    frame.out_a = a.out;
+    frame.out_b = b.out;
+    frame.inwards = normalised(-1 * (a.out + b.out));
+    frame.axis = normalised(cross(a.out, -1 * b.out));
+    frame.turn = meeting.turn;
+    return frame;
+}
+
+class ElbowSearch {
+public:
+    ElbowSearch(const PointCloud& cloud, std::vector<Primitive>& primitives, const ElbowOptions& options)
+        : cloud_(cloud), primitives_(primitives), options_(options), tuned_(piping_tuning())
+    {
+        for (std::size_t i = 0; i < primitives.size(); ++i) {
+            const Primitive& p = primitives[i];
+            const auto tube = traits_of(p.fit.shape.kind).tube(p.fit.shape, p.bounds, p.fit.errors);
+            if (tube && tube->is_straight()) pipes_.push_back({i, *tube});
+        }
+    }
+
+    std::vector<Primitive> run()
+    {
+        Watch watch(options_.progress);
+        const std::vector<Corner> corners = corners_by_distance();
+        std::vector<bool> taken(2 * pipes_.size(), false);
+        for (std::size_t i = 0; i < corners.size(); ++i) {
+            watch.report("Fitting elbows", static_cast<double>(i) / static_cast<double>(corners.size()));
+            const Corner& corner = corners[i];
+            if (taken[corner.a] || taken[corner.b]) continue;
+            if (auto elbow = elbow_at(corner)) {
+                taken[corner.a] = taken[corner.b] = true;
+                elbow->name = "Elbow " + std::to_string(elbows_.size() + 1);
+                elbow->cloud = primitives_[pipes_[corner.a / 2].primitive].cloud;
+                elbow->colour = primitives_[pipes_[corner.a / 2].primitive].colour;
+                elbows_.push_back(std::move(*elbow));
+            }
+        }
+        return std::move(elbows_);
+    }
+
+private:
+    const Tube& tube_of(EndIndex end) const { return pipes_[end / 2].tube; }
+    const TubeEnd& end_of(EndIndex end) const { return tube_of(end).ends[end % 2]; }
+    double radius_of(const Corner& corner) const { return (tube_of(corner.a).radius + tube_of(corner.b).radius) / 2; }
+
+    std::optional<Corner> corner_of(EndIndex i, EndIndex j) const
+    {
+        const Tube &a = tube_of(i), &b = tube_of(j);
+        const double radius = (a.radius + b.radius) / 2;
+        if (std::fabs(a.radius - b.radius) > tuned_.joints.max_radius_share * radius) return {};
+        Corner corner{i, j, {}};
+        const double sine = length(cross(end_of(i).out, end_of(j).out));
+        if (sine < std::sin(tuned_.corners.min_turn)) return {};
+        corner.meeting = piping::axes_meeting(end_of(i), end_of(j));
+        const AxesMeeting& found = corner.meeting;
+        if (found.turn < tuned_.corners.min_turn || found.turn > tuned_.corners.max_turn) return {};
+        if (found.apart > tuned_.joints.max_offset * radius) return {};
+        const double reach = tuned_.joints.max_gap * radius;
+        if (std::max(found.to_a, found.to_b) > reach || std::min(found.to_a, found.to_b) < -radius) return {};
+        return corner;
+    }
+
+    std::vector<Corner> corners_by_distance() const
+    {
+        std::vector<Corner> corners;
+        for (EndIndex i = 0; i < 2 * pipes_.size(); ++i)
+            for (EndIndex j = (i / 2 + 1) * 2; j < 2 * pipes_.size(); ++j)
+                if (const auto corner = corner_of(i, j)) corners.push_back(*corner);
+        std::stable_sort(corners.begin(), corners.end(), [](const Corner& one, const Corner& other) {
+            return one.meeting.to_a + one.meeting.to_b < other.meeting.to_a + other.meeting.to_b;
+        });
+        return corners;
+    }
+
+    std::vector<Vec3d> points_around(const BendFrame& frame, double radius) const
+    {
+        NearOptions near;
+        near.radius = radius;
+        near.most = most_points;
+        near.limit = options_.limit;
+        return points_near(cloud_, frame.at, near).points.sources();
+    }
+
+    // Points on the middle half of the arc.
+    static std::vector<Vec3d> on_arc(const BendFrame& frame, const Shape& torus, double threshold,
+                                     const std::vector<Vec3d>& points)
+    {
+        std::vector<Vec3d> found;
+        for (const Vec3d& p : points) {
+            const Vec3d d = p - torus.point, along = d - dot(d, torus.axis) * torus.axis;
+            if (!(dot(along, -1 * frame.inwards) > std::cos(frame.turn / 4) * length(along))) continue;
+            if (distance_to(torus, p) <= threshold) found.push_back(p);
+        }
+        return found;
+    }
+
+    // The tangent, between what both ends leave open and what cylinders can have of a bend, with most points.
+    std::vector<Vec3d> arc_points(const Corner& corner, const BendFrame& frame, double threshold) const
+    {
+        const double radius = radius_of(corner), half = std::tan(frame.turn / 2);
+        const double nearest = std::min(corner.meeting.to_a, corner.meeting.to_b);
+        const double least = std::max(nearest - radius, tuned_.corners.min_bend * radius * half);
+        const double most = std::max(nearest + detect_tuning().elbows.max_reach * radius, least);
+        const std::vector<Vec3d> points = points_around(frame, most + 2 * radius);
+        std::vector<Vec3d> best;
+        for (std::size_t i = 0; i <= tangent_steps; ++i) {
+            const double tangent = least + (most - least) * static_cast<double>(i) / static_cast<double>(tangent_steps);
+            std::vector<Vec3d> found = on_arc(frame, frame.torus(tangent, radius), threshold, points);
+            if (found.size() > best.size()) best = std::move(found);
+        }
+        return best;
+    }
+
+    // Fits from points of the arc's middle on different sides of the tube, until one joins both pipes.
+    std::optional<Primitive> elbow_at(const Corner& corner)
+    {
+        const BendFrame frame = frame_of(end_of(corner.a), end_of(corner.b), corner.meeting);
+        const double radius = radius_of(corner);
+        double threshold = detect_tuning().elbows.threshold * radius;
+        for (const EndIndex end : {corner.a, corner.b})
+            threshold = std::max(threshold, primitives_[pipes_[end / 2].primitive].fit.threshold);
+        const std::vector<Vec3d> arc = arc_points(corner, frame, threshold);
+        if (arc.size() < static_cast<std::size_t>(detect_tuning().elbows.min_points)) return {};
+        for (const Vec3d& side : {-1 * frame.inwards, frame.axis, -1 * frame.axis}) {
+            const auto by_side = [&](const Vec3d& p, const Vec3d& q) { return dot(p - q, side) < 0; };
+            Primitive elbow = fitted_at(*std::max_element(arc.begin(), arc.end(), by_side), radius);
+            if (elbow.fit.has_shape() && joins(corner, elbow)) return elbow;
+        }
+        return {};
+    }
+
+    Primitive fitted_at(const Vec3d& place, double radius) const
+    {
+        FitAtOptions fit;
+        fit.fit.kind = ShapeKind::torus;
+        fit.fit.least_radius = (1 - 2 * tuned_.joints.max_radius_share) * radius;
+        fit.fit.largest_radius = (1 + 2 * tuned_.joints.max_radius_share) * radius;
+        fit.limit = options_.limit;
+        fit.threads = options_.threads;
+        fit.memory_bytes = options_.memory_bytes;
+        fit.progress = options_.progress;
+        return fit_at(cloud_, {place}, {}, fit).primitive;
+    }
+
+    Primitive& primitive_of(EndIndex end) { return primitives_[pipes_[end / 2].primitive]; }
+
+    // Whether the three are one run; then none has points of another one.
+    bool joins(const Corner& corner, Primitive& elbow)
+    {
+        const std::vector<Primitive> three{primitive_of(corner.a), primitive_of(corner.b), elbow};
+        const std::vector<PipeRun> runs = pipe_runs(three);
+        if (runs.size() != 1 || runs[0].parts.size() != 3) return false;
+        const auto bend = std::find_if(runs[0].line.begin(), runs[0].line.end(),
+                                       [](const CentrePiece& piece) { return piece.is_bend(); });
+        cut_pipe(corner.a, elbow.fit.shape.point, primitive_of(corner.a));
+        cut_pipe(corner.b, elbow.fit.shape.point, primitive_of(corner.b));
+        cut_elbow(*bend, elbow);
+        return true;
+    }
+
+    // An arc begins where its centre is nearest to the axis.
+    static void cut_pipe(EndIndex end, const Vec3d& centre, Primitive& pipe)
+    {
+        const double begin = dot(centre - pipe.fit.shape.point, pipe.fit.shape.axis);
+        ShapeBounds& bounds = pipe.bounds;
+        if (!(begin > bounds.from && begin < bounds.to)) return;
+        (end % 2 == 0 ? bounds.from : bounds.to) = begin;
+    }
+
+    // To the arc of the centre line, of which points may not show the ends.
+    static void cut_elbow(const CentrePiece& bend, Primitive& elbow)
+    {
+        const Shape& shape = elbow.fit.shape;
+        ShapeBounds& bounds = elbow.bounds;
+        const bool reversed = dot(bend.axis, shape.axis) < 0;
+        const Vec3d d = (reversed ? bend.to : bend.from) - shape.point;
+        const Vec3d first = normalised(d - dot(d, shape.axis) * shape.axis);
+        const double turn = std::atan2(dot(cross(bounds.zero, first), shape.axis), dot(bounds.zero, first));
+        // The arc of the points from `first` on, its middle less than half a circle away from that of the bend.
+        const double middle = (bounds.begin + bounds.end) / 2 - turn - bend.angle / 2;
+        const double shift = bend.angle / 2 + std::remainder(middle, 2 * pi), half = (bounds.end - bounds.begin) / 2;
+        const double begin = std::max(0.0, shift - half), end = std::min(bend.angle, shift + half);
+        bounds.zero = first;
+        bounds.begin = begin;
+        bounds.end = end;
+    }
+
+    const PointCloud& cloud_;
+    std::vector<Primitive>& primitives_;
+    const ElbowOptions& options_;
+    const PipingTuning& tuned_;
+    std::vector<Pipe> pipes_;
+    std::vector<Primitive> elbows_;
+};
+
+}  // namespace
+
+std::vector<Primitive> find_elbows(const PointCloud& cloud, std::vector<Primitive>& primitives,
+                                   const ElbowOptions& options)
+{
+    return ElbowSearch(cloud, primitives, options).run();
+}
+
+}  // namespace pcm
