@@ -161,7 +161,7 @@ TEST_F(AssignPoints, PartsAreTheSameWithPointsOfTheirVicinityAlone)
         points.push_back({x, y, (flank > 0 ? -0.25 * flank : 0) + 0.001 * dice.normal()});
     }
     make(points);
-    Hypothesis crest = level_plane(0, 0.005);
+    Hypothesis crest = level_plane(0, 0.0035);
     crest.box = {{-0.3, -0.5, 0}, {0.3, 0.5, 0}};
     AssignOptions options = options_of(0.02, 0);
     const auto parts = [&] {

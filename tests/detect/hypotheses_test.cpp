@@ -174,10 +174,16 @@ TEST(Hypotheses, ComparesNeighboursAlone)
     }
 }
 
-// What has grown is compared with what it reaches now: a middle square that comes last in the order of areas.
+// What has grown is compared with what it reaches now: all in one pass. Each pass compares all with the post, too.
 TEST(Hypotheses, WhatHasGrownReachesFarther)
 {
     std::vector<Hypothesis> all;
+    Hypothesis post = square(0, 0, 100, 0, 9);
+    post.shape.kind = ShapeKind::cylinder;
+    post.shape.radius = 0.1;
+    post.box.extend(Vec3d{30, 5, 110});
+    post.area = 1000;
+    all.push_back(post);
     for (int i = 0; i < 6; ++i) {
         all.push_back(square(5 * i, 0, 100, 0, static_cast<std::uint64_t>(i)));
         all.back().area = 30 - i;
@@ -186,8 +192,8 @@ TEST(Hypotheses, WhatHasGrownReachesFarther)
     options.gap = 0.3;
     options.normal_angle = 0.35;
     std::uint64_t pairs = 0;
-    EXPECT_EQ(merged(std::move(all), options, &pairs).size(), 1u);
-    EXPECT_EQ(pairs, 5u) << "in one pass";
+    EXPECT_EQ(merged(std::move(all), options, &pairs).size(), 2u);
+    EXPECT_EQ(pairs, 6u + 5u + 1u);
 }
 
 }  // namespace
