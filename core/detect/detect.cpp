@@ -14,7 +14,8 @@
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
 //    left out where the rest is enough. Labels of points that are not within the threshold of the final shape are taken
 //    back. Where the threshold comes from the noise, shapes whose bend it hides are refused (sagitta.h), so that
-// 5. a second search of the points that belong to nothing, or to contested planes (final_fit.h), at half the threshold and without a coarser sample, finds
+// 5. a second search of the points that belong to nothing, or to contested planes (final_fit.h), at half the threshold
+// and without a coarser sample, finds
 //    thin pipes (pipe_search.h) and narrow planes.
 #include "pcm/detect/detect.h"
 
@@ -93,7 +94,7 @@ void check(const DetectOptions& options, const std::filesystem::path& tree)
 
 struct Found {
     DetectReport report;
-    std::vector<bool> contested;  // by label - 1, see FinalFit
+    std::vector<bool> contested;  // keyed by label - 1, see FinalFit
 
     // Number of points that a second search looks at.
     std::uint64_t left() const
@@ -113,7 +114,8 @@ public:
               const Found* first = nullptr)
         : tree_(tree),
           options_(options),
-          points_(tree, options.limit, std::move(part), first ? TakenPoints{first->report.labels, first->contested} : TakenPoints()),
+          points_(tree, options.limit, std::move(part),
+                  first ? TakenPoints{first->report.labels, first->contested} : TakenPoints()),
           units_(points_, first ? left_share(*first, *tree) : 1),
           watch_(options.progress),
           is_again_(first != nullptr)
@@ -155,7 +157,8 @@ private:
 
     static double left_share(const Found& first, const Tree& tree)
     {
-        return std::max(1.0, static_cast<double>(first.left())) / static_cast<double>(std::max<std::uint64_t>(1, tree.info().points));
+        return std::max(1.0, static_cast<double>(first.left())) /
+               static_cast<double>(std::max<std::uint64_t>(1, tree.info().points));
     }
 
     void set_finer_than(const DetectReport& first)

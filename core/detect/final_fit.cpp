@@ -163,7 +163,7 @@ public:
     }
 
 private:
-    // Of a plane's part: its area by its box's diagonal.
+    // Area of a plane's part by its box's diagonal, source units.
     double mean_width(const SurfacePart& part) const
     {
         return static_cast<double>(part.sampled) * options_.cell * options_.cell / part.box.diagonal();

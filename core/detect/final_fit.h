@@ -25,9 +25,8 @@ struct FinalFitOptions {
 
 struct FinalFit {
     std::vector<Primitive> primitives;  // most points first
-    // One for each primitive: whether it is a plane that is no floor or wall, and may be several surfaces within one
-    // threshold, pipes side by side or a step: it has more noise than the cloud, or points at both ends of the
-    // threshold.
+    // One for each primitive: whether it is a narrow plane that may be several surfaces within one threshold, pipes
+    // side by side or a step: it has more noise than the cloud, or points at both ends of the threshold.
     std::vector<bool> contested;
     // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
     // out by the threshold.

@@ -21,7 +21,7 @@ public:
     {
     }
 
-    // How many points of each, by label - 1, are the other search's.
+    // Number of points of each, keyed by label - 1, that are the other search's.
     std::vector<std::uint64_t> lost() const
     {
         std::vector<std::uint64_t> lost(all_.size(), 0);
@@ -38,7 +38,8 @@ public:
         const auto labels = std::make_shared<PointLabels>(tree_);
         for_each_node([&](NodeId node, std::vector<std::uint32_t>& one, const std::vector<std::uint32_t>& other) {
             for (std::size_t i = 0; i < one.size(); ++i)
-                if (const std::uint32_t label = !other[i] || (one[i] && is_first(other[i])) ? one[i] : other[i]; label > 0)
+                if (const std::uint32_t label = !other[i] || (one[i] && is_first(other[i])) ? one[i] : other[i];
+                    label > 0)
                     one[i] = label_of[label - 1];
             labels->set_all(node, one);
         });

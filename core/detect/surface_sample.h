@@ -24,7 +24,7 @@ class PointLabels;
 // Points that an earlier search has found: those with a label above 0, but for labels that are open.
 struct TakenPoints {
     std::shared_ptr<const PointLabels> labels;  // null: none is taken
-    std::vector<bool> is_open{};                // by label - 1; none: no label is
+    std::vector<bool> is_open{};                // keyed by label - 1; none: no label is
 
     bool has(std::uint32_t label) const { return label > 0 && (is_open.empty() || !is_open[label - 1]); }
 };

@@ -35,7 +35,8 @@ SearchValues search_values(DetectTuning& detect)
     }};
 }
 
-using ResultValues = std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning, MergingTuning>>;
+using ResultValues =
+    std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning, MergingTuning>>;
 static_assert(std::tuple_size_v<SearchValues> + std::tuple_size_v<ResultValues> == values_of<DetectTuning>);
 ResultValues result_values(DetectTuning& detect)
 {

@@ -132,8 +132,8 @@ TEST_F(FinalFitTest, PlatesAndBentFloorsAreDoubted)
     }
 }
 
-// A plane with the cloud's noise, a plate within the threshold, and a strip of more noise, as of pipes: the last two are
-// searched again where they are narrow.
+// A plane with the cloud's noise, a plate within the threshold, and a strip of more noise, as of pipes: the last two
+// are searched again where they are narrow.
 TEST_F(FinalFitTest, NarrowPlanesOfSeveralSurfacesAreContested)
 {
     build([](std::size_t floor, double, double, Dice& dice) {

@@ -42,7 +42,10 @@ protected:
         report.labels = labels;
         return report;
     }
-    DetectReport first() { return report(1, FitVerdict::doubtful, [](double x) { return x < 3 ? 1 : 0; }); }
+    DetectReport first()
+    {
+        return report(1, FitVerdict::doubtful, [](double x) { return x < 3 ? 1 : 0; });
+    }
     // Numbers of points, most first.
     std::vector<std::uint64_t> joined_points(DetectReport second, std::uint64_t least = 100)
     {
@@ -69,7 +72,9 @@ TEST_F(JoinedReport, WithoutPointsInCommonHasAll)
 TEST_F(JoinedReport, GoodShapesTakePointsAndReplaceWhatTheyHaveMostOf)
 {
     EXPECT_EQ(joined_points(report(1, FitVerdict::good, [](double x) { return x < 1 ? 1 : 0; })), (Points{2000, 1000}));
-    EXPECT_EQ(joined_points(report(2, FitVerdict::good, [](double x) { return x < 1 ? 1 : x < 2 ? 2 : 0; })),
+    EXPECT_EQ(joined_points(report(2, FitVerdict::good, [](double x) { return x < 1   ? 1
+                                                                              : x < 2 ? 2
+                                                                                      : 0; })),
               (Points{1000, 1000}));
 }
 

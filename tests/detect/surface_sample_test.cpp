@@ -277,8 +277,7 @@ TEST_F(SurfaceSamples, HaveNoPointsThatAreTaken)
     for (const Vec3d& p : left.at) EXPECT_LE(p[2] + left.origin[2], 0.1 + 1e-3);
     std::vector<bool> open(8, false);
     const auto count = [&] {
-        return sample_surface(ChosenPoints(tree_, {}, {}, {labels, open}), tree_->info().box,
-                              {tree_->info().levels, 0})
+        return sample_surface(ChosenPoints(tree_, {}, {}, {labels, open}), tree_->info().box, {tree_->info().levels, 0})
             .size();
     };
     EXPECT_EQ(count(), all - wall);
