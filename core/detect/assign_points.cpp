@@ -319,6 +319,14 @@ bool is_piece(const SurfacePart& part, double threshold)
            continued > (flat ? tuned.flat_outline : tuned.min_outline) * outline;
 }
 
+Vicinity vicinity_of(const Hypothesis& one, const AssignOptions& options)
+{
+    const double margin = options.sample.margin;
+    Box3d box = reached_box(one, options.reach);
+    for (std::size_t a = 0; a < 3; ++a) box.min[a] -= margin, box.max[a] += margin;
+    return {box, one.shape, detect_tuning().pieces.max_beyond * one.threshold + margin};
+}
+
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
                              PointLabels* labels)

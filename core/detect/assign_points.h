@@ -41,6 +41,11 @@ struct AssignOptions {
     std::function<void(double)> progress;  // 0 to 1; may throw
 };
 
+// Where the points are that an assignment looks at for one hypothesis: its own, those next to them that show whether
+// the surface continues, and all neighbours of both. With such places in sample.only the hypothesis' parts stay the
+// same.
+Vicinity vicinity_of(const Hypothesis& one, const AssignOptions& options);
+
 inline constexpr std::uint32_t interior_label = 0x80000000u;  // set where all neighbours have the same label
 
 struct AssignedPoints {

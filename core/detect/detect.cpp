@@ -14,7 +14,8 @@
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
 //    left out where the rest is enough. Labels of points that are not within the threshold of the final shape are taken
 //    back. Where the threshold comes from the noise, shapes whose bend it hides are refused (sagitta.h), so that
-// 5. a second search of the points that belong to nothing, at half the threshold and without a coarser sample, finds
+// 5. a second search of the points that belong to nothing, or to contested planes (final_fit.h), at half the threshold
+// and without a coarser sample, finds
 //    thin pipes (pipe_search.h) and narrow planes.
 #include "pcm/detect/detect.h"
 
@@ -91,21 +92,37 @@ void check(const DetectOptions& options, const std::filesystem::path& tree)
                " points cannot be detected; 20 are the least");
 }
 
+struct Found {
+    DetectReport report;
+    std::vector<bool> contested;  // keyed by label - 1, see FinalFit
+
+    // Number of points that a second search looks at.
+    std::uint64_t left() const
+    {
+        std::uint64_t count = report.outcome.points_in - report.outcome.points_out;
+        for (std::size_t i = 0; i < contested.size(); ++i)
+            if (contested[i]) count += report.primitives[i].points;
+        return count;
+    }
+};
+
 class Detection {
 public:
-    // `first`: what was found in this part; those points are searched again that belong to none of it. Null: all are.
+    // `first`: what was found in this part; those points are searched again that belong to none of it, or to what is
+    // contested. Null: all are.
     Detection(const std::shared_ptr<const Tree>& tree, const DetectOptions& options, CloudPart part = {},
-              const DetectReport* first = nullptr)
+              const Found* first = nullptr)
         : tree_(tree),
           options_(options),
-          points_(tree, options.limit, std::move(part), first ? first->labels : nullptr),
+          points_(tree, options.limit, std::move(part),
+                  first ? TakenPoints{first->report.labels, first->contested} : TakenPoints()),
           units_(points_, first ? left_share(*first, *tree) : 1),
           watch_(options.progress),
           is_again_(first != nullptr)
     {
         const std::uint64_t most = std::max<std::uint64_t>(1, options.memory_bytes / unit_bytes);
         threads_ = static_cast<unsigned>(std::min<std::uint64_t>(thread_count(options.threads), most));
-        if (first) set_finer_than(*first);
+        if (first) set_finer_than(first->report);
     }
 
     // The part that has to be searched by itself; the whole: none has.
@@ -117,7 +134,7 @@ public:
     }
 
     // After quiet(), or for a part.
-    DetectReport run()
+    Found run()
     {
         report_.labels = std::make_shared<PointLabels>(*tree_);
         if (survey()) {
@@ -131,17 +148,17 @@ public:
             report_.outcome.error = std::max(report_.outcome.error, one.fit.threshold);
         report_.outcome.error_meaning = "largest distance of a point from its primitive, source units";
         watch_.finish("Done");
-        return std::move(report_);
+        return {std::move(report_), std::move(contested_)};
     }
 
 private:
     // Whether thresholds come from the noise.
     bool is_automatic() const { return !(options_.threshold > 0); }
 
-    static double left_share(const DetectReport& first, const Tree& tree)
+    static double left_share(const Found& first, const Tree& tree)
     {
-        const auto left = static_cast<double>(first.outcome.points_in - first.outcome.points_out);
-        return std::max(1.0, left) / static_cast<double>(std::max<std::uint64_t>(1, tree.info().points));
+        return std::max(1.0, static_cast<double>(first.left())) /
+               static_cast<double>(std::max<std::uint64_t>(1, tree.info().points));
     }
 
     void set_finer_than(const DetectReport& first)
@@ -360,6 +377,7 @@ private:
             report_.notes.push_back(grouped(result.unbounded) +
                                     " primitives have no outline: their points are all on one line");
         report_.primitives = std::move(result.primitives);
+        contested_ = std::move(result.contested);
         report_.labels = labels;
         report_.outcome.points_in = assigned.looked_at;
         for (const Primitive& primitive : report_.primitives) report_.outcome.points_out += primitive.points;
@@ -378,6 +396,7 @@ private:
     std::vector<Hypothesis> hypotheses_;
     CloudSurvey survey_;
     DetectReport report_;
+    std::vector<bool> contested_;
 };
 
 }  // namespace
@@ -395,19 +414,19 @@ namespace {
 // What was found, and what a second search at a finer threshold finds among the points that are left: pipes that the
 // first one is too coarse for.
 DetectReport with_finer_shapes(const std::shared_ptr<const Tree>& tree, const DetectOptions& options,
-                               const CloudPart& part, DetectReport found)
+                               const CloudPart& part, Found found)
 {
-    const std::uint64_t left = found.outcome.points_in - found.outcome.points_out;
-    if (options.threshold > 0 || !(found.spacing > 0) || left < options.least_points) {
+    DetectReport& first = found.report;
+    if (options.threshold > 0 || !(first.spacing > 0) || found.left() < options.least_points) {
         Watch watch(options.progress);
         watch.report("Searching shapes", 0, true);
         watch.finish("Done");
-        return found;
+        return std::move(first);
     }
-    DetectReport finer = Detection(tree, options, part, &found).run();
+    DetectReport finer = Detection(tree, options, part, &found).run().report;
     finer.outcome.points_in = 0;  // they were counted
     finer.notes.clear();          // as were its pieces of surfaces
-    return joined(*tree, std::move(found), std::move(finer));
+    return joined(*tree, std::move(first), std::move(finer), options.least_points);
 }
 
 // Options whose progress is a part of the whole one's.
@@ -439,7 +458,7 @@ DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const De
                          "threshold " +
                          brief(found.threshold) + ", noise " + brief(found.noise) + ", spacing " +
                          brief(found.spacing));
-    return joined(*tree, std::move(rest), std::move(found));
+    return joined(*tree, std::move(rest), std::move(found), options.least_points);
 }
 
 }  // namespace pcm

@@ -155,6 +155,7 @@ public:
             label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
             primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
                              std::to_string(++numbers_[primitive.fit.shape.kind]);
+            result_.contested.push_back(is_contested(primitive, candidates_[c]));
             result_.primitives.push_back(std::move(primitive));
         }
         relabel(label_of);
@@ -162,13 +163,27 @@ public:
     }
 
 private:
+    // Area of a plane's part by its box's diagonal, source units.
+    double mean_width(const SurfacePart& part) const
+    {
+        return static_cast<double>(part.sampled) * options_.cell * options_.cell / part.box.diagonal();
+    }
+
+    bool is_contested(const Primitive& primitive, const Candidate& candidate) const
+    {
+        const ContestTuning& tuned = detect_tuning().contest;
+        const ShapeFit& fit = primitive.fit;
+        return traits_of(fit.shape.kind).is_flat() && !candidate.whole &&
+               mean_width(assigned_.parts[candidate.part]) <= tuned.max_width * fit.threshold &&
+               (fit.issue == FitIssue::other_surface || fit.noise > tuned.min_noise * options_.noise);
+    }
+
     // Whether a piece is a doubtful primitive in any case: a floor, a ceiling, a wall, or round far beyond the
     // threshold.
     bool is_kept(const SurfacePart& part, const Hypothesis& from) const
     {
         const PieceTuning& tuned = detect_tuning().pieces;
-        const double area = static_cast<double>(part.sampled) * options_.cell * options_.cell;
-        if (traits_of(from.shape.kind).is_flat()) return area > tuned.kept_width * from.threshold * part.box.diagonal();
+        if (traits_of(from.shape.kind).is_flat()) return mean_width(part) > tuned.kept_width * from.threshold;
         Vec3d sides = part.box.max - part.box.min;
         std::sort(sides.begin(), sides.end());
         const double turn = 2 * std::asin(std::min(1.0, 0.5 * sides[1] / from.shape.radius));

@@ -25,6 +25,9 @@ struct FinalFitOptions {
 
 struct FinalFit {
     std::vector<Primitive> primitives;  // most points first
+    // One for each primitive: whether it is a narrow plane that may be several surfaces within one threshold, pipes
+    // side by side or a step: it has more noise than the cloud, or points at both ends of the threshold.
+    std::vector<bool> contested;
     // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
     // out by the threshold.
     std::uint64_t pieces = 0, piece_points = 0;

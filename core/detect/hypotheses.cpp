@@ -1,5 +1,6 @@
 #include "pcm/detect/hypotheses.h"
 
+#include "pcm/cloud/growing_box_tree.h"
 #include "pcm/detect/shape_growth.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_fit.h"
@@ -28,13 +29,6 @@ bool normals_agree(const Shape& a, const Shape& b, const std::vector<Vec3d>& poi
     return true;
 }
 
-bool touch(const Box3d& a, const Box3d& b, double gap)
-{
-    for (std::size_t i = 0; i < 3; ++i)
-        if (a.min[i] > b.max[i] + gap || b.min[i] > a.max[i] + gap) return false;
-    return true;
-}
-
 // Evenly those of both, as many as one may have.
 std::vector<Vec3d> some_of(const Hypothesis& a, const Hypothesis& b)
 {
@@ -46,11 +40,10 @@ std::vector<Vec3d> some_of(const Hypothesis& a, const Hypothesis& b)
     return some;
 }
 
-// Takes `other` into `one`, if both are the same surface.
+// Takes `other`, which `one` reaches, into it, if both are the same surface.
 bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& options)
 {
-    if (one.shape.kind != other.shape.kind || !touch(one.box, other.box, std::max(one.reach, options.gap)))
-        return false;
+    if (one.shape.kind != other.shape.kind) return false;
     const double threshold = std::max(one.threshold, other.threshold);
     const double most = detect_tuning().merging.same_rms * std::max({one.rms, other.rms, 0.02 * threshold});
     double apart = rms_distance(one.shape, other.some);
@@ -73,12 +66,11 @@ bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& option
     return true;
 }
 
-// Whether nearly all points of `small` are points of `large` too, which may be of another kind: a band of a cylinder
-// that a sphere fits as well, say.
+// Whether nearly all points of `small` are points of `large` too, which reaches it and may be of another kind: a band
+// of a cylinder that a sphere fits as well, say.
 bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptions& options)
 {
-    const double gap = std::max(large.reach, options.gap);
-    if (large.area < small.area || !touch(large.box, small.box, gap)) return false;
+    if (large.area < small.area) return false;
     const double least = std::cos(std::min(options.normal_angle, pi / 2));
     const Box3d box = reached_box(large, options.gap);
     std::size_t on = 0;
@@ -113,18 +105,26 @@ void mark_explained(const SurfaceSample& sample, const std::vector<Hypothesis>& 
     }
 }
 
-std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options)
+std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options, std::uint64_t* pairs)
 {
     for (std::size_t before = all.size() + 1; all.size() < before;) {
         before = all.size();
         std::stable_sort(all.begin(), all.end(),
                          [](const Hypothesis& a, const Hypothesis& b) { return a.area > b.area; });
         std::vector<Hypothesis> kept;
+        GrowingBoxTree reached;  // those of `kept`
+        const auto reach = [&](std::uint32_t k) { reached.add(reached_box(kept[k], options.gap), k); };
         for (Hypothesis& next : all) {
-            const auto takes = [&](Hypothesis& one) {
-                return absorb(one, next, options) || explains(one, next, options);
+            const auto takes = [&](std::uint32_t k) {
+                if (pairs) ++*pairs;
+                if (!absorb(kept[k], next, options)) return explains(kept[k], next, options);
+                reach(k);
+                return true;
             };
-            if (std::none_of(kept.begin(), kept.end(), takes)) kept.push_back(std::move(next));
+            const std::vector<std::uint32_t> near = reached.touching(next.box);
+            if (std::any_of(near.begin(), near.end(), takes)) continue;
+            kept.push_back(std::move(next));
+            reach(static_cast<std::uint32_t>(kept.size() - 1));
         }
         all = std::move(kept);
     }

@@ -43,7 +43,9 @@ struct MergeOptions {
 
 // Brings together shapes of one kind of which one's points lie on the other, as near as on their own, and whose boxes
 // touch; each is then fitted to the points of both. Those whose points lie on a larger one of any kind are left out.
-// The result depends on the order.
-std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options);
+// The result depends on the order. O(n log^2 n) for shapes of which each reaches few others; `pairs`, if not null, is
+// increased by the number of pairs of shapes that were compared.
+std::vector<Hypothesis> merged(std::vector<Hypothesis> all, const MergeOptions& options,
+                               std::uint64_t* pairs = nullptr);
 
 }  // namespace pcm

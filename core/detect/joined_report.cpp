@@ -1,6 +1,7 @@
 #include "pcm/detect/joined_report.h"
 
 #include "pcm/detect/point_labels.h"
+#include "pcm/detect/tuning.h"
 #include "pcm/shapes/primitive_list.h"
 
 #include <algorithm>
@@ -11,22 +12,62 @@
 namespace pcm {
 namespace {
 
-// What the labels of both became: those of the second follow those of the first in `label_of`. No point has two.
-std::shared_ptr<const PointLabels> joined_labels(const Tree& tree, const PointLabels& first, const PointLabels& second,
-                                                 std::size_t first_count, const std::vector<std::uint32_t>& label_of)
-{
-    const auto labels = std::make_shared<PointLabels>(tree);
-    for (NodeId node = 0; node < tree.nodes().size(); ++node) {
-        if (tree.node(node).points == 0) continue;
-        std::vector<std::uint32_t> both = first.get(node);
-        const std::vector<std::uint32_t> others = second.get(node);
-        for (std::size_t i = 0; i < both.size(); ++i)
-            if (const std::size_t number = both[i] ? both[i] : others[i] ? first_count + others[i] : 0; number > 0)
-                both[i] = label_of[number - 1];
-        labels->set_all(node, both);
+// The labels of two searches: those of the second follow those of the first.
+class BothLabels {
+public:
+    BothLabels(const Tree& tree, const PointLabels& first, const PointLabels& second, const std::vector<Primitive>& all,
+               std::size_t first_count)
+        : tree_(tree), first_(first), second_(second), all_(all), first_count_(first_count)
+    {
     }
-    return labels;
-}
+
+    // Number of points of each, keyed by label - 1, that are the other search's.
+    std::vector<std::uint64_t> lost() const
+    {
+        std::vector<std::uint64_t> lost(all_.size(), 0);
+        for_each_node([&](NodeId, std::vector<std::uint32_t>& one, const std::vector<std::uint32_t>& other) {
+            for (std::size_t i = 0; i < one.size(); ++i)
+                if (one[i] && other[i]) ++lost[(is_first(other[i]) ? other[i] : one[i]) - 1];
+        });
+        return lost;
+    }
+
+    // Each point's one, as `label_of` has it by label - 1.
+    std::shared_ptr<const PointLabels> together(const std::vector<std::uint32_t>& label_of) const
+    {
+        const auto labels = std::make_shared<PointLabels>(tree_);
+        for_each_node([&](NodeId node, std::vector<std::uint32_t>& one, const std::vector<std::uint32_t>& other) {
+            for (std::size_t i = 0; i < one.size(); ++i)
+                if (const std::uint32_t label = !other[i] || (one[i] && is_first(other[i])) ? one[i] : other[i];
+                    label > 0)
+                    one[i] = label_of[label - 1];
+            labels->set_all(node, one);
+        });
+        return labels;
+    }
+
+private:
+    // Whether a point that both searches have found is the first one's: the second one's shape, of this label, is a
+    // doubtful.
+    bool is_first(std::uint32_t second) const { return all_[second - 1].fit.verdict != FitVerdict::good; }
+
+    template <class See>
+    void for_each_node(const See& see) const
+    {
+        for (NodeId node = 0; node < tree_.nodes().size(); ++node) {
+            if (tree_.node(node).points == 0) continue;
+            std::vector<std::uint32_t> one = first_.get(node), other = second_.get(node);
+            for (std::uint32_t& label : other)
+                if (label > 0) label += static_cast<std::uint32_t>(first_count_);
+            see(node, one, other);
+        }
+    }
+
+    const Tree& tree_;
+    const PointLabels &first_, &second_;
+    const std::vector<Primitive>& all_;
+    const std::size_t first_count_;
+};
 
 // Labels, colours and names in the order of the list, as each detection gives them.
 void number_again(std::vector<Primitive>& primitives)
@@ -43,25 +84,34 @@ void number_again(std::vector<Primitive>& primitives)
 
 }  // namespace
 
-DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others)
+DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others, std::uint64_t least_points)
 {
     const std::size_t first_count = rest.primitives.size();
     std::vector<Primitive> all = std::move(rest.primitives);
     std::move(others.primitives.begin(), others.primitives.end(), std::back_inserter(all));
-    std::vector<std::size_t> order(all.size());
-    std::iota(order.begin(), order.end(), std::size_t(0));
+    const BothLabels both(tree, *rest.labels, *others.labels, all, first_count);
+    const std::vector<std::uint64_t> lost = both.lost();
+    std::vector<std::size_t> order;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        const double most = detect_tuning().contest.max_lost * static_cast<double>(all[i].points);
+        all[i].points -= lost[i];
+        if (static_cast<double>(lost[i]) <= most && all[i].points >= least_points) order.push_back(i);
+    }
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return all[a].points > all[b].points; });
     std::vector<std::uint32_t> label_of(all.size(), 0);
-    rest.primitives.clear();
+    std::vector<Primitive> kept;
+    std::uint64_t points = 0;
     for (const std::size_t i : order) {
-        rest.primitives.push_back(std::move(all[i]));
-        label_of[i] = static_cast<std::uint32_t>(rest.primitives.size());
+        kept.push_back(all[i]);
+        label_of[i] = static_cast<std::uint32_t>(kept.size());
+        points += all[i].points;
     }
+    rest.labels = both.together(label_of);
+    rest.primitives = std::move(kept);
     number_again(rest.primitives);
-    rest.labels = joined_labels(tree, *rest.labels, *others.labels, first_count, label_of);
     rest.outcome.points_in += others.outcome.points_in;
-    rest.outcome.points_out += others.outcome.points_out;
+    rest.outcome.points_out = points;
     rest.outcome.seconds += others.outcome.seconds;
     rest.outcome.error = std::max(rest.outcome.error, others.outcome.error);
     rest.notes.insert(rest.notes.end(), others.notes.begin(), others.notes.end());

@@ -5,8 +5,10 @@
 
 namespace pcm {
 
-// No point has a label of both. The cloud's values, and the first notes, are those of `rest`; primitives are in one
-// order, and labelled, named and coloured by it. Throws what reading and writing labels throw.
-DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others);
+// A point that both have found belongs to the shape of `others`, unless that is doubtful. Shapes that lose more
+// than half of their points, or have fewer than least_points then, are left out. The cloud's values, and the first
+// notes, are those of `rest`; primitives are in one order, and labelled, named and coloured by it. Throws what reading
+// and writing labels throw.
+DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others, std::uint64_t least_points);
 
 }  // namespace pcm

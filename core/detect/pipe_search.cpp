@@ -72,6 +72,22 @@ double extent_along(const Vec3d& axis, const std::vector<Vec3d>& points)
     return to - from;
 }
 
+// The smallest angle about a cylinder's axis that holds this share of the points, by the share, radians: few points of
+// another surface at its edge do not count as an arc.
+double arc_of(const Shape& cylinder, const std::vector<Vec3d>& points, double share)
+{
+    const AxisFrame frame(cylinder.axis);
+    std::vector<double> angles;
+    for (const Vec3d& p : points)
+        angles.push_back(std::atan2(dot(p - cylinder.point, frame.v), dot(p - cylinder.point, frame.u)));
+    std::sort(angles.begin(), angles.end());
+    const std::size_t count = angles.size(), held = static_cast<std::size_t>(share * static_cast<double>(count));
+    for (std::size_t i = 0; i < held; ++i) angles.push_back(angles[i] + 2 * pi);
+    double least = 2 * pi;
+    for (std::size_t i = 0; i < count; ++i) least = std::min(least, angles[i + held] - angles[i]);
+    return std::min(least / share, 2 * pi);
+}
+
 class PipeSearch {
 public:
     PipeSearch(const SurfaceSample& sample, const PipeSearchOptions& options, std::vector<std::uint8_t>& taken)
@@ -130,7 +146,8 @@ private:
     bool is_pipe(const FoundShape& pipe) const
     {
         const std::vector<Vec3d> points = places_of(sample_, pipe.points);
-        return threshold_of(pipe.shape, points) >= pipe.threshold && turn_of(pipe.shape, points) >= tuned_.min_turn &&
+        return threshold_of(pipe.shape, points) >= pipe.threshold &&
+               arc_of(pipe.shape, points, tuned_.arc_share) >= tuned_.min_turn &&
                extent_along(pipe.shape.axis, points) >= tuned_.min_length * pipe.shape.radius && is_alone(pipe, points);
     }
 

@@ -101,7 +101,7 @@ void cut_edges(SurfaceSample& sample, double step, double cell)
 }  // namespace
 
 ChosenPoints::ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit, CloudPart part,
-                           std::shared_ptr<const PointLabels> taken)
+                           TakenPoints taken)
     : tree_(tree),
       boxes_(tree),
       selector_(limit, tree->info().schema),
@@ -133,7 +133,8 @@ void ChosenPoints::visit(const Box3i& box, std::uint16_t level, const std::funct
         const CloudPart here = part_.within(tree_->node(node).box);
         if (relation == BoxRelation::outside || !here.touches(tree_->node(node).box)) continue;
         const bool is_all = here.is_whole();
-        const std::vector<std::uint32_t> taken = taken_ ? taken_->get(node) : std::vector<std::uint32_t>();
+        const std::vector<std::uint32_t> taken =
+            taken_.labels ? taken_.labels->get(node) : std::vector<std::uint32_t>();
         const ChunkPart part = tree_->read_chunk_part(
             node, columns, [&](const Box3i& b, std::uint16_t l) { return l <= level && touches(b); });
         Some some;
@@ -144,7 +145,7 @@ void ChosenPoints::visit(const Box3i& box, std::uint16_t level, const std::funct
         for (std::size_t s = 0; s < part.count.size(); ++s) {
             std::vector<std::uint32_t> chosen;
             for (std::uint32_t i = begin; i < begin + part.count[s]; ++i)
-                if (taken_ && taken[part.first[s] + (i - begin)] != 0)
+                if (taken_.labels && taken_.has(taken[part.first[s] + (i - begin)]))
                     continue;
                 else if (const Vec3i q = part.chunk.positions->grid(i); box.contains(q) && (is_all || here.contains(q)))
                     chosen.push_back(i);

@@ -21,12 +21,19 @@ namespace pcm {
 
 class PointLabels;
 
+// Points that an earlier search has found: those with a label above 0, but for labels that are open.
+struct TakenPoints {
+    std::shared_ptr<const PointLabels> labels;  // null: none is taken
+    std::vector<bool> is_open{};                // keyed by label - 1; none: no label is
+
+    bool has(std::uint32_t label) const { return label > 0 && (is_open.empty() || !is_open[label - 1]); }
+};
+
 // Reads the chosen points of boxes. Any number of threads.
 class ChosenPoints {
 public:
-    // `taken`: points with a label there, above 0, are not chosen; null: there are none.
     ChosenPoints(const std::shared_ptr<const Tree>& tree, const Selection& limit, CloudPart part = {},
-                 std::shared_ptr<const PointLabels> taken = nullptr);
+                 TakenPoints taken = {});
 
     // Some points of one node: `number[i]` in the node's whole chunk, `at[i]` its place in source coordinates,
     // `grid[i]` on the grid.
@@ -53,7 +60,7 @@ private:
     const PointsInBoxes boxes_;
     const Selector selector_;
     const CloudPart part_;
-    const std::shared_ptr<const PointLabels> taken_;
+    const TakenPoints taken_;
     const SourceRounding rounding_;
 };
 

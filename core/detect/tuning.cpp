@@ -36,7 +36,8 @@ SearchValues search_values(DetectTuning& detect)
 }
 
 using ResultValues =
-    std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, MergingTuning, ElbowTuning>>;
+    std::array<TunedValue,
+               values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning, MergingTuning, ElbowTuning>>;
 static_assert(std::tuple_size_v<SearchValues> + std::tuple_size_v<ResultValues> == values_of<DetectTuning>);
 ResultValues result_values(DetectTuning& detect)
 {
@@ -52,6 +53,7 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.pipes.kept_threshold),
         PCM_TUNED(detect.pipes.min_noises),
         PCM_TUNED(detect.pipes.min_turn),
+        PCM_TUNED(detect.pipes.arc_share),
         PCM_TUNED(detect.pipes.min_length),
         PCM_TUNED(detect.pipes.alone_thresholds),
         PCM_TUNED(detect.pipes.max_others),
@@ -70,6 +72,9 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.widening.max_open_edge),
         PCM_TUNED(detect.widening.kept_share),
         PCM_TUNED(detect.widening.min_sampled),
+        PCM_TUNED(detect.contest.min_noise),
+        PCM_TUNED(detect.contest.max_width),
+        PCM_TUNED(detect.contest.max_lost),
         PCM_TUNED(detect.merging.same_rms),
         PCM_TUNED(detect.merging.explained_share),
         PCM_TUNED(detect.merging.min_interior),

@@ -116,6 +116,10 @@ struct PipeTuning {
     double min_noises = 1.25;  // standard deviations
     // Chosen: a scanner sees half of a pipe, pi, less where it is grazed; not swept.
     double min_turn = 1.4;  // radians
+    // Share of a pipe's points that the turn is measured at.
+    // Chosen: a strip of a post's side with 4 % of its points around the edge has a turn of 2.5 of all points, 1.3 of
+    // these; not swept.
+    double arc_share = 0.9;  // share of the points
     // Chosen: three diameters; not swept.
     double min_length = 6;  // radii
     // Points up to this distance that are not the pipe's.
@@ -196,6 +200,21 @@ struct WideningTuning {
     std::size_t min_sampled = 100;  // points
 };
 
+// Planes over several surfaces, whose points the second search looks at again (FinalFit::contested).
+struct ContestTuning {
+    // Noise of a plane over several pipes or steps, of the cloud's.
+    // Chosen: 95 % of a plant's right planes have up to 1.04, strips of pipes and steps of 10 mm 1.15 and more; not
+    // swept.
+    double min_noise = 1.15;  // share of the cloud's noise
+    // Mean width of a plane's part, as for detect.pieces.kept_width, up to which it is searched again: floors and walls
+    // are not.
+    // Chosen: the sides of two posts and of a beam between them, 10 mm apart, have about 45; not swept.
+    double max_width = 100;  // thresholds
+    // Share of its points from which on what the second search has found replaces it.
+    // Chosen: not swept.
+    double max_lost = 0.5;  // share of the points
+};
+
 // Which hypotheses are one surface (hypotheses.h), and the final fit of its points.
 struct MergingTuning {
     // Maximum rms distance of a shape's points from another that is the same.
@@ -229,6 +248,7 @@ struct DetectTuning {
     PipeTuning pipes;
     PieceTuning pieces;
     WideningTuning widening;
+    ContestTuning contest;
     MergingTuning merging;
     ElbowTuning elbows;
 };

@@ -157,21 +157,6 @@ private:
         return units;
     }
 
-    // Where points are that a trial of these looks at: their own, and those next to them that show whether the surface
-    // continues, with all their neighbours.
-    std::vector<Vicinity> vicinities_of(const std::vector<Hypothesis>& some) const
-    {
-        const AssignOptions& assign = sample_->assign;
-        std::vector<Vicinity> places;
-        for (const Hypothesis& one : some) {
-            const double beyond = detect_tuning().pieces.max_beyond * one.threshold + assign.sample.margin;
-            Hypothesis wider = one;
-            wider.reach = std::max(one.reach, assign.reach) + assign.sample.margin;
-            places.push_back({reached_box(wider, 0), one.shape, beyond});
-        }
-        return places;
-    }
-
     // By hypothesis, of those in settled_ and then `more`; where there are more, of these alone.
     std::vector<Trial> trial(const std::vector<Hypothesis>& more, bool keeps_points = false)
     {
@@ -180,7 +165,7 @@ private:
         for (const Hypothesis& one : more) tried_.push_back(without_points(one));
         const std::vector<Box3i> units = more.empty() ? sample_->units : units_of(more);
         AssignOptions assign = sample_->assign;
-        assign.sample.only = vicinities_of(more);
+        for (const Hypothesis& one : more) assign.sample.only.push_back(vicinity_of(one, assign));
         if (keeps_points) assign.some_from = static_cast<std::uint32_t>(settled_.size());
         assigned_ = assign_points(points_, units, tried_, assign, nullptr);
         std::vector<Trial> trials(tried_.size());

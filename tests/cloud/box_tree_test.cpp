@@ -1,4 +1,5 @@
 #include "pcm/cloud/box_tree.h"
+#include "pcm/cloud/growing_box_tree.h"
 #include "tests/sanitizers.h"
 
 #include <gtest/gtest.h>
@@ -59,6 +60,26 @@ TEST(BoxTree, ASubsetIsSearchedAlone)
             subset.add(more);
             in_it[more] = boxes[more];
         }
+    }
+}
+
+TEST(GrowingBoxTree, FindsEachNumberOnceByAnyOfItsBoxes)
+{
+    std::mt19937 random(9);
+    GrowingBoxTree tree;
+    EXPECT_TRUE(tree.touching(box_at(random, 10, 10)).empty());
+    std::vector<Box3d> boxes;
+    std::vector<std::uint32_t> numbers;
+    for (int k = 0; k < 500; ++k) {
+        boxes.push_back(box_at(random, 10, 1));
+        numbers.push_back(static_cast<std::uint32_t>(random() % 200));
+        tree.add(boxes.back(), numbers.back());
+        const Box3d box = box_at(random, 10, 3);
+        std::vector<std::uint32_t> expected;
+        for (const std::uint32_t i : touching_one_by_one(boxes, box)) expected.push_back(numbers[i]);
+        std::sort(expected.begin(), expected.end());
+        expected.erase(std::unique(expected.begin(), expected.end()), expected.end());
+        EXPECT_EQ(tree.touching(box), expected) << k;
     }
 }
 

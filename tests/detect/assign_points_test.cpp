@@ -150,6 +150,39 @@ TEST_F(AssignPoints, ThePartsOfABendContinueInEachUnit)
     EXPECT_NEAR(static_cast<double>(continued({low, high})), static_cast<double>(whole), 10);
 }
 
+// A crest with a narrow ledge on each side, three thresholds lower, and a slope below: whether the surface continues is
+// decided by the ledge, whose normals come from points of the slope beyond four thresholds. Along the crest the plane
+// ends where it may reach, amid points.
+TEST_F(AssignPoints, PartsAreTheSameWithPointsOfTheirVicinityAlone)
+{
+    Dice dice(7);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 40000; ++i) {
+        const double x = dice.between(-1, 1), y = dice.between(-1, 1), flank = std::fabs(x) - 0.3;
+        const double height = flank < 0 ? 0 : -0.0105 - 2 * std::max(0.0, flank - 0.04);
+        points.push_back({x, y, height + 0.0005 * dice.normal()});
+    }
+    make(points);
+    Hypothesis crest = level_plane(0, 0.0035);
+    crest.box = {{-0.3, -0.5, 0}, {0.3, 0.5, 0}};
+    AssignOptions options = options_of(0.02, 0);
+    const auto parts = [&] {
+        return assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, {crest}, options, nullptr).parts;
+    };
+    const std::vector<SurfacePart> all = parts();
+    options.sample.only = {vicinity_of(crest, options)};
+    const std::vector<SurfacePart> near = parts();
+    ASSERT_EQ(near.size(), all.size());
+    EXPECT_GT(all[0].sampled, 1500u);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        EXPECT_EQ(near[i].sampled, all[i].sampled);
+        EXPECT_EQ(near[i].edge, all[i].edge);
+        EXPECT_EQ(near[i].continued, all[i].continued);
+        EXPECT_NEAR(near[i].squares, all[i].squares, 1e-9 * all[i].squares);
+        EXPECT_NEAR(near[i].smooth_squares, all[i].smooth_squares, 1e-9 * all[i].smooth_squares);
+    }
+}
+
 // Sums over the points inside a part, of their distances and of the means of theirs and their neighbours'.
 TEST_F(AssignPoints, PartsHaveTheSquaresOfTheirPointsInside)
 {

@@ -102,6 +102,29 @@ const std::vector<Piece> scene{
     {shape(ShapeKind::cylinder, {2, 2, -5}, {0, 0, 1}, 0.1), 3, 2 * pi, 4000},
 };
 
+// Two boards side by side, one 10.5 mm higher: one plane within the threshold has both.
+TEST_F(Detect, PCM_NOT_UNDER_THREAD(StepsWithinTheThresholdAreFoundByTheSecondSearch))
+{
+    Dice dice(6);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 60000; ++i)
+        points.push_back(corner + Vec3d{dice.between(-3, 3), dice.between(-3, 3), -2 + 0.002 * dice.normal()});
+    for (int i = 0; i < 12000; ++i) {
+        const double y = dice.between(-0.2, 0.2);
+        points.push_back(corner + Vec3d{dice.between(0, 3), y, (y < 0 ? 0 : 0.0105) + 0.0015 * dice.normal()});
+    }
+    make(points);
+    const DetectReport report = detect();
+    ASSERT_EQ(report.primitives.size(), 3u);
+    for (std::size_t i = 1; i < 3; ++i) {
+        const ShapeFit& board = report.primitives[i].fit;
+        const double height = report.primitives[i].bounds.outline.at(0)[2] - corner[2];
+        EXPECT_EQ(board.verdict, FitVerdict::good) << board.message;
+        EXPECT_NEAR(height, height < 0.005 ? 0 : 0.0105, 0.001);
+        EXPECT_GT(report.primitives[i].points, 3500u);
+    }
+}
+
 // Not under the thread sanitizer: many fits, whose threads other tests watch; so below.
 TEST_F(Detect, PCM_NOT_UNDER_THREAD(FindsEachShapeOfASceneAtMapCoordinatesAmongClutter))
 {

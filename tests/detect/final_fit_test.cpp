@@ -132,6 +132,26 @@ TEST_F(FinalFitTest, PlatesAndBentFloorsAreDoubted)
     }
 }
 
+// A plane with the cloud's noise, a plate within the threshold, and a strip of more noise, as of pipes: the last two
+// are searched again where they are narrow.
+TEST_F(FinalFitTest, NarrowPlanesOfSeveralSurfacesAreContested)
+{
+    build([](std::size_t floor, double, double, Dice& dice) {
+        if (floor == 1) return (dice.unit() < 0.5 ? -1 : 1) * 0.004 + 0.001 * dice.normal();
+        return (floor == 0 ? 0.002 : 0.003) * dice.normal();
+    });
+    const auto contested = [&](std::uint64_t sampled, double noise) {
+        for (SurfacePart& part : assigned_.parts) part.sampled = sampled;
+        return fit(false, noise).contested;  // most points first: the last floor, the plate, the first floor
+    };
+    cell_ = 0.01;
+    EXPECT_EQ(contested(10000, 0.0023), (std::vector<bool>{true, true, false}));
+    EXPECT_EQ(contested(10000, 0.0028), (std::vector<bool>{false, true, false})) << "noise is not above the cloud's";
+    EXPECT_EQ(contested(20000, 0.0023), (std::vector<bool>{false, false, false})) << "141 thresholds wide";
+    hypothesis_.whole = true;
+    EXPECT_EQ(contested(10000, 0.0023), (std::vector<bool>{false, false, false})) << "a rough surface that ends";
+}
+
 // Wide relative to the threshold, as floors and ceilings of rooms that bend by more than it.
 TEST_F(FinalFitTest, WideFlatPiecesAreKeptAsDoubtful)
 {

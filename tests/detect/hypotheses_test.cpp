@@ -152,4 +152,48 @@ TEST(Hypotheses, NothingIsExplainedBeyondAShapesReach)
     EXPECT_EQ(count({square(0, 0, 100, 0, 1), strip(4, 24)}), 2u);
 }
 
+// Shapes far from each other are not compared: squares of a wall of storeys, each continued by the next one.
+TEST(Hypotheses, ComparesNeighboursAlone)
+{
+    for (const int shapes : {300, 3000, 30000}) {
+        Dice dice(9);
+        std::vector<Hypothesis> all;
+        for (int i = 0; i < shapes; ++i) {
+            Hypothesis one = square(5 * (i / 2 % 100 * 2 + i % 2), 10 * (i / 200), 100 + 0.5 * (i / 2 % 7), 0, 11);
+            one.some.resize(8);
+            one.area = dice.between(20, 30);
+            all.push_back(std::move(one));
+        }
+        MergeOptions options;
+        options.gap = 0.3;
+        options.normal_angle = 0.35;
+        std::uint64_t pairs = 0;
+        EXPECT_EQ(merged(std::move(all), options, &pairs).size(), static_cast<std::size_t>(shapes / 2));
+        EXPECT_GE(pairs, static_cast<std::uint64_t>(shapes / 2)) << "each has one that continues it";
+        EXPECT_LE(pairs, static_cast<std::uint64_t>(3 * shapes)) << shapes << " shapes";
+    }
+}
+
+// What has grown is compared with what it reaches now: all in one pass. Each pass compares all with the post, too.
+TEST(Hypotheses, WhatHasGrownReachesFarther)
+{
+    std::vector<Hypothesis> all;
+    Hypothesis post = square(0, 0, 100, 0, 9);
+    post.shape.kind = ShapeKind::cylinder;
+    post.shape.radius = 0.1;
+    post.box.extend(Vec3d{30, 5, 110});
+    post.area = 1000;
+    all.push_back(post);
+    for (int i = 0; i < 6; ++i) {
+        all.push_back(square(5 * i, 0, 100, 0, static_cast<std::uint64_t>(i)));
+        all.back().area = 30 - i;
+    }
+    MergeOptions options;
+    options.gap = 0.3;
+    options.normal_angle = 0.35;
+    std::uint64_t pairs = 0;
+    EXPECT_EQ(merged(std::move(all), options, &pairs).size(), 2u);
+    EXPECT_EQ(pairs, 6u + 5u + 1u);
+}
+
 }  // namespace

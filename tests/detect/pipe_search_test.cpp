@@ -102,6 +102,15 @@ TEST_F(PipeSearches, FindNoneThatAreHiddenShallowOrShort)
     add_pipe(0, 0.005);        // a third of its sagitta is within the noise
     add_pipe(0.4, 0.03, 1.0);  // too little of its circle
     EXPECT_TRUE(search().empty());
+    // As little, but for few points of something else around its edge.
+    points_.clear();
+    add_pipe(0, 0.03, 2.4);
+    std::size_t count = 0;
+    const auto few = [&](const SurfacePoint& p) {
+        return std::fabs(p.position[1]) > 0.03 * std::sin(0.6) && ++count % 20 != 0;
+    };
+    points_.erase(std::remove_if(points_.begin(), points_.end(), few), points_.end());
+    EXPECT_TRUE(search().empty());
     points_.clear();
     add_pipe(0, 0.03);
     points_.erase(

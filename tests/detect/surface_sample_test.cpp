@@ -271,10 +271,18 @@ TEST_F(SurfaceSamples, HaveNoPointsThatAreTaken)
         ++all;
     }
     ASSERT_GT(wall, 1000u);
-    const ChosenPoints chosen(tree_, {}, {}, labels);
+    const ChosenPoints chosen(tree_, {}, {}, {labels});
     const SurfaceSample left = sample_surface(chosen, tree_->info().box, {tree_->info().levels, 0});
     EXPECT_EQ(left.size(), all - wall);
     for (const Vec3d& p : left.at) EXPECT_LE(p[2] + left.origin[2], 0.1 + 1e-3);
+    std::vector<bool> open(8, false);
+    const auto count = [&] {
+        return sample_surface(ChosenPoints(tree_, {}, {}, {labels, open}), tree_->info().box, {tree_->info().levels, 0})
+            .size();
+    };
+    EXPECT_EQ(count(), all - wall);
+    open[6] = true;  // label 7
+    EXPECT_EQ(count(), all);
 }
 
 // Those near it whose normals agree, within its reach.
