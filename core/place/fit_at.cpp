@@ -104,6 +104,7 @@ private:
     {
         StationErrorOptions options;
         options.registration = registration();
+        options.metres_per_unit = metres_per_unit(tree_->info().metadata);
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.9, 0.95);
         add_station_errors(result.points, around_, options, result.agreement, result.primitive);
