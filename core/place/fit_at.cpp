@@ -1,12 +1,13 @@
 #include "pcm/place/fit_at.h"
 
-#include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/numbers.h"
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
+#include "pcm/place/face_at_place.h"
+#include "pcm/place/fit_at_arguments.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/local_fit.h"
 #include "pcm/place/progress_part.h"
@@ -29,29 +30,6 @@ namespace pcm {
 namespace {
 
 const double even_spread = 1 / std::sqrt(3.0);  // rms distance of points anywhere within a threshold, per threshold
-
-void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
-{
-    const auto refuse = [](const std::string& what, const std::string& hint = {}) {
-        throw Error(ErrorCode::invalid_argument, {}, what, hint);
-    };
-    if (places.empty()) refuse("no place was given to fit a shape at", "pick one or more points of the surface");
-    for (const std::vector<Vec3d>* list : {&places, &not_places})
-        for (const Vec3d& p : *list) require_place("the picked place", p);
-    for (const Vec3d& p : not_places)
-        if (std::find(places.begin(), places.end(), p) != places.end())
-            refuse("the place " + exact(p) + " was given both as one on the surface and as one off it");
-    if (!(options.fit.threshold >= 0) || !std::isfinite(options.fit.threshold))
-        refuse("the threshold is " + exact(options.fit.threshold) + "; it is a positive number of source units");
-    if (!(options.radius >= 0) || !std::isfinite(options.radius))
-        refuse("the radius of the neighbourhood is " + exact(options.radius) +
-               "; it is a positive number of source units");
-    if (!(options.registration >= 0) || !std::isfinite(options.registration))
-        refuse("the registration is within " + exact(options.registration) +
-               "; it is a positive number of millimetres");
-    if (!(options.step >= 0) || !std::isfinite(options.step))
-        refuse("the step of growth is " + exact(options.step) + "; it is a positive number of source units");
-}
 
 double metres_per_unit(const std::vector<Metadata>& metadata)
 {
@@ -146,7 +124,7 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            return best_of_thresholds();
+            return or_face(best_of_thresholds());
         } catch (const Error& error) {
             if (error.code() != ErrorCode::cancelled || !is_late_) throw;
         }
@@ -158,6 +136,20 @@ private:
                   result.left_surface +
                       " before it was followed through the cloud: these are the points around the place alone");
         return result;
+    }
+
+    // Where no shape of the nearest points is good, that of the face at the place alone.
+    FittedPrimitive or_face(FittedPrimitive found)
+    {
+        if (found.primitive.fit.verdict == FitVerdict::good || places_.size() != 1) return found;
+        LocalFitOptions options = local_options();
+        options.progress = part_of(progress_in_time_, 0.9, 0.9);
+        std::optional<LocalFit> face = fit_face(cloud_, places_.front(), options);
+        if (!face) return found;
+        whole_progress_ = part_of(progress_in_time_, 0.9, 1);
+        FittedPrimitive of_face = followed(std::move(*face), Way::even, 0, 1);
+        doubt_few_points(of_face);
+        return of_face.primitive.fit.verdict == FitVerdict::good ? of_face : found;
     }
 
     // The first threshold that holds all of the noise around the places may cut that of the rest of the surface:
@@ -491,7 +483,7 @@ private:
 FittedPrimitive fit_at(const PointCloud& cloud, const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places,
                        const FitAtOptions& options)
 {
-    require(places, not_places, options);
+    require_arguments(places, not_places, options);
     return PlacedFit(cloud, places, options).run(not_places);
 }
 

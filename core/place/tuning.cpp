@@ -66,7 +66,8 @@ ValuesAtPlace values_at_place(PlaceTuning& place)
     }};
 }
 
-using ValuesOfGrowth = std::array<TunedValue, values_of<GrowthTuning, EvenNoiseTuning, TurnedTuning, FollowingTuning>>;
+using ValuesOfGrowth =
+    std::array<TunedValue, values_of<GrowthTuning, EvenNoiseTuning, TurnedTuning, FollowingTuning, FaceTuning>>;
 ValuesOfGrowth values_of_growth(PlaceTuning& place)
 {
     return {{
@@ -103,6 +104,9 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.less_agreement),
         PCM_TUNED(place.following.max_station_noise),
         PCM_TUNED(place.following.max_left_by_stations),
+        PCM_TUNED(place.faces.min_gap),
+        PCM_TUNED(place.faces.min_share),
+        PCM_TUNED(place.faces.max_others),
     }};
 }
 

@@ -302,6 +302,19 @@ struct FollowingTuning {
     double less_agreement = 0.5;  // factor on the agreement of the first kind
 };
 
+// The face of a plate whose other face has more points (face_at_place.h).
+struct FaceTuning {
+    // Minimum distance between the faces.
+    // Chosen: twelve plates of 8 to 25 mm that stations 1.5 mm apart see from both sides; not swept.
+    double min_gap = 1.2;  // thresholds
+    // Minimum share of the nearest points that lie on the face at the place: those plates have 0.14 to 0.45.
+    // Chosen: as min_gap; not swept.
+    double min_share = 0.1;  // share of the points
+    // Maximum share of points on neither face: edges of plates, noise beyond the thresholds.
+    // Chosen: as min_gap; not swept.
+    double max_others = 0.25;  // share of the points
+};
+
 // Which points are of which station of a scanner, where no attribute says it (point_stations.h).
 struct StationTuning {
     // Parts of a tree whose coarsest points are looked at.
@@ -373,6 +386,7 @@ struct PlaceTuning {
     EvenNoiseTuning even_noise;
     TurnedTuning turned;
     FollowingTuning following;
+    FaceTuning faces;
     StationTuning stations;
     PatchTuning patches;
 };
