@@ -7,6 +7,7 @@
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/face_at_place.h"
+#include "pcm/place/few_points.h"
 #include "pcm/place/fit_at_arguments.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/local_fit.h"
@@ -54,6 +55,8 @@ public:
     {
         for (const Vec3d& p : not_places) leave_out(p);
         FittedPrimitive result = best_in_time();
+        if (options_.grow && options_.fit.threshold == 0)
+            doubt_small(result, metres_per_unit(tree_->info().metadata), options_.threads);
         compare_stations(result);
         find_bounds(result, part_of(options_.progress, 0.95, 1));
         result.primitive.fit.seconds = seconds_since(start_);
@@ -138,10 +141,14 @@ private:
         return result;
     }
 
-    // Where no shape of the nearest points is good, that of the face at the place alone.
+    // Where no shape of the nearest points is good, or neighbours leave it together as those of two faces do, that of
+    // the face at the place alone.
     FittedPrimitive or_face(FittedPrimitive found)
     {
-        if (found.primitive.fit.verdict == FitVerdict::good || places_.size() != 1) return found;
+        const bool is_good = found.primitive.fit.verdict == FitVerdict::good;
+        const bool may_be_two =
+            !traits_of(found.primitive.fit.shape.kind).is_flat() && found.agreement > tuned_.max_other_agreement;
+        if ((is_good && !may_be_two) || places_.size() != 1) return found;
         LocalFitOptions options = local_options();
         options.progress = part_of(progress_in_time_, 0.9, 0.9);
         std::optional<LocalFit> face = fit_face(cloud_, places_.front(), options);
@@ -400,18 +407,6 @@ private:
         if (options_.fit.threshold == 0 && is_doubted && (is_narrow || fit.issue == FitIssue::no_consensus))
             return come_back(fit.message, fit.issue, result);
         result = std::move(followed);
-    }
-
-    // The neighbourhood was chosen by its noise: leaves and twigs have some that look smooth.
-    static void doubt_few_points(FittedPrimitive& result)
-    {
-        ShapeFit& fit = result.primitive.fit;
-        if (fit.verdict != FitVerdict::good || result.points.size() >= place_tuning().following.min_narrow_points)
-            return;
-        doubt(fit, FitIssue::no_consensus,
-              "only " + grouped(result.points.size()) +
-                  " points lie on it before the noise rises, as some do by chance in a crown of a tree: pick more "
-                  "places, or give a threshold");
     }
 
     // What the shape was before it was followed.
