@@ -47,7 +47,8 @@ public:
             damped.diagonal() += damping * products_.diagonal();
             damped.diagonal().array() += 1e-12 * products_.trace();
             const Numbers next = at - damped.ldlt().solve(pulls_);
-            const double there = next.allFinite() && next[bend] > 0 && next[tube] > 0 ? squares_of(next) : infinity;
+            const bool is_torus = next.allFinite() && next[tube] > 0 && next[tube] < next[bend];
+            const double there = is_torus ? squares_of(next) : infinity;
             if (!(there < squares)) {
                 damping *= 10;
                 continue;
