@@ -10,6 +10,7 @@
 #include "pcm/place/few_points.h"
 #include "pcm/place/fit_at_arguments.h"
 #include "pcm/place/followed_verdict.h"
+#include "pcm/place/inner_points.h"
 #include "pcm/place/local_fit.h"
 #include "pcm/place/progress_part.h"
 #include "pcm/place/station_errors.h"
@@ -88,7 +89,11 @@ private:
         options.metres_per_unit = metres_per_unit(tree_->info().metadata);
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.9, 0.95);
-        add_station_errors(result.points, around_, options, result.agreement, result.primitive);
+        const PointSet own = result.part ? points_where(
+                                               result.points, [&](const Vec3d& p) { return result.part->has(p); },
+                                               options_.threads, part_of(options_.progress, 0.9, 0.9))
+                                         : result.points;
+        add_station_errors(own, around_, options, result.agreement, result.primitive);
         if (result.agreement > 1)
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(result.agreement) + " times those of independent points");
@@ -290,7 +295,7 @@ private:
     // The shape of a neighbourhood and its points there.
     FittedPrimitive at_places(LocalFit local) const
     {
-        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}};
+        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}, {}};
         result.near = std::move(local.near);
         result.local = std::move(local.fit);
         result.notes = std::move(local.notes);
@@ -423,6 +428,7 @@ private:
     void take_grown(GrownShape grown, FittedPrimitive& result)
     {
         result.agreement = grown.agreement;
+        result.part = grown.part;
         result.points = std::move(grown.points);
         result.reached.shape = grown.followed;
         result.reached.threshold = grown.threshold;

@@ -31,8 +31,8 @@ protected:
         }
         tree_ = build_surface_tree(folder_.path(), points);
         const auto cloud = PointCloud::open(tree_->folder());
-        FittedPrimitive result{{}, set_where(tree_, [](const Vec3d&) { return true; }), {}, {}, {}, 0, 0, false, 1, {},
-                               {}};
+        FittedPrimitive result{
+            {}, set_where(tree_, [](const Vec3d&) { return true; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {}};
         ShapeFit& fit = result.primitive.fit;
         fit.shape.kind = ShapeKind::cylinder;
         fit.shape.axis = {0, 0, 1};
