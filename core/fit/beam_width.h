@@ -31,7 +31,7 @@ struct BeamWidth {
 };
 
 // `patch`: the shape in units of the extent, about the middle, as the points are; `widest`: above 0, in these units;
-// `step`: of the differences that derivatives are taken from. One thread; a microsecond a point.
+// `step`: length of the differences that stand for derivatives. One thread; a microsecond a point.
 BeamWidth beam_width(const ShapeModel& model, const SurfacePatch& patch,
                      const std::map<std::uint32_t, StationRays>& stations, double widest, double step);
 

@@ -178,7 +178,7 @@ struct RayErrorTuning {
     double left = 0.4;  // share of the bias
     // Cosine of the angle at which a beam hits the surface, below which its light leaves the shape.
     // Chosen: with widest_beam; not swept.
-    double min_beam_cosine = 0.4;
+    double min_beam_cosine = 0.4;  // cosine
     // Width of a beam of which nothing is known: those of scanners are 4 to 8 mm wide at 10 m, two to four deviations.
     // Chosen: by data sheets; the pipes of left show 1.8 mm.
     double widest_beam = 0.002;  // metres, standard deviation

@@ -5,8 +5,8 @@
 
 namespace pcm {
 
-// Doubts a good shape whose neighbourhood was chosen by its noise, and which has fewer points than leaves and twigs that
-// look smooth (place.following.min_narrow_points).
+// Doubts a good shape whose neighbourhood was chosen by its noise, and which has fewer points than leaves and twigs
+// that look smooth (place.following.min_narrow_points).
 void doubt_few_points(FittedPrimitive& result);
 
 // Doubts a good shape whose few points are within the size of a leaf (place.following.min_small_points, max_small).

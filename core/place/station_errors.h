@@ -22,7 +22,7 @@ struct StationErrorOptions {
     double registration = 0;  // known spread of a station along each axis, source units; 0: it is not known
     unsigned threads = 0;     // 0: one per processor
     ProgressFunction progress;
-    double metres_per_unit = 1;  // of the source units, for the width of a scanner's beam (beam_width.h)
+    double metres_per_unit = 1;  // metres per source unit, for the width of a scanner's beam (beam_width.h)
 };
 
 // Takes the bias of errors along the rays and of the beam's width from the shape (ray_errors.h), and changes its

@@ -266,8 +266,8 @@ struct FollowingTuning {
     // Chosen: with min_small_points; not swept.
     double max_small = 0.2;  // metres, diagonal of the box of the points
     // Maximum noise of a shape that still changes when all rounds are over, and whose neighbours share errors: ovals
-    // that stations 1.5 mm apart see are followed around bit by bit. Chosen: 1,360 clicks, of which two on ovals and
-    // two on a dented wall have more; not swept.
+    // that stations 1.5 mm apart see are followed around bit by bit.
+    // Chosen: 1,360 clicks, of which two on ovals, one on a dented tank and one on a round one have more; not swept.
     double max_unsettled_noise = 0.4;  // thresholds
     // Maximum noise of a surface whose noise differs from place to place.
     // Chosen: not swept.

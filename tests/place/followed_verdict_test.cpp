@@ -73,7 +73,7 @@ TEST_F(FollowedVerdictTest, AsRoughACylinderIsOne)
     EXPECT_EQ(column.primitive.fit.verdict, FitVerdict::good) << column.primitive.fit.message;
 }
 
-// Stations that are apart and an oval that is followed bit by bit look alike, but the second has no end.
+// An oval that is followed bit by bit never settles.
 TEST_F(FollowedVerdictTest, WhatStillChangesIsDoubted)
 {
     const FittedPrimitive changing = judged(false, 0.012, 3, false);
