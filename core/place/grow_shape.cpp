@@ -144,6 +144,7 @@ private:
                 return;
             reach(fitted.fit.shape, begin + 2 * step, begin + 3 * step, grown);
             grown.fit.inliers = grown.points.size();
+            if (round + 1 == most_part_rounds) return;
             inner = grown.points;
             if (const auto again = swept_part_of(inner, grown))
                 part = *again;
