@@ -30,14 +30,18 @@ struct PointOfStation {
 };
 
 struct WithoutRayErrors {
-    Shape shape;       // source coordinates
-    double share = 0;  // share of the errors' variance along the rays, the most probable one; above 0
+    Shape shape;          // source coordinates
+    double share = 0;     // share of the errors' variance along the rays, the most probable one; above 0
+    double beam = 0;      // most probable standard deviation of the beam's light across it, source units
+    Shape of_wider_beam;  // `shape` if the variance of that light were one standard deviation of its error larger
 };
 
-// The shape that is fitted to the points, without that bias. Nothing for flat shapes, where errors do not lie along
-// rays, and where the mean normal shows no direction: points all around a shape. `middle`: near the points; `extent`:
-// about their size, above 0, source units. One thread; a microsecond a point.
+// The shape that is fitted to the points, without that bias and without what the width of the beam does
+// (beam_width.h). Nothing for flat shapes, where errors do not lie along rays, and where the mean normal shows no
+// direction: points all around a shape. `middle`: near the points; `extent`: about their size, above 0, source units;
+// `widest_beam`: standard deviation of the light across the beam of a scanner of which nothing is known, above 0,
+// source units. One thread; two microseconds a point.
 std::optional<WithoutRayErrors> without_ray_errors(const Shape& shape, const std::vector<PointOfStation>& points,
-                                                   const Vec3d& middle, double extent);
+                                                   const Vec3d& middle, double extent, double widest_beam);
 
 }  // namespace pcm

@@ -62,6 +62,8 @@ std::vector<TunedValue> fit_tuned_values()
         PCM_TUNED(fit.ray_errors.min_mean_normal),
         PCM_TUNED(fit.ray_errors.min_along),
         PCM_TUNED(fit.ray_errors.left),
+        PCM_TUNED(fit.ray_errors.min_beam_cosine),
+        PCM_TUNED(fit.ray_errors.widest_beam),
         PCM_TUNED(fit.ray_errors.min_evidence),
     }};
     return {all.begin(), all.end()};

@@ -47,7 +47,8 @@ public:
             damped.diagonal() += damping * products_.diagonal();
             damped.diagonal().array() += 1e-12 * products_.trace();
             const Numbers next = at - damped.ldlt().solve(pulls_);
-            const double there = next.allFinite() && next[bend] > 0 && next[tube] > 0 ? squares_of(next) : infinity;
+            const bool is_torus = next.allFinite() && next[tube] > 0 && next[tube] < next[bend];
+            const double there = is_torus ? squares_of(next) : infinity;
             if (!(there < squares)) {
                 damping *= 10;
                 continue;
@@ -90,45 +91,63 @@ public:
 private:
     static Vec3d axis_at(const Numbers& at) { return normalised({at[tilt], at[tilt + 1], 1}); }
 
-    // Signed distance of a place along the three axes from the tube.
-    double distance(const Numbers& at, const Vec3d& place) const
-    {
-        const Vec3d axis = axis_at(at), d = place - Vec3d{at[0], at[1], at[2]};
-        const Vec3d u = normalised(Vec3d{1, 0, 0} - axis[0] * axis), v = cross(axis, u);
-        const double x = dot(d, u), y = dot(d, v), h = dot(d, axis);
-        const double angle = turned(std::atan2(y, x));
-        if (angle >= at[first_end] && angle <= at[last_end])
-            return std::hypot(std::hypot(x, y) - at[bend], h) - at[tube];
-        const double end = angle < at[first_end] ? at[first_end] : at[last_end];
-        const double out = x * std::cos(end) + y * std::sin(end) - at[bend];  // across the tangent at the end
-        return std::hypot(out, h) - at[tube];
-    }
+    // A tube of these numbers, for many places.
+    struct Tube {
+        explicit Tube(const Numbers& at)
+            : numbers(at),
+              middle{at[0], at[1], at[2]},
+              axis(axis_at(at)),
+              u(normalised(Vec3d{1, 0, 0} - axis[0] * axis)),
+              v(cross(axis, u)),
+              first{std::cos(at[first_end]), std::sin(at[first_end])},
+              last{std::cos(at[last_end]), std::sin(at[last_end])}
+        {
+        }
+        // Signed distance of a place along the three axes from the tube.
+        double distance(const Vec3d& place) const
+        {
+            const Vec3d d = place - middle;
+            const double x = dot(d, u), y = dot(d, v), h = dot(d, axis);
+            const double angle = turned(std::atan2(y, x));
+            if (angle >= numbers[first_end] && angle <= numbers[last_end])
+                return std::hypot(std::hypot(x, y) - numbers[bend], h) - numbers[tube];
+            const std::array<double, 2>& end = angle < numbers[first_end] ? first : last;
+            const double out = x * end[0] + y * end[1] - numbers[bend];  // across the tangent at the end
+            return std::hypot(out, h) - numbers[tube];
+        }
+        const Numbers numbers;
+        const Vec3d middle, axis, u, v;
+        const std::array<double, 2> first, last;  // cosine and sine of the ends
+    };
 
     double squares_of(const Numbers& at) const
     {
+        const Tube tube(at);
         double squares = 0;
-        for (const Vec3d& p : points_) squares += std::pow(distance(at, p), 2);
+        for (const Vec3d& p : points_) squares += std::pow(tube.distance(p), 2);
         return squares;
     }
 
     // Normal equations by differences.
     double linearise(const Numbers& at)
     {
-        std::array<Numbers, parameters> moved;
         Numbers step = Numbers::Constant(1e-6);
         for (const int length : {int(centre), centre + 1, centre + 2, int(bend), int(tube)}) step[length] *= at[bend];
+        std::vector<Tube> moved;
         for (int j = 0; j < parameters; ++j) {
-            moved[static_cast<std::size_t>(j)] = at;
-            moved[static_cast<std::size_t>(j)][j] += step[j];
+            Numbers next = at;
+            next[j] += step[j];
+            moved.emplace_back(next);
         }
+        const Tube unmoved(at);
         products_.setZero();
         pulls_.setZero();
         double squares = 0;
         for (const Vec3d& p : points_) {
-            const double here = distance(at, p);
+            const double here = unmoved.distance(p);
             Numbers by;
             for (int j = 0; j < parameters; ++j)
-                by[j] = (distance(moved[static_cast<std::size_t>(j)], p) - here) / step[j];
+                by[j] = (moved[static_cast<std::size_t>(j)].distance(p) - here) / step[j];
             products_ += by * by.transpose();
             pulls_ += here * by;
             squares += here * here;

@@ -1,13 +1,16 @@
 #include "pcm/place/fit_at.h"
 
-#include "pcm/cloud/coordinates.h"
 #include "pcm/cloud/numbers.h"
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
+#include "pcm/place/face_at_place.h"
+#include "pcm/place/few_points.h"
+#include "pcm/place/fit_at_arguments.h"
 #include "pcm/place/followed_verdict.h"
+#include "pcm/place/inner_points.h"
 #include "pcm/place/local_fit.h"
 #include "pcm/place/station_errors.h"
 #include "pcm/place/stations_around.h"
@@ -29,29 +32,6 @@ namespace pcm {
 namespace {
 
 const double even_spread = 1 / std::sqrt(3.0);  // rms distance of points anywhere within a threshold, per threshold
-
-void require(const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places, const FitAtOptions& options)
-{
-    const auto refuse = [](const std::string& what, const std::string& hint = {}) {
-        throw Error(ErrorCode::invalid_argument, {}, what, hint);
-    };
-    if (places.empty()) refuse("no place was given to fit a shape at", "pick one or more points of the surface");
-    for (const std::vector<Vec3d>* list : {&places, &not_places})
-        for (const Vec3d& p : *list) require_place("the picked place", p);
-    for (const Vec3d& p : not_places)
-        if (std::find(places.begin(), places.end(), p) != places.end())
-            refuse("the place " + exact(p) + " was given both as one on the surface and as one off it");
-    if (!(options.fit.threshold >= 0) || !std::isfinite(options.fit.threshold))
-        refuse("the threshold is " + exact(options.fit.threshold) + "; it is a positive number of source units");
-    if (!(options.radius >= 0) || !std::isfinite(options.radius))
-        refuse("the radius of the neighbourhood is " + exact(options.radius) +
-               "; it is a positive number of source units");
-    if (!(options.registration >= 0) || !std::isfinite(options.registration))
-        refuse("the registration is within " + exact(options.registration) +
-               "; it is a positive number of millimetres");
-    if (!(options.step >= 0) || !std::isfinite(options.step))
-        refuse("the step of growth is " + exact(options.step) + "; it is a positive number of source units");
-}
 
 double metres_per_unit(const std::vector<Metadata>& metadata)
 {
@@ -76,6 +56,8 @@ public:
     {
         for (const Vec3d& p : not_places) leave_out(p);
         FittedPrimitive result = best_in_time();
+        if (options_.grow && options_.fit.threshold == 0)
+            doubt_small(result, metres_per_unit(tree_->info().metadata), options_.threads);
         compare_stations(result);
         find_bounds(result, part_of(options_.progress, 0.95, 1));
         result.primitive.fit.seconds = seconds_since(start_);
@@ -104,9 +86,14 @@ private:
     {
         StationErrorOptions options;
         options.registration = registration();
+        options.metres_per_unit = metres_per_unit(tree_->info().metadata);
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.9, 0.95);
-        add_station_errors(result.points, around_, options, result.agreement, result.primitive);
+        const PointSet own = result.part ? points_where(
+                                               result.points, [&](const Vec3d& p) { return result.part->has(p); },
+                                               options_.threads, part_of(options_.progress, 0.9, 0.9))
+                                         : result.points;
+        add_station_errors(own, around_, options, result.agreement, result.primitive);
         if (result.agreement > 1)
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(result.agreement) + " times those of independent points");
@@ -145,7 +132,7 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            return best_of_thresholds();
+            return or_face(best_of_thresholds());
         } catch (const Error& error) {
             if (error.code() != ErrorCode::cancelled || !is_late_) throw;
         }
@@ -157,6 +144,24 @@ private:
                   result.left_surface +
                       " before it was followed through the cloud: these are the points around the place alone");
         return result;
+    }
+
+    // Where no shape of the nearest points is good, or neighbours leave it together as those of two faces do, that of
+    // the face at the place alone.
+    FittedPrimitive or_face(FittedPrimitive found)
+    {
+        const bool is_good = found.primitive.fit.verdict == FitVerdict::good;
+        const bool may_be_two =
+            !traits_of(found.primitive.fit.shape.kind).is_flat() && found.agreement > tuned_.max_other_agreement;
+        if ((is_good && !may_be_two) || places_.size() != 1) return found;
+        LocalFitOptions options = local_options();
+        options.progress = part_of(progress_in_time_, 0.9, 0.9);
+        std::optional<LocalFit> face = fit_face(cloud_, places_.front(), options);
+        if (!face) return found;
+        whole_progress_ = part_of(progress_in_time_, 0.9, 1);
+        FittedPrimitive of_face = followed(std::move(*face), Way::even, 0, 1);
+        doubt_few_points(of_face);
+        return of_face.primitive.fit.verdict == FitVerdict::good ? of_face : found;
     }
 
     // The first threshold that holds all of the noise around the places may cut that of the rest of the surface:
@@ -290,7 +295,7 @@ private:
     // The shape of a neighbourhood and its points there.
     FittedPrimitive at_places(LocalFit local) const
     {
-        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}};
+        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}, {}};
         result.near = std::move(local.near);
         result.local = std::move(local.fit);
         result.notes = std::move(local.notes);
@@ -409,18 +414,6 @@ private:
         result = std::move(followed);
     }
 
-    // The neighbourhood was chosen by its noise: leaves and twigs have some that look smooth.
-    static void doubt_few_points(FittedPrimitive& result)
-    {
-        ShapeFit& fit = result.primitive.fit;
-        if (fit.verdict != FitVerdict::good || result.points.size() >= place_tuning().following.min_narrow_points)
-            return;
-        doubt(fit, FitIssue::no_consensus,
-              "only " + grouped(result.points.size()) +
-                  " points lie on it before the noise rises, as some do by chance in a crown of a tree: pick more "
-                  "places, or give a threshold");
-    }
-
     // What the shape was before it was followed.
     static void come_back(const std::string& why, FitIssue issue, FittedPrimitive& result)
     {
@@ -435,6 +428,7 @@ private:
     void take_grown(GrownShape grown, FittedPrimitive& result)
     {
         result.agreement = grown.agreement;
+        result.part = grown.part;
         result.points = std::move(grown.points);
         result.reached.shape = grown.followed;
         result.reached.threshold = grown.threshold;
@@ -490,7 +484,7 @@ private:
 FittedPrimitive fit_at(const PointCloud& cloud, const std::vector<Vec3d>& places, const std::vector<Vec3d>& not_places,
                        const FitAtOptions& options)
 {
-    require(places, not_places, options);
+    require_arguments(places, not_places, options);
     return PlacedFit(cloud, places, options).run(not_places);
 }
 

@@ -4,12 +4,14 @@
 #include "pcm/place/grow_shape.h"
 #include "pcm/place/near_points.h"
 #include "pcm/place/reached_from.h"
+#include "pcm/place/swept_part.h"
 #include "pcm/point_cloud.h"
 #include "pcm/shapes/primitive.h"
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -59,6 +61,7 @@ struct FittedPrimitive {
     // Empty: it did not.
     std::string left_surface;
     std::vector<std::string> notes;  // "the neighbourhood was widened to 2000 points"
+    std::optional<SweptPart> part;   // the part of an elbow and its pipes that its shape was fitted to
 };
 
 // `places`: where the shape was picked; their neighbourhoods together are fitted. `not_places`: where it does not lie.

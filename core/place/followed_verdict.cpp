@@ -134,6 +134,21 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
             departure.is_smooth(known_noise()) || own.share > place_tuning().departure.min_hidden_share;
         if (is_seen && own.is_smooth(known_noise())) doubt(fit, FitIssue::uneven, own.message(name));
     }
+    if (is_automatic && !other_) doubt_unsettled(followed, result);
+}
+
+void FollowedVerdict::doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const
+{
+    const FollowingTuning& tuned = place_tuning().following;
+    ShapeFit& fit = result.primitive.fit;
+    const bool is_shared = !followed.part && followed.agreement > tuned.max_other_agreement;
+    if (fit.verdict != FitVerdict::good || result.converged || !is_shared ||
+        !(fit.noise > tuned.max_unsettled_noise * fit.threshold))
+        return;
+    doubt(fit, FitIssue::no_consensus,
+          "it still changes after " + std::to_string(result.rounds) +
+              " rounds, and neighbouring points leave it together: it may be a piece of another surface, so give a "
+              "threshold, or take a smaller neighbourhood");
 }
 
 // The noise of close points does not include errors that neighbours share, nor shifts of stations that did not see the

@@ -60,6 +60,8 @@ private:
                      FittedPrimitive& result);
     void judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around, const std::vector<Vec3d>& fitted,
                     FittedPrimitive& result);
+    // Growth has ended with the rounds, not with the shape.
+    void doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const;
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near);
     bool passes_places(const ShapeFit& fit, const NearPoints& near) const;
     std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,

@@ -21,6 +21,7 @@ namespace {
 
 constexpr double rounds_end = 0.7;          // share of the progress
 constexpr std::size_t most_sliced = 20000;  // points used to find a swept part
+constexpr int most_part_rounds = 3;         // in which a swept part settles
 
 class ShapeGrowth {
 public:
@@ -108,23 +109,48 @@ private:
             return static_cast<double>(inner.size()) >= tuned_.min_inner * static_cast<double>(grown.points.size());
         };
         if (!is_enough()) inner = grown.points;
-        Shape start = before;
-        const auto part = swept_part_of(inner, grown);
-        if (part) {
-            inner = points_where(
-                inner, [&](const Vec3d& p) { return part->has(p); }, options_.threads,
-                part_of(options_.progress, 0.5, 0.55));
-            start = part->shape;
-        }
+        if (const auto part = swept_part_of(grown.points, grown)) return fit_swept_part(*part, inner, grown);
         if (inner.size() == grown.points.size()) return;
-        const RefittedShape fitted = refit(inner, start, 0.55, 0.7, true);
+        const RefittedShape fitted = refit(inner, before, 0.55, 0.7, true);
         if (!fitted.fit.has_shape()) return;
-        grown.part = part;
         if (change_in_errors(before, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) > tuned_.settled_change)
             reach(fitted.fit.shape, 0.7, 1, grown);
+        take(fitted, grown);
+    }
+
+    static void take(const RefittedShape& fitted, GrownShape& grown)
+    {
         grown.fit = fitted.fit;
         grown.fit.inliers = grown.points.size();
         grown.agreement = fitted.agreement;
+    }
+
+    // Straight pipes turn the shape, and with it the points that are within the threshold and the ends that these show:
+    // both are found again with the shape of the part, until it has settled.
+    void fit_swept_part(SweptPart part, PointSet inner, GrownShape& grown)
+    {
+        for (int round = 0; round < most_part_rounds; ++round) {
+            const Shape before = grown.fit.shape;
+            const double begin = 0.55 + 0.45 * round / most_part_rounds, step = 0.15 / most_part_rounds;
+            inner = points_where(
+                inner, [&](const Vec3d& p) { return part.has(p); }, options_.threads,
+                part_of(options_.progress, begin, begin + step));
+            const RefittedShape fitted = refit(inner, part.shape, begin + step, begin + 2 * step, true);
+            if (!fitted.fit.has_shape()) return;
+            grown.part = part;
+            take(fitted, grown);
+            if (!(change_in_errors(before, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) >
+                  tuned_.settled_change))
+                return;
+            reach(fitted.fit.shape, begin + 2 * step, begin + 3 * step, grown);
+            grown.fit.inliers = grown.points.size();
+            if (round + 1 == most_part_rounds) return;
+            inner = grown.points;
+            if (const auto again = swept_part_of(inner, grown))
+                part = *again;
+            else
+                part.shape = fitted.fit.shape;
+        }
     }
 
     // Without what straight pipes add to an elbow.

@@ -77,13 +77,17 @@ void leave_ray_errors(const PointSet& points, const PointStations& stations, con
         station_sample(points, stations, most_sampled_points, options.threads, part_of(options.progress, 0.75, 1));
     Box3d box;
     for (const PointOfStation& p : sample) box.extend(p.place);
-    const auto better = without_ray_errors(fit.shape, sample, box.centre(), box.diagonal());
+    const RayErrorTuning& tuned = fit_tuning().ray_errors;
+    const auto better = without_ray_errors(fit.shape, sample, box.centre(), box.diagonal(),
+                                           tuned.widest_beam / options.metres_per_unit);
     if (!better) return;
     ShapeErrors left = difference_of(fit.shape, better->shape, box.centre());
-    enlarge(left, fit_tuning().ray_errors.left);
+    enlarge(left, tuned.left);
+    const ShapeErrors of_beam = difference_of(better->shape, better->of_wider_beam, box.centre());
     fit.shape = better->shape;
     primitive.stations->ray_share = better->share;
     add_in_quadrature(fit.errors, left);
+    add_in_quadrature(fit.errors, of_beam);
 }
 
 void add_spread_of_stations(const PointSet& points, StationsAround& around, const StationErrorOptions& options,

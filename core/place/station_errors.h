@@ -22,14 +22,15 @@ struct StationErrorOptions {
     double registration = 0;  // known spread of a station along each axis, source units; 0: it is not known
     unsigned threads = 0;     // 0: one per processor
     ProgressFunction progress;
+    double metres_per_unit = 1;  // metres per source unit, for the width of a scanner's beam (beam_width.h)
 };
 
-// Takes the bias of errors along the rays from the shape (ray_errors.h), and changes its errors: the ray errors of
-// unknown stations are those of one. Sets `stations`, and doubts a good fit whose size is then uncertain. `points`:
-// those of the primitive; `around`: its stations, around the place that was picked. `agreement`: factor by which its
-// errors were enlarged because neighbours share errors (RefittedShape::agreement); becomes the factor within stations.
-// Streams, four times. The result depends neither on threads nor on memory. Throws Error(cancelled), and what reading
-// throws.
+// Takes the bias of errors along the rays and of the beam's width from the shape (ray_errors.h), and changes its
+// errors: the ray errors of unknown stations are those of one. Sets `stations`, and doubts a good fit whose size is
+// then uncertain. `points`: those of the primitive; `around`: its stations, around the place that was picked.
+// `agreement`: factor by which its errors were enlarged because neighbours share errors (RefittedShape::agreement);
+// becomes the factor within stations. Streams, four times. The result depends neither on threads nor on memory. Throws
+// Error(cancelled), and what reading throws.
 void add_station_errors(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
                         double& agreement, Primitive& primitive);
 

@@ -66,7 +66,8 @@ ValuesAtPlace values_at_place(PlaceTuning& place)
     }};
 }
 
-using ValuesOfGrowth = std::array<TunedValue, values_of<GrowthTuning, EvenNoiseTuning, TurnedTuning, FollowingTuning>>;
+using ValuesOfGrowth =
+    std::array<TunedValue, values_of<GrowthTuning, EvenNoiseTuning, TurnedTuning, FollowingTuning, FaceTuning>>;
 ValuesOfGrowth values_of_growth(PlaceTuning& place)
 {
     return {{
@@ -92,6 +93,9 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.turned.min_block_points),
         PCM_TUNED(place.turned.deviations),
         PCM_TUNED(place.following.min_narrow_points),
+        PCM_TUNED(place.following.min_small_points),
+        PCM_TUNED(place.following.max_small),
+        PCM_TUNED(place.following.max_unsettled_noise),
         PCM_TUNED(place.following.max_noise_growth),
         PCM_TUNED(place.following.max_close_noise),
         PCM_TUNED(place.following.min_shared_bend),
@@ -103,6 +107,9 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.less_agreement),
         PCM_TUNED(place.following.max_station_noise),
         PCM_TUNED(place.following.max_left_by_stations),
+        PCM_TUNED(place.faces.min_gap),
+        PCM_TUNED(place.faces.min_share),
+        PCM_TUNED(place.faces.max_others),
     }};
 }
 

@@ -58,17 +58,21 @@ public:
         const Key key = key_of(p);
         const Vec3d d = p - middle_of(key);
         const Sums4 v(d[0], d[1], d[2], signed_distance(shape_, p));
-        Moments& cube = cubes_[key];
-        ++cube.points;
-        cube.sums += v;
-        cube.products += v * v.transpose();
+        if (!cube_ || key != cube_key_) cube_ = &cubes_[key];
+        cube_key_ = key;
+        ++cube_->points;
+        cube_->sums += v;
+        cube_->products += v * v.transpose();
     }
 
     bool passes(const Vec3d& p) override
     {
         const Key key = key_of(p);
+        if (passed_ && key == passed_key_) return *passed_;
         const auto [known, is_new] = passing_.emplace(key, true);
         if (is_new) known->second = !is_turned(key);
+        passed_ = &known->second;
+        passed_key_ = key;
         return known->second;
     }
 
@@ -122,6 +126,10 @@ private:
     const TurnedTuning& tuned_ = place_tuning().turned;
     std::unordered_map<Key, Moments, Hash> cubes_;
     std::unordered_map<Key, bool, Hash> passing_;
+    // Cubes of the last points: the next one is mostly in the same. Rehashing moves no element.
+    Moments* cube_ = nullptr;
+    const bool* passed_ = nullptr;
+    Key cube_key_{}, passed_key_{};
 };
 
 }  // namespace

@@ -20,12 +20,12 @@ struct Bend {
     Vec3d u{}, v{}, start{};
     std::vector<Vec3d> points;
 
-    Bend(double angle, double first, double last, std::uint64_t seed)
+    Bend(double angle, double first, double last, std::uint64_t seed, double radius = 0.229)
     {
         torus.kind = ShapeKind::torus;
         torus.point = tube_middle;
         torus.axis = normalised({0.3, -0.4, 1});
-        torus.radius = 0.229;
+        torus.radius = radius;
         torus.second = 0.084;
         const auto axes = across(torus.axis);
         u = axes[0];
@@ -84,6 +84,18 @@ TEST(BentTube, WhereNoTubeLeavesTheBendThereIsNoEnd)
     ASSERT_TRUE(tube);
     EXPECT_LT(std::fabs(tube->from - bend.angle_of(0)), 4 * tube->from_error);
     EXPECT_TRUE(tube->to_error > 0.02 || tube->to > bend.angle_of(pi / 2) - 0.05) << tube->to << " " << tube->to_error;
+}
+
+// Pipes that are cut at an angle and joined: the closer the bend, the better it fits, but a torus has a hole.
+TEST(BentTube, AMitreIsNoBend)
+{
+    const Bend mitre(pi / 2, 0.3, 0.3, 4, 0.04);
+    pcm::Shape wide = mitre.torus;
+    wide.radius = 0.12;
+    wide.point = tube_middle - 0.08 * (std::cos(pi / 4) * mitre.u + std::sin(pi / 4) * mitre.v);
+    const auto tube =
+        fit_bent_tube(wide, mitre.start, mitre.angle_of(-0.8), mitre.angle_of(pi / 2 + 0.8), mitre.points);
+    if (tube) EXPECT_LT(tube->torus.second, tube->torus.radius);
 }
 
 }  // namespace

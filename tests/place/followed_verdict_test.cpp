@@ -15,7 +15,7 @@ class FollowedVerdictTest : public testing::Test {
 protected:
     static constexpr double radius = 0.1148;  // mean distance of a square's border from its middle
 
-    FittedPrimitive judged(bool is_square, double noise)
+    FittedPrimitive judged(bool is_square, double noise, double agreement = 1, bool converged = false)
     {
         Dice dice(7);
         std::vector<SurfacePoint> points;
@@ -31,15 +31,17 @@ protected:
         }
         tree_ = build_surface_tree(folder_.path(), points);
         const auto cloud = PointCloud::open(tree_->folder());
-        FittedPrimitive result{{}, set_where(tree_, [](const Vec3d&) { return true; }), {}, {}, {}, 0, 0, false, 1, {},
-                               {}};
+        FittedPrimitive result{
+            {}, set_where(tree_, [](const Vec3d&) { return true; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {}};
         ShapeFit& fit = result.primitive.fit;
         fit.shape.kind = ShapeKind::cylinder;
         fit.shape.axis = {0, 0, 1};
         fit.shape.radius = radius;
         fit.verdict = FitVerdict::good;
         fit.noise = 0.013;
-        fit.threshold = result.local.threshold = 0.045;
+        fit.threshold = result.local.threshold = agreement > 1 ? 0.031 : 0.045;
+        result.converged = converged;
+        result.rounds = 8;
         // What is around it says nothing here.
         const PointSet around = set_where(tree_, [](const Vec3d& p) { return p[2] < 0; });
         const std::optional<SweptPart> part;
@@ -47,7 +49,7 @@ protected:
         const ProgressFunction progress;
         StationsAround stations(*cloud->tree(), places_.front());
         FollowedVerdict verdict(*cloud, places_, options, {0.01, 0.01, 0}, stations, progress);
-        verdict.judge({around, fit.noise, 1, part}, result);
+        verdict.judge({around, fit.noise, agreement, part}, result);
         return result;
     }
 
@@ -69,6 +71,17 @@ TEST_F(FollowedVerdictTest, AsRoughACylinderIsOne)
     const FittedPrimitive column = judged(false, 0.012);
     EXPECT_EQ(column.primitive.fit.message.find("to both sides"), std::string::npos) << column.primitive.fit.message;
     EXPECT_EQ(column.primitive.fit.verdict, FitVerdict::good) << column.primitive.fit.message;
+}
+
+// An oval that is followed bit by bit never settles.
+TEST_F(FollowedVerdictTest, WhatStillChangesIsDoubted)
+{
+    const FittedPrimitive changing = judged(false, 0.012, 3, false);
+    EXPECT_EQ(changing.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_NE(changing.primitive.fit.message.find("still changes after 8 rounds"), std::string::npos)
+        << changing.primitive.fit.message;
+    const FittedPrimitive settled = judged(false, 0.012, 3, true);
+    EXPECT_EQ(settled.primitive.fit.verdict, FitVerdict::good) << settled.primitive.fit.message;
 }
 
 }  // namespace
