@@ -1,6 +1,7 @@
 #include "pcm/place/point_stations.h"
 
 #include "pcm/cloud/attribute.h"
+#include "pcm/io/scans.h"
 #include "pcm/place/tuning.h"
 
 #include <algorithm>
@@ -16,6 +17,13 @@ bool may_be_stations(std::vector<double> values)
     std::sort(values.begin(), values.end());
     const auto different = static_cast<std::size_t>(std::unique(values.begin(), values.end()) - values.begin());
     return different > 1 && different * place_tuning().stations.min_points <= points;
+}
+
+bool have_several_places(const std::vector<Metadata>& metadata)
+{
+    const std::map<std::uint32_t, Vec3d> places = scan_positions(metadata);
+    return std::any_of(places.begin(), places.end(),
+                       [&](const auto& scan) { return scan.second != places.begin()->second; });
 }
 
 std::vector<double> coarse_values(const Tree& tree, std::size_t attribute)
@@ -41,10 +49,11 @@ std::vector<double> coarse_values(const Tree& tree, std::size_t attribute)
 PointStations::PointStations(const Tree& tree)
 {
     const Schema& schema = tree.info().schema;
-    for (const char* name : {"scan", "point_source_id"}) {
+    for (const std::string name : {scan_attribute, "point_source_id"}) {
         const auto place = schema.find(name);
         if (!place || schema[*place].components != 1) continue;
-        if (!may_be_stations(coarse_values(tree, *place))) continue;
+        are_stated_ = name == scan_attribute && have_several_places(tree.info().metadata);
+        if (!are_stated_ && !may_be_stations(coarse_values(tree, *place))) continue;
         source_ = StationSource::attribute;
         attribute_ = name;
         place_ = *place;

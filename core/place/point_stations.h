@@ -22,6 +22,8 @@ public:
     explicit PointStations(const Tree& tree);  // reads a chunk of each part; throws what that throws
 
     StationSource source() const { return source_; }
+    // Whether the file itself says that they are: the numbers of scans that were made at several places.
+    bool are_stated() const { return are_stated_; }
     const std::string& attribute() const { return attribute_; }  // its name; empty without a source
     ColumnSet columns() const;                                   // positions, and what at() looks at
     std::uint32_t at(const Chunk& chunk, std::size_t i) const;   // 0 without a source
@@ -30,6 +32,7 @@ private:
     void look_at_times(std::vector<double> times);
 
     StationSource source_ = StationSource::none;
+    bool are_stated_ = false;
     std::string attribute_;
     std::size_t place_ = 0;  // in the schema
     double scale_ = 1, offset_ = 0;

@@ -187,8 +187,8 @@ public:
             if (is_enough()) break;
         }
         const PatchTuning& tuned = place_tuning().patches;
-        return {smooth_patches(),
-                mixed_by_chance_ < tuned.enough_by_chance || mixed_ >= tuned.min_mixed * mixed_by_chance_};
+        return {smooth_patches(), stations_.are_stated() || mixed_by_chance_ < tuned.enough_by_chance ||
+                                      mixed_ >= tuned.min_mixed * mixed_by_chance_};
     }
 
 private:

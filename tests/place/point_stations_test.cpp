@@ -1,5 +1,6 @@
 // Which attribute or gap of times says from which station a point is, and what the surfaces around say of two stations.
 #include "pcm/place/point_stations.h"
+#include "pcm/io/scans.h"
 #include "pcm/place/station_survey.h"
 #include "pcm/place/stations_around.h"
 #include "tests/memory_reader.h"
@@ -345,6 +346,39 @@ TEST_F(StationSurveyTest, NumbersOfPlacesAreNoStations)
 }
 
 // The walls are eight times as rough as the floor, which alone is looked at: it shows differences of heights.
+// The same squares as scans of a file that says from where they were made: stations, however little their points mix.
+TEST_F(StationSurveyTest, ScansOfSeveralPlacesAreStations)
+{
+    Schema schema;
+    schema.add({scan_attribute, ScalarType::u32, 1, 1, 0, {}});
+    MemoryCloud cloud = random_cloud(schema, std::nullopt, 8000, 1, 2);
+    for (std::size_t i = 0; i < cloud.points.size; ++i) {
+        const auto square = [&](std::size_t a) { return static_cast<int>((cloud.points.xyz[a][i] + 2) / 0.2); };
+        cloud.points.attributes[0].as<std::uint32_t>()[i] = 1 + static_cast<std::uint32_t>(square(0) + square(1)) % 2;
+        cloud.points.xyz[2][i] = noise * dice_.normal();
+    }
+    const auto names = [&](const std::vector<std::string>& places) {
+        cloud.info.metadata.clear();
+        for (const std::string& place : places) {
+            const std::string text =
+                "9\n9\n" + place + "\n1 0 0\n0 1 0\n0 0 1\n1 0 0 0\n0 1 0 0\n0 0 1 0\n" + place + " 1\n";
+            Metadata block{"ptx.scan/" + std::to_string(cloud.info.metadata.size() + 1), {}};
+            for (const char c : text) block.value.push_back(static_cast<std::byte>(c));
+            cloud.info.metadata.push_back(block);
+        }
+        MemoryReader reader(cloud);
+        BuildOptions options;
+        options.overwrite = true;
+        build_tree(reader, {}, folder_ / "scans.pct", options);
+        const auto made = Tree::open(folder_ / "scans.pct");
+        return station_survey(*made, PointStations(*made), {}).names_stations;
+    };
+    EXPECT_TRUE(names({"0 0 2", "3 0 2"}));
+    EXPECT_FALSE(names({})) << "numbers of something";
+    EXPECT_FALSE(names({"0 0 2", "0 0 2"})) << "parts of one scan";
+    EXPECT_FALSE(names({"0 0 2"}));
+}
+
 TEST_F(StationSurveyTest, RoughSurfacesSayNothing)
 {
     const StationSpread found = survey([&](Vec3d& place, int) {
