@@ -32,6 +32,7 @@
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/wider_shapes.h"
 #include "pcm/fit/models/shape_model.h"
+#include "pcm/system/counted.h"
 #include "pcm/system/error.h"
 #include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
@@ -369,13 +370,12 @@ private:
         fit.progress = [&](double fraction) { watch_.report("Fitting primitives", 0.85 + 0.14 * fraction); };
         FinalFit result = fit_parts(points_, hypotheses_, assigned, *labels, fit);
         if (result.pieces > 0 && !options_.pieces)
-            report_.notes.push_back(grouped(result.piece_points) + " points lie on " + grouped(result.pieces) +
-                                    " pieces of surfaces that continue smoothly beyond the threshold (ground, or what "
-                                    "the threshold is too small for); "
-                                    "they were left out");
+            report_.notes.push_back(grouped(result.piece_points) + " points lie on " + counted(result.pieces, "piece") +
+                                    " of surfaces that continue smoothly beyond the threshold (ground, or what the "
+                                    "threshold is too small for); they were left out");
         if (result.unbounded > 0)
-            report_.notes.push_back(grouped(result.unbounded) +
-                                    " primitives have no outline: their points are all on one line");
+            report_.notes.push_back(counted(result.unbounded, "primitive", "has", "have") +
+                                    " no outline: the points are all on one line");
         report_.primitives = std::move(result.primitives);
         contested_ = std::move(result.contested);
         report_.labels = labels;

@@ -39,7 +39,7 @@ struct Node {
     std::uint64_t subtree_points = 0;  // number of points of this node and everything below
     Box3i box;                         // tight around the points of the whole subtree
     double spacing = 0;                // source units: distance between the points of the subtree's box once this node
-                                       // and its ancestors are drawn; 0 at a leaf, where no point is missing
+                                       // and its ancestors are drawn; 0 at a leaf but where a repair found none below
     Extent extent;
     bool is_leaf() const { return children[0] == no_node && children[1] == no_node; }
     // Number of points, from the first of the chunk, that belong to the cloud at `level`.

@@ -64,8 +64,10 @@ public:
             node.part = in_part ? entry.part : no_part;
             node.subtree_points = entry.points;
             node.box = entry.box;
-            node.spacing = node.is_leaf() ? 0 : entry.spacing;
-            if (!entry.given || entry.given->points == 0) continue;
+            const bool has_points = entry.given && entry.given->points > 0;
+            // A leaf's chunk says how far its points are apart where the chunks below it are lost, else 0.
+            node.spacing = !node.is_leaf() ? entry.spacing : has_points ? entry.given->spacing : 0;
+            if (!has_points) continue;
             node.points = entry.given->points;
             node.first_level = entry.given->first_level;
             node.level_points = entry.given->level_points;

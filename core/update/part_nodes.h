@@ -16,7 +16,7 @@ struct PartNode {
     std::uint32_t points = 0;
     std::uint16_t first_level = 0;
     std::vector<std::uint32_t> level_points;
-    double spacing = 0;  // Node::spacing as if the node were not a leaf
+    double spacing = 0;  // Node::spacing, as its chunk says
     Box3i box;           // box of its own points, or of the subtree's points where nothing below the node changes
     Extent extent;
 };

@@ -91,7 +91,8 @@ class Measuring(MeshLabTest):
 
     def clicks(self, *places):
         """Clicks, each answered before the next one."""
-        return "\n".join(f"click {x} {y}\nwait-label PointCloudMeasureHint {i + 1} points" for i, (x, y) in enumerate(places))
+        return "\n".join(f"click {x} {y}\nwait-label PointCloudMeasureHint {i + 1} point{'s' if i else ''}"
+                         for i, (x, y) in enumerate(places))
 
     def kind(self, name):
         return f"field PointCloudMeasureKind = {name}\n"

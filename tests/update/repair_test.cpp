@@ -129,6 +129,40 @@ TEST_P(RepairTest, DamagedChunksAreLeftOutAndReported)
     EXPECT_TRUE(repair_tree(path_, options_of()).whole());
 }
 
+// Its chunk says how far its points are apart, and is valid still.
+TEST_P(RepairTest, ANodeWhoseChildrenAreLostBecomesALeaf)
+{
+    const auto tree = Tree::open(path_);
+    const NodeTable& nodes = tree->nodes();
+    // The lowest node with points that has some below.
+    NodeId above = no_node;
+    for (NodeId id = 0; id < nodes.size(); ++id)
+        if (nodes[id].points && !nodes[id].is_leaf() && nodes[id].spacing > 0) above = id;
+    ASSERT_NE(above, no_node);
+    std::uint64_t lost = 0;
+    std::vector<NodeId> below(nodes[above].children.begin(), nodes[above].children.end());
+    for (std::size_t i = 0; i < below.size(); ++i) {
+        if (below[i] == no_node) continue;
+        const Node& node = nodes[below[i]];
+        below.insert(below.end(), node.children.begin(), node.children.end());
+        if (nodes[below[i]].points == 0) continue;
+        const Extent extent = nodes[below[i]].extent;
+        lost += nodes[below[i]].points;
+        char name[32];
+        std::snprintf(name, sizeof name, "chunks-%03u.bpc", extent.file);
+        overwrite(path_ / name, extent.offset + extent.bytes - 20, "damaged!");
+    }
+    EXPECT_EQ(repair_tree(path_, options_of()).points_lost, lost);
+    const auto repaired = Tree::open(path_);
+    EXPECT_EQ(rows_of(*repaired).size(), 30000 - lost);
+    const VerifyReport verified = verify_tree(path_, 1);
+    EXPECT_TRUE(verified.faults.empty()) << verified.faults.front();
+    bool found = false;
+    for (const Node& node : repaired->nodes())
+        found = found || (node.is_leaf() && node.points == nodes[above].points && node.spacing == nodes[above].spacing);
+    EXPECT_TRUE(found);
+}
+
 TEST_P(RepairTest, ATruncatedDataFile)
 {
     const fs::path file = path_ / "chunks-000.bpc";
