@@ -65,6 +65,20 @@ protected:
         return nodes;
     }
 
+    // Two nodes whose chunks one read brings.
+    std::pair<NodeId, NodeId> nodes_read_together() const
+    {
+        for (NodeId a = 0; a < tree_->nodes().size(); ++a)
+            for (NodeId b = 0; b < tree_->nodes().size(); ++b) {
+                const Extent &first = tree_->node(a).extent, &second = tree_->node(b).extent;
+                if (first.bytes && second.bytes && first.file == second.file &&
+                    second.offset == first.offset + first.bytes)
+                    return {a, b};
+            }
+        ADD_FAILURE() << "no two chunks lie next to each other";
+        return {};
+    }
+
     TemporaryFolder folder_;
     std::shared_ptr<const Tree> tree_;
     ColumnSet positions_ = ColumnSet::only_positions(), intensity_, colour_;
@@ -310,6 +324,77 @@ TEST_F(L2CacheTest, RequestsAreServedInOrderAndReplaced)
     EXPECT_EQ(arrived, (std::vector<NodeId>{apart[0], apart[3], apart[4]}));
     EXPECT_FALSE(cache.find(apart[1], positions_));
     EXPECT_TRUE(cache.find(apart[4], positions_));
+}
+
+// What is in memory already is not read again with what lies next to it.
+TEST_F(L2CacheTest, NeighboursInMemoryAreNotReadAgain)
+{
+    const auto [first, second] = nodes_read_together();
+    L2Cache cache(tree_);
+    cache.get(second, positions_);
+    const std::uint64_t before = tree_->reads().chunks;
+    std::atomic<int> called{0};
+    cache.request({{first, positions_}, {second, positions_}}, [&](NodeId) { ++called; });
+    cache.wait_idle();
+    EXPECT_EQ(called, 2);
+    EXPECT_EQ(tree_->reads().chunks - before, 1u);
+}
+
+// A store whose reads wait until they are let through.
+class GatedStore final : public ChunkStore {
+public:
+    explicit GatedStore(std::shared_ptr<const Tree> tree) : tree_(std::move(tree)) {}
+    std::shared_ptr<const Tree> tree() const override { return tree_; }
+    Chunk read(NodeId node, const ColumnSet& columns) const override
+    {
+        std::unique_lock lock(mutex_);
+        waits_ = true;
+        wake_.notify_all();
+        wake_.wait(lock, [&] { return open_; });
+        return tree_->read_chunk(node, columns);
+    }
+    ChunkPart read_part(NodeId, const ColumnSet&,
+                        const std::function<bool(const Box3i&, std::uint16_t)>&) const override
+    {
+        return {};
+    }
+    void wait_for_a_read() const
+    {
+        std::unique_lock lock(mutex_);
+        wake_.wait(lock, [&] { return waits_; });
+    }
+    void open()
+    {
+        const std::lock_guard lock(mutex_);
+        open_ = true;
+        wake_.notify_all();
+    }
+
+private:
+    const std::shared_ptr<const Tree> tree_;
+    mutable std::mutex mutex_;
+    mutable std::condition_variable wake_;
+    mutable bool waits_ = false;
+    bool open_ = false;
+};
+
+// A loader that waits for another client's load serves its own list; what has come meanwhile is the next list's.
+TEST_F(L2CacheTest, EveryListHasItsOwnCallback)
+{
+    const auto [first, second] = nodes_read_together();
+    const auto store = std::make_shared<GatedStore>(tree_);
+    L2Cache cache(store);
+    std::thread client([&cache, node = first, columns = positions_] { cache.get(node, columns); });
+    store->wait_for_a_read();
+    std::atomic<int> of_old{0}, of_new{0};
+    cache.request({{first, colour_}}, [&, wanted = first](NodeId node) { of_old += node == wanted ? 1 : 100; });
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the loader has taken the request, and waits
+    cache.request({{second, positions_}}, [&, wanted = second](NodeId node) { of_new += node == wanted ? 1 : 100; });
+    store->open();
+    client.join();
+    cache.wait_idle();
+    EXPECT_EQ(of_old, 1);
+    EXPECT_EQ(of_new, 1);
 }
 
 TEST_F(L2CacheTest, ErrorsReachTheCaller)

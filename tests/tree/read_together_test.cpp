@@ -15,6 +15,7 @@
 
 #include <map>
 #include <random>
+#include <set>
 
 namespace {
 
@@ -208,6 +209,56 @@ TEST_F(ReadsOfATree, HeaderAndColumnsAreOneRead)
     const WorkDone before = work_done();
     for (NodeId id = 0; id < tree_->nodes().size(); ++id) tree_->read_chunk(id, ColumnSet::only_positions());
     EXPECT_LE((work_done() - before).reads, tree_->nodes().size() * 11 / 10);
+}
+
+// Columns that are a small part of their chunks are read by themselves.
+TEST_F(ReadsOfATree, AFewColumnsCostTheirOwnBytes)
+{
+    build(60000, 10000);
+    ColumnSet intensity;
+    intensity.positions = false;
+    intensity.attributes.set(*tree_->info().schema.find("intensity"));
+    std::vector<ChunkRequest> requests;
+    std::uint64_t all = 0, own = 0;
+    for (NodeId id = 0; id < tree_->nodes().size(); ++id) {
+        requests.push_back({id, intensity});
+        all += tree_->node(id).extent.bytes;
+        own += tree_->node(id).points * 2;
+    }
+    tree_->read_chunk(0, intensity);  // what a chunk looks like is known from here on
+    const WorkDone before = work_done();
+    tree_->read_chunks(requests, [](std::size_t, Chunk, const std::exception_ptr& failure) { EXPECT_FALSE(failure); });
+    ASSERT_LT(own + join_gap * requests.size(), all);
+    EXPECT_LT((work_done() - before).bytes_read, all / 2);
+}
+
+// Its checksums match, and it is in another node's place.
+TEST_F(ReadsOfATree, AChunkOfAnotherNodeIsRefused)
+{
+    build(60000, 1000);
+    const auto path = folder_ / "out.pct" / "index.pct";
+    TreeIndex index = decode_index(read_file(path), path);
+    std::vector<NodeId> with_points;
+    for (NodeId id = 0; id < index.nodes.size(); ++id)
+        if (index.nodes[id].points) with_points.push_back(id);
+    const NodeId a = with_points[with_points.size() - 2], b = with_points.back();
+    std::swap(index.nodes[a].extent, index.nodes[b].extent);
+    const auto tree = Tree::of_index(folder_ / "out.pct", std::move(index));
+    std::vector<ChunkRequest> requests;
+    for (const NodeId id : with_points) requests.push_back({id, colours()});
+    std::set<NodeId> refused;
+    tree->read_chunks(requests, [&](std::size_t i, Chunk, const std::exception_ptr& failure) {
+        if (!failure) return;
+        refused.insert(requests[i].node);
+        try {
+            std::rethrow_exception(failure);
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("does not belong to node"), std::string::npos) << error.what();
+        }
+    });
+    EXPECT_EQ(refused, (std::set<NodeId>{a, b}));
+    EXPECT_THROW(tree->read_chunk(a, colours()), Error);
+    EXPECT_THROW(tree->read_chunk_part(a, colours(), [](const Box3i&, std::uint16_t) { return true; }), Error);
 }
 
 TEST_F(ReadsOfATree, ADamagedChunkFailsAlone)
