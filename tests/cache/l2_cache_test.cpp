@@ -2,10 +2,9 @@
 
 #include "pcm/cache/l2_cache.h"
 
-#include "pcm/bpc/chunk_bytes.h"
 #include "pcm/build/builder.h"
 #include "pcm/system/error.h"
-#include "pcm/system/work_done.h"
+#include "tests/cache/l2_cloud.h"
 #include "tests/clouds.h"
 #include "tests/failing_threads.h"
 #include "tests/sanitizers.h"
@@ -25,64 +24,6 @@ namespace {
 
 using namespace pcm;
 using namespace pcm::test;
-
-class L2CacheTest : public testing::Test {
-protected:
-    void SetUp() override
-    {
-        write_las(folder_ / "in.las", records(Shape::surface, 60000, 3), {});
-        BuildOptions options;
-        options.chunk_points = 1000;
-        options.threads = 2;
-        build_tree({folder_ / "in.las"}, folder_ / "out.pct", options);
-        tree_ = Tree::open(folder_ / "out.pct");
-        ASSERT_GT(tree_->nodes().size(), 60u);
-        intensity_.attributes.set(*tree_->info().schema.find("intensity"));
-        colour_.attributes.set(*tree_->info().schema.find("rgb"));
-    }
-    std::size_t bytes_of(NodeId node, const ColumnSet& columns) const
-    {
-        std::size_t bytes = (columns.positions ? 12 : 0) + (columns.sizes ? 1 : 0);
-        for (std::size_t i = 0; i < tree_->info().schema.size(); ++i)
-            if (columns.attributes.test(i)) bytes += tree_->info().schema[i].bytes();
-        return bytes * tree_->node(node).points;
-    }
-
-    // Nodes with points that no read brings together, in the order of their chunks.
-    std::vector<NodeId> nodes_read_apart(std::size_t count) const
-    {
-        std::map<std::uint64_t, NodeId> by_offset;
-        for (NodeId id = 0; id < tree_->nodes().size(); ++id)
-            if (tree_->node(id).extent.bytes > 0) by_offset[tree_->node(id).extent.offset] = id;
-        std::vector<NodeId> nodes;
-        std::uint64_t end = 0;
-        for (const auto& [offset, id] : by_offset) {
-            if (nodes.size() == count || (!nodes.empty() && offset <= end + join_gap)) continue;
-            nodes.push_back(id);
-            end = offset + tree_->node(id).extent.bytes;
-        }
-        EXPECT_EQ(nodes.size(), count);
-        return nodes;
-    }
-
-    // Two nodes whose chunks one read brings.
-    std::pair<NodeId, NodeId> nodes_read_together() const
-    {
-        for (NodeId a = 0; a < tree_->nodes().size(); ++a)
-            for (NodeId b = 0; b < tree_->nodes().size(); ++b) {
-                const Extent &first = tree_->node(a).extent, &second = tree_->node(b).extent;
-                if (first.bytes && second.bytes && first.file == second.file &&
-                    second.offset == first.offset + first.bytes)
-                    return {a, b};
-            }
-        ADD_FAILURE() << "no two chunks lie next to each other";
-        return {};
-    }
-
-    TemporaryFolder folder_;
-    std::shared_ptr<const Tree> tree_;
-    ColumnSet positions_ = ColumnSet::only_positions(), intensity_, colour_;
-};
 
 // The promises of the header, in the plainest way.
 struct Model {
@@ -269,31 +210,6 @@ TEST_F(L2CacheTest, AChunkIsLoadedOnceForManyClients)
     EXPECT_EQ(cache.statistics().loaded_bytes, bytes);
 }
 
-// A callback may ask for any chunk, also one that was read together with its own; and one thread serves all.
-TEST_F(L2CacheTest, CallbacksOfChunksThatAreReadTogetherMayAskForEachOther)
-{
-    L2Options options;
-    options.capacity_bytes = 1;  // nothing stays
-    L2Cache cache(tree_, options);
-    std::vector<ChunkRequest> list;
-    for (NodeId id = 0; id < tree_->nodes().size(); ++id) list.push_back({id, positions_});
-    std::mutex mutex;
-    std::vector<NodeId> arrived;
-    const WorkDone before = work_done();
-    cache.request(list, [&](NodeId node) {
-        EXPECT_TRUE(cache.find(node, positions_)) << "pinned while it is handed over";
-        const std::lock_guard lock(mutex);
-        arrived.push_back(node);
-        if (arrived.size() % 8 == 0) cache.get((node + 1) % static_cast<NodeId>(tree_->nodes().size()), positions_);
-    });
-    cache.wait_idle();
-    EXPECT_EQ(arrived.size(), list.size());
-    EXPECT_LT((work_done() - before).reads, list.size() / 2) << "chunks near each other come in one read";
-    std::sort(arrived.begin(), arrived.end());
-    EXPECT_TRUE(std::unique(arrived.begin(), arrived.end()) == arrived.end()) << "each once";
-    EXPECT_EQ(cache.statistics().resident_bytes, 0u);
-}
-
 TEST_F(L2CacheTest, RequestsAreServedInOrderAndReplaced)
 {
     L2Cache cache(tree_);
@@ -324,77 +240,6 @@ TEST_F(L2CacheTest, RequestsAreServedInOrderAndReplaced)
     EXPECT_EQ(arrived, (std::vector<NodeId>{apart[0], apart[3], apart[4]}));
     EXPECT_FALSE(cache.find(apart[1], positions_));
     EXPECT_TRUE(cache.find(apart[4], positions_));
-}
-
-// What is in memory already is not read again with what lies next to it.
-TEST_F(L2CacheTest, NeighboursInMemoryAreNotReadAgain)
-{
-    const auto [first, second] = nodes_read_together();
-    L2Cache cache(tree_);
-    cache.get(second, positions_);
-    const std::uint64_t before = tree_->reads().chunks;
-    std::atomic<int> called{0};
-    cache.request({{first, positions_}, {second, positions_}}, [&](NodeId) { ++called; });
-    cache.wait_idle();
-    EXPECT_EQ(called, 2);
-    EXPECT_EQ(tree_->reads().chunks - before, 1u);
-}
-
-// A store whose reads wait until they are let through.
-class GatedStore final : public ChunkStore {
-public:
-    explicit GatedStore(std::shared_ptr<const Tree> tree) : tree_(std::move(tree)) {}
-    std::shared_ptr<const Tree> tree() const override { return tree_; }
-    Chunk read(NodeId node, const ColumnSet& columns) const override
-    {
-        std::unique_lock lock(mutex_);
-        waits_ = true;
-        wake_.notify_all();
-        wake_.wait(lock, [&] { return open_; });
-        return tree_->read_chunk(node, columns);
-    }
-    ChunkPart read_part(NodeId, const ColumnSet&,
-                        const std::function<bool(const Box3i&, std::uint16_t)>&) const override
-    {
-        return {};
-    }
-    void wait_for_a_read() const
-    {
-        std::unique_lock lock(mutex_);
-        wake_.wait(lock, [&] { return waits_; });
-    }
-    void open()
-    {
-        const std::lock_guard lock(mutex_);
-        open_ = true;
-        wake_.notify_all();
-    }
-
-private:
-    const std::shared_ptr<const Tree> tree_;
-    mutable std::mutex mutex_;
-    mutable std::condition_variable wake_;
-    mutable bool waits_ = false;
-    bool open_ = false;
-};
-
-// A loader that waits for another client's load serves its own list; what has come meanwhile is the next list's.
-TEST_F(L2CacheTest, EveryListHasItsOwnCallback)
-{
-    const auto [first, second] = nodes_read_together();
-    const auto store = std::make_shared<GatedStore>(tree_);
-    L2Cache cache(store);
-    std::thread client([&cache, node = first, columns = positions_] { cache.get(node, columns); });
-    store->wait_for_a_read();
-    std::atomic<int> of_old{0}, of_new{0};
-    cache.request({{first, colour_}}, [&, wanted = first](NodeId node) { of_old += node == wanted ? 1 : 100; });
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));  // the loader has taken the request, and waits
-    cache.request({{second, positions_}}, [&, wanted = second](NodeId node) { of_new += node == wanted ? 1 : 100; });
-    store->open();
-    client.join();
-    cache.wait_idle();
-    EXPECT_EQ(of_old, 1);
-    EXPECT_EQ(of_new, 1);
 }
 
 TEST_F(L2CacheTest, ErrorsReachTheCaller)

@@ -95,6 +95,12 @@ TEST_F(TreeChangesTest, PartsAreThoseOfTheChunkAsItWasLastWritten)
                 changes.write(node, with_intensity(changes.read(node, all), value), intensity);
         expect_all();
         EXPECT_EQ(changes.read(0, all).attributes[0]->value(0), value);
+        std::vector<ChunkRequest> requests;
+        for (NodeId node = 0; node < nodes; ++node) requests.push_back({node, all});
+        changes.read_many(requests, [&](std::size_t i, Chunk chunk, const std::exception_ptr& failure) {
+            ASSERT_FALSE(failure);
+            EXPECT_TRUE(chunk.points == 0 || (chunk.attributes[0]->value(0) == value) == (i % 2 == 0)) << i;
+        });
     }
     EXPECT_NE(Tree::open(path_)->read_chunk(0, all).attributes[0]->value(0), 8) << "not yet committed";
     changes.commit();
