@@ -17,6 +17,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <numeric>
 #include <random>
 #include <stdexcept>
 
@@ -43,14 +44,19 @@ int first(char** argument)
     const auto cloud = open(argument[0], argument[2]);
     const double opened = ms_since(start);
     const std::uint64_t wanted = std::strtoull(argument[1], nullptr, 10);
-    // Nodes are stored parents first.
+    // As a view of the whole from afar wants them: the coarsest first.
+    const pcm::NodeTable& nodes = cloud->tree()->nodes();
+    std::vector<pcm::NodeId> order(nodes.size());
+    std::iota(order.begin(), order.end(), pcm::NodeId{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](pcm::NodeId a, pcm::NodeId b) { return nodes[a].first_level < nodes[b].first_level; });
     std::vector<pcm::ChunkRequest> list;
     const pcm::ColumnSet columns = pcm::ColumnSet::all(cloud->info().schema);
     std::uint64_t points = 0;
-    for (pcm::NodeId id = 0; id < cloud->tree()->nodes().size() && points < wanted; ++id)
-        if (cloud->tree()->node(id).points) {
-            list.push_back({id, columns});
-            points += cloud->tree()->node(id).points;
+    for (std::size_t i = 0; i < order.size() && points < wanted; ++i)
+        if (nodes[order[i]].points) {
+            list.push_back({order[i], columns});
+            points += nodes[order[i]].points;
         }
     const std::size_t chunks = list.size();
     cloud->cache().request(std::move(list));
