@@ -66,8 +66,8 @@ bool absorb(Hypothesis& one, const Hypothesis& other, const MergeOptions& option
     return true;
 }
 
-// Whether nearly all points of `small` are points of `large` too, which reaches it and may be of another kind: a band
-// of a cylinder that a sphere fits as well, say.
+// Whether nearly all points of `small` are points of `large` too, which reaches it and may be of another kind, as a
+// band of a cylinder that a sphere fits as well.
 bool explains(const Hypothesis& large, const Hypothesis& small, const MergeOptions& options)
 {
     if (large.area < small.area) return false;

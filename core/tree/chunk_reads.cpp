@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace pcm {
 namespace {
@@ -84,29 +85,33 @@ Extent Tree::place_among_others(const ChunkRequest& request) const
 
 void Tree::read_chunks(const std::vector<ChunkRequest>& requests, const TakeChunk& take) const
 {
-    std::vector<std::size_t> left(requests.size());
-    std::iota(left.begin(), left.end(), std::size_t{0});
-    while (!left.empty()) {
-        std::vector<Extent> places;
-        for (const std::size_t number : left) places.push_back(place_among_others(requests[number]));
-        const std::vector<std::size_t> together = read_together(places);
+    std::vector<Extent> places;
+    for (const ChunkRequest& request : requests) places.push_back(place_among_others(request));
+    std::vector<std::size_t> order(requests.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return std::pair(places[a].file, places[a].offset) < std::pair(places[b].file, places[b].offset);
+    });
+    for (std::size_t from = 0, to = 0; from < order.size(); from = to) {
+        const Extent& first = places[order[from]];
+        for (to = from + 1; to < order.size() && follows(places[order[to - 1]], places[order[to]]); ++to) {
+            const Extent& next = places[order[to]];
+            if (next.offset + next.bytes - first.offset > most_read_together) break;
+        }
         std::vector<std::byte> bytes;
-        if (together.size() > 1) bytes = read_bytes(places[together.front()], places[together.back()]);
-        for (const std::size_t k : together) {
-            const ChunkRequest& request = requests[left[k]];
+        if (to - from > 1) bytes = read_bytes(first, places[order[to - 1]]);
+        for (std::size_t i = from; i < to; ++i) {
+            const ChunkRequest& request = requests[order[i]];
             Chunk chunk;
             std::exception_ptr failure;
             try {
-                chunk = bytes.empty()
-                            ? read_chunk(request.node, request.columns)
-                            : decode(request, bytes.data() + (places[k].offset - places[together.front()].offset));
+                chunk = bytes.empty() ? read_chunk(request.node, request.columns)
+                                      : decode(request, bytes.data() + (places[order[i]].offset - first.offset));
             } catch (const std::exception&) {
                 failure = std::current_exception();
             }
-            take(left[k], std::move(chunk), failure);
+            take(order[i], std::move(chunk), failure);
         }
-        for (const std::size_t k : together) left[k] = requests.size();
-        left.erase(std::remove(left.begin(), left.end(), requests.size()), left.end());
     }
 }
 

@@ -6,6 +6,13 @@
 
 namespace pcm {
 
+bool follows(const Extent& last, const Extent& next)
+{
+    const std::uint64_t end = last.offset + last.bytes;
+    return last.bytes > 0 && next.bytes > 0 && next.file == last.file && next.offset >= end &&
+           next.offset - end <= join_gap;
+}
+
 std::vector<std::size_t> read_together(const std::vector<Extent>& extents)
 {
     const Extent& first = extents.front();
@@ -21,11 +28,9 @@ std::vector<std::size_t> read_together(const std::vector<Extent>& extents)
     auto from = at, to = at + 1;
     std::uint64_t begin = first.offset, end = end_of(0);
     const auto fits = [&](std::uint64_t begins, std::uint64_t ends) { return ends - begins <= most_read_together; };
-    for (; to != order.end() && extents[*to].offset >= end && extents[*to].offset - end <= join_gap &&
-           fits(begin, end_of(*to));
-         ++to)
+    for (; to != order.end() && follows(extents[*(to - 1)], extents[*to]) && fits(begin, end_of(*to)); ++to)
         end = end_of(*to);
-    for (; from != order.begin() && end_of(*(from - 1)) <= begin && begin - end_of(*(from - 1)) <= join_gap &&
+    for (; from != order.begin() && follows(extents[*(from - 1)], extents[*from]) &&
            fits(extents[*(from - 1)].offset, end);
          --from)
         begin = extents[*(from - 1)].offset;

@@ -68,7 +68,7 @@ public:
             throw about_inputs(error);
         }
     }
-    // The points of the files, once, when there is no tree; else null.
+    // Reader of the files' points, to be read once; null where there is a tree.
     PointReader* points() const { return points_.get(); }
     // Calls `filter(points, names of the files, options)`.
     template <class FilterOfPoints>
@@ -92,7 +92,7 @@ private:
     std::string inputs_;                      // for users
     std::unique_ptr<ScratchFolder> scratch_;  // the folder of a temporary tree
     std::unique_ptr<CloudSources> files_;
-    std::unique_ptr<PointReader> points_;  // cloud of files_, where there is no tree
+    std::unique_ptr<PointReader> points_;  // reader of files_; null where there is a tree
 };
 
 }  // namespace pcm::ops
