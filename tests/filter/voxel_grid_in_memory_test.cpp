@@ -4,7 +4,6 @@
 
 #include "pcm/io/reader.h"
 #include "pcm/system/error.h"
-#include "pcm/tree/tree_reader.h"
 
 #include "tests/filter/voxel_oracle.h"
 #include "tests/support.h"
@@ -30,11 +29,7 @@ protected:
         MemoryReader reader(cloud);
         return voxel_grid_in_memory(reader, {"memory"}, options, result);
     }
-    MemoryCloud made(const std::string& name)
-    {
-        TreeReader reader(Tree::open(folder_ / name), std::nullopt, {});
-        return read_all(reader, 10000);
-    }
+    MemoryCloud made(const std::string& name) { return points_of(Tree::open(folder_ / name)); }
     static VoxelGridOptions options_of(double size)
     {
         VoxelGridOptions options;

@@ -33,11 +33,6 @@ protected:
         build_tree(reader, {"memory"}, folder_ / "cloud.pct", options);
         return Tree::open(folder_ / "cloud.pct");
     }
-    static MemoryCloud points_of(std::shared_ptr<const Tree> tree)
-    {
-        TreeReader reader(std::move(tree), std::nullopt, {});
-        return read_all(reader, 10000);
-    }
     TemporaryFolder folder_;
 };
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pcm/filter/voxel_lattice.h"
-
+#include "pcm/tree/tree_reader.h"
 #include "tests/memory_reader.h"
 
 #include <gtest/gtest.h>
@@ -59,6 +59,12 @@ inline Schema all_types()
     schema.add({"normal", ScalarType::f32, 3, 1, 0, {}});
     schema.add({"gps_time", ScalarType::f64, 1, 1, 0, {}});
     return schema;
+}
+
+inline MemoryCloud points_of(std::shared_ptr<const Tree> tree)
+{
+    TreeReader reader(std::move(tree), std::nullopt, {});
+    return read_all(reader, 10000);
 }
 
 // Few different values in the columns of categories, so that there are majorities.

@@ -17,17 +17,7 @@ using pipes::Noise;
 using pipes::PipeLayer;
 using pipes::Random;
 using pipes::uniform;
-
-// Fits of some hundred points to a pipe's radius of 50 mm, noise 1 mm.
-Noise usual_noise()
-{
-    Noise noise;
-    noise.place = 0.01;
-    noise.radius = 0.004;
-    noise.bend = 0.02;
-    noise.angle = 0.003;
-    return noise;
-}
+using pipes::usual_noise;
 
 std::string names_of(const PipeRun& run)
 {

@@ -18,10 +18,7 @@ constexpr std::uint64_t countless = std::uint64_t(1) << 62;
 
 Noise fitted_noise()
 {
-    Noise noise;
-    noise.place = 0.01;
-    noise.radius = 0.004;
-    noise.bend = 0.02;
+    Noise noise = pipes::usual_noise();
     noise.angle = 0.002;
     noise.open = 0;
     return noise;

@@ -107,19 +107,24 @@ TEST(SweptPart, OtherKindsAndFewPointsHaveNone)
     EXPECT_FALSE(swept_part(bend(), threshold, {map, map, map}));
 }
 
-// The whole way: the elbow's radius is within three of its standard deviations, and growth says which part it is of.
-TEST(SweptPart, GrowthFitsTheElbowAlone)
+// What grows of `start` from the points around the middle of an elbow with straight pipes of this length.
+GrownShape grown_elbow(const pcm::Shape& start, double straight, std::uint64_t seed)
 {
     TemporaryFolder folder;
-    Dice dice(5);
-    const auto tree = build_surface_tree(folder.path(), elbow(0.4, dice, 6000));
+    Dice dice(seed);
+    const auto tree = build_surface_tree(folder.path(), elbow(straight, dice, 6000));
     GrowShapeOptions options;
     options.threshold = threshold;
     options.step = 0.05;
     const auto [u, v] = across(bend().axis);
     const Vec3d middle = map + 0.457 * normalised(u + v);
-    const PointSet seeds = set_where(tree, [&](const Vec3d& p) { return length(p - middle) < 0.25; });
-    const GrownShape grown = grow_shape(bend(), seeds, options);
+    return grow_shape(start, set_where(tree, [&](const Vec3d& p) { return length(p - middle) < 0.25; }), options);
+}
+
+// The whole way: the elbow's radius is within three of its standard deviations, and growth says which part it is of.
+TEST(SweptPart, GrowthFitsTheElbowAlone)
+{
+    const GrownShape grown = grown_elbow(bend(), 0.4, 5);
     ASSERT_TRUE(grown.fit.has_shape());
     ASSERT_TRUE(grown.part);
     EXPECT_LT(std::fabs(grown.fit.shape.radius - 0.457), 3 * grown.fit.errors.radius);
@@ -133,19 +138,11 @@ TEST(SweptPart, TheElbowHasSettled)
     double sum = 0;
     constexpr int seeds = 6;
     for (int seed = 0; seed < seeds; ++seed) {
-        TemporaryFolder folder;
-        Dice dice(static_cast<std::uint64_t>(20 + seed));
-        const auto tree = build_surface_tree(folder.path(), elbow(0.5, dice, 6000));
-        GrowShapeOptions options;
-        options.threshold = threshold;
-        options.step = 0.05;
         const auto [u, v] = across(bend().axis);
-        const Vec3d middle = map + 0.457 * normalised(u + v);
-        const PointSet seeds_there = set_where(tree, [&](const Vec3d& p) { return length(p - middle) < 0.25; });
         pcm::Shape wide = bend();
         wide.radius = 0.47;
         wide.point = map - 0.013 * normalised(u + v);
-        const GrownShape grown = grow_shape(wide, seeds_there, options);
+        const GrownShape grown = grown_elbow(wide, 0.5, static_cast<std::uint64_t>(20 + seed));
         ASSERT_TRUE(grown.part) << seed;
         sum += (grown.fit.shape.radius - 0.457) / grown.fit.errors.radius;
     }
