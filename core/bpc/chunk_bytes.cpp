@@ -28,7 +28,7 @@ std::uint32_t stated_header_bytes(const std::byte* bytes, std::uint64_t size)
 
 }  // namespace
 
-ChunkBytes::ChunkBytes(const File& file, std::uint64_t offset, std::uint64_t available, std::uint64_t at_first)
+ChunkBytes::ChunkBytes(const ByteSource& file, std::uint64_t offset, std::uint64_t available, std::uint64_t at_first)
     : file_(&file), offset_(offset), beginning_size_(std::min(available, at_first))
 {
     head_ = room_for(beginning_size_);
@@ -60,7 +60,7 @@ const std::byte* ChunkBytes::get(std::uint64_t start, std::uint64_t bytes)
     return more_.get();
 }
 
-[[noreturn]] void rethrow_naming(const Error& error, const File& file, std::uint64_t offset)
+[[noreturn]] void rethrow_naming(const Error& error, const ByteSource& file, std::uint64_t offset)
 {
     if (!error.path().empty()) throw;
     throw Error(error.code(), file.path(), "chunk at byte " + std::to_string(offset) + ": " + error.what());

@@ -2,8 +2,8 @@
 // file and the byte.
 #pragma once
 
+#include "pcm/system/byte_source.h"
 #include "pcm/system/error.h"
-#include "pcm/system/file.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -20,7 +20,7 @@ class ChunkBytes {
 public:
     // The chunk at `offset`, of which `available` bytes can be read. Reads `at_first` bytes of it now, and the rest of
     // its header where that is longer. Throws Error(truncated | io).
-    ChunkBytes(const File& file, std::uint64_t offset, std::uint64_t available, std::uint64_t at_first);
+    ChunkBytes(const ByteSource& file, std::uint64_t offset, std::uint64_t available, std::uint64_t at_first);
     // A whole chunk that was read before, followed by codec_slack readable bytes. `bytes` must outlive this object.
     ChunkBytes(const std::byte* bytes, std::uint64_t size) : beginning_(bytes), beginning_size_(size) {}
 
@@ -33,7 +33,7 @@ public:
     const std::byte* get(std::uint64_t start, std::uint64_t bytes);
 
 private:
-    const File* file_ = nullptr;
+    const ByteSource* file_ = nullptr;
     std::uint64_t offset_ = 0;
     std::unique_ptr<std::byte[]> head_, more_;
     const std::byte* beginning_ = nullptr;
@@ -42,6 +42,6 @@ private:
 
 // For errors that were found in the chunk's bytes and name no file: adds the file and the chunk's offset. To be called
 // while `error` is being handled.
-[[noreturn]] void rethrow_naming(const Error& error, const File& file, std::uint64_t offset);
+[[noreturn]] void rethrow_naming(const Error& error, const ByteSource& file, std::uint64_t offset);
 
 }  // namespace pcm

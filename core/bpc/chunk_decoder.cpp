@@ -214,7 +214,7 @@ BpcHeader decode_known_header(const ChunkBytes& chunk, std::uint64_t bytes)
 }
 
 // The chunk of `bytes` bytes at `offset`, with its first bytes.
-ChunkBytes beginning_of(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first)
+ChunkBytes beginning_of(const ByteSource& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first)
 {
     if (bytes < bpc_layout::fixed_header) throw Error(ErrorCode::corrupt, {}, "shorter than a chunk's header");
     const std::uint64_t guess = std::min<std::uint64_t>(at_first ? at_first : 65536, bpc_layout::most_header_bytes);
@@ -237,7 +237,7 @@ DecodedChunk decode(ChunkBytes& chunk, std::uint64_t bytes, const ColumnSet& col
 
 }  // namespace
 
-DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
+DecodedPart read_chunk_part(const ByteSource& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
                             const ColumnSet& columns, const WantedSegment& wanted)
 {
     try {
@@ -256,7 +256,7 @@ DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_
     }
 }
 
-DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
+DecodedChunk read_chunk(const ByteSource& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
                         const ColumnSet& columns, ChunkPositionsMayBe positions_may_be)
 {
     try {
@@ -267,7 +267,7 @@ DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t by
     }
 }
 
-DecodedChunk decode_chunk(const std::byte* chunk, std::uint64_t bytes, const File& file, std::uint64_t offset,
+DecodedChunk decode_chunk(const std::byte* chunk, std::uint64_t bytes, const ByteSource& file, std::uint64_t offset,
                           const ColumnSet& columns)
 {
     try {

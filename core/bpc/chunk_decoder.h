@@ -3,7 +3,7 @@
 
 #include "pcm/bpc/chunk.h"
 #include "pcm/bpc/chunk_header.h"
-#include "pcm/system/file.h"
+#include "pcm/system/byte_source.h"
 
 #include <cstdint>
 #include <functional>
@@ -22,12 +22,12 @@ enum class ChunkPositionsMayBe { on_grid, on_grid_or_doubles };
 // where the caller knows its length, or 0; with the columns that the caller expects to follow, no second read is
 // necessary. Throws Error(corrupt | truncated | io), naming the file and the byte. Version 2 is Error(unsupported)
 // unless `positions` allows doubles.
-DecodedChunk read_chunk(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
+DecodedChunk read_chunk(const ByteSource& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
                         const ColumnSet& columns, ChunkPositionsMayBe positions = ChunkPositionsMayBe::on_grid);
 
 // The same for a chunk whose `bytes` bytes were read from `offset` of `file` before; codec_slack readable bytes follow
 // them.
-DecodedChunk decode_chunk(const std::byte* chunk, std::uint64_t bytes, const File& file, std::uint64_t offset,
+DecodedChunk decode_chunk(const std::byte* chunk, std::uint64_t bytes, const ByteSource& file, std::uint64_t offset,
                           const ColumnSet& columns);
 
 struct DecodedPart {
@@ -38,7 +38,7 @@ struct DecodedPart {
 };
 using WantedSegment = std::function<bool(const Box3i& box, std::uint16_t level)>;
 // The same for the segments for which `wanted` returns true. Pieces that lie near each other are read together.
-DecodedPart read_chunk_part(const File& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
+DecodedPart read_chunk_part(const ByteSource& file, std::uint64_t offset, std::uint64_t bytes, std::uint64_t at_first,
                             const ColumnSet& columns, const WantedSegment& wanted);
 
 }  // namespace pcm

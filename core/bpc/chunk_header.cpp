@@ -254,7 +254,7 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
     return header;
 }
 
-BpcHeader read_header(const File& file, std::uint64_t offset, std::uint64_t available)
+BpcHeader read_header(const ByteSource& file, std::uint64_t offset, std::uint64_t available)
 {
     try {
         const ChunkBytes bytes(file, offset, available, 4096);

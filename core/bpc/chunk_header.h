@@ -7,7 +7,7 @@
 #include "pcm/bpc/double_codes.h"
 #include "pcm/cloud/attribute.h"
 #include "pcm/cloud/geometry.h"
-#include "pcm/system/file.h"
+#include "pcm/system/byte_source.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -63,6 +63,6 @@ BpcHeader decode_header(const std::byte* data, std::size_t size, const std::file
 
 // The header of the chunk at `offset` of `file`, where `available` bytes can be read. Throws what decode_header throws
 // and Error(truncated | io), naming the file and the byte.
-BpcHeader read_header(const File& file, std::uint64_t offset, std::uint64_t available);
+BpcHeader read_header(const ByteSource& file, std::uint64_t offset, std::uint64_t available);
 
 }  // namespace pcm

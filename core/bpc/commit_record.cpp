@@ -77,7 +77,7 @@ std::vector<std::byte> encode_commit(const CommitRecord& record)
     return std::move(out.bytes());
 }
 
-std::optional<CommitRecord> read_commit(const File& file, std::uint64_t offset, std::uint64_t available,
+std::optional<CommitRecord> read_commit(const ByteSource& file, std::uint64_t offset, std::uint64_t available,
                                         std::uint64_t& bytes)
 {
     char head[12];

@@ -2,7 +2,7 @@
 // the generation was written completely. The layout is in FORMAT.md.
 #pragma once
 
-#include "pcm/system/file.h"
+#include "pcm/system/byte_source.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -31,7 +31,7 @@ std::size_t commit_bytes(std::size_t data_files);  // size of a record that list
 
 // The record that begins at `offset`, where `available` bytes can be read; none when no record begins there. `bytes`
 // receives its length. Throws Error(corrupt | truncated | unsupported | io), naming the file and the byte.
-std::optional<CommitRecord> read_commit(const File& file, std::uint64_t offset, std::uint64_t available,
+std::optional<CommitRecord> read_commit(const ByteSource& file, std::uint64_t offset, std::uint64_t available,
                                         std::uint64_t& bytes);
 
 }  // namespace pcm

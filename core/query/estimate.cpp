@@ -5,7 +5,6 @@
 #include "pcm/query/read_rates.h"
 #include "pcm/system/seconds.h"
 #include "pcm/tree/selected_nodes.h"
-#include "pcm/tree/tree_index.h"
 
 #include <algorithm>
 #include <chrono>
@@ -47,25 +46,6 @@ double selected_part(const Selector& selector, const Box3d& box, std::size_t ste
     return part * of_samples;
 }
 
-// Headers of a tree's chunks; the file that was read last stays open.
-class Headers {
-public:
-    explicit Headers(const Tree& tree) : tree_(tree) {}
-    BpcHeader read(NodeId node)
-    {
-        const Extent& extent = tree_.node(node).extent;
-        if (!file_.is_open() || extent.file != number_)
-            file_ = File(tree_.folder() / data_file_name(extent.file), File::Mode::read);
-        number_ = extent.file;
-        return read_header(file_, extent.offset, extent.bytes);
-    }
-
-private:
-    const Tree& tree_;
-    File file_;
-    std::uint32_t number_ = 0;
-};
-
 // Adds up what the nodes that a query touches contribute.
 class Estimator {
 public:
@@ -77,8 +57,7 @@ public:
           precision_(precision),
           selector_(query.selection(), tree_.info().schema),
           rounding_(tree_.info()),
-          nodes_(selected_nodes(tree_, selector_, query.level)),
-          headers_(tree_)
+          nodes_(selected_nodes(tree_, selector_, query.level))
     {
         std::size_t cut = 0;
         for (const SelectedNode& node : nodes_) cut += node.relation == BoxRelation::crosses;
@@ -122,7 +101,7 @@ private:
     // Returns the bytes that are read of the node's chunk.
     std::uint64_t add_segments(const SelectedNode& selected)
     {
-        const BpcHeader header = headers_.read(selected.node);
+        const BpcHeader header = tree_.read_header(selected.node);
         std::uint64_t bytes = header.header_bytes;
         for (std::size_t s = 0; s < header.segments.size(); ++s) {
             const BpcSegment& segment = header.segments[s];
@@ -162,7 +141,6 @@ private:
     const Selector selector_;
     const SourceRounding rounding_;
     const std::vector<SelectedNode> nodes_;
-    Headers headers_;
     std::size_t steps_;  // test points per axis in a box that the query cuts: fewer where there are many such boxes
     Estimate estimate_;
     std::uint64_t reads_ = 0, points_from_disk_ = 0;

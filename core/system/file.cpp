@@ -141,13 +141,11 @@ void File::expect_scattered_reads() const
 #endif
 }
 
-void File::read_at(void* to, std::size_t bytes, std::uint64_t offset) const
+bool File::keeps_its_name() const
 {
-    const std::size_t got = read_some_at(to, bytes, offset);
-    if (got < bytes)
-        throw Error(ErrorCode::truncated, path_,
-                    "the file ends at byte " + std::to_string(offset + got) + ", " + std::to_string(bytes) +
-                        " bytes were expected from byte " + std::to_string(offset));
+    struct stat opened {
+    }, named{};
+    return ::fstat(descriptor_, &opened) == 0 && ::stat(path_.c_str(), &named) == 0 && same_file(opened, named);
 }
 
 void File::write_at(const void* from, std::size_t bytes, std::uint64_t offset)

@@ -1,7 +1,9 @@
 // A file descriptor that closes itself and turns every failure into pcm::Error.
 //
-// read_at and write_at may be called from any number of threads at once.
+// write_at may be called from any number of threads at once, as the reads of a ByteSource may.
 #pragma once
+
+#include "pcm/system/byte_source.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +12,7 @@
 
 namespace pcm {
 
-class File {
+class File final : public ByteSource {
 public:
     // Every mode refuses anything but a regular file (a FIFO, a device, a folder) without waiting for it. Only `read`
     // follows a symbolic link in the file's place: nothing is written through one.
@@ -30,17 +32,15 @@ public:
     static File without_name(const std::filesystem::path& path);
     File(File&& other) noexcept;
     File& operator=(File&& other) noexcept;
-    ~File();
+    ~File() override;
 
     bool is_open() const { return descriptor_ >= 0; }
-    const std::filesystem::path& path() const { return path_; }
+    const std::filesystem::path& path() const override { return path_; }
     int descriptor() const { return descriptor_; }
-    std::uint64_t size() const;
+    std::uint64_t size() const override;
+    std::size_t read_some_at(void* to, std::size_t bytes, std::uint64_t offset) const override;
+    bool keeps_its_name() const override;
 
-    // Reads all of `bytes`; throws Error(truncated) when the file ends before.
-    void read_at(void* to, std::size_t bytes, std::uint64_t offset) const;
-    // Reads up to `bytes`, fewer at the end of the file; returns how many.
-    std::size_t read_some_at(void* to, std::size_t bytes, std::uint64_t offset) const;
     // Advice to the system: reads take what they need in one piece, and what follows is not to be read ahead.
     void expect_scattered_reads() const;
     void write_at(const void* from, std::size_t bytes, std::uint64_t offset);

@@ -3,6 +3,7 @@
 #include "pcm/system/error.h"
 #include "pcm/system/file.h"
 #include "pcm/system/tree_folder.h"
+#include "pcm/system/url.h"
 
 #include <algorithm>
 #include <array>
@@ -91,6 +92,7 @@ void refuse_inside_tree(const fs::path& path, const fs::path& given)
 
 fs::path output_file(const fs::path& path)
 {
+    refuse_to_write(path);
     if (path.empty()) throw Error(ErrorCode::invalid_argument, {}, "the output needs a name");
     const fs::path place = without_links(path);
     const fs::file_status status = status_of_name(place);
@@ -116,6 +118,7 @@ bool is_point_file_name(const fs::path& path)
 
 fs::path output_tree(const fs::path& given)
 {
+    refuse_to_write(given);
     fs::path path = given;
     if (path.filename().empty()) path = path.parent_path();  // "name.pct/" means name.pct
     if (path.empty()) throw Error(ErrorCode::invalid_argument, {}, "the tree needs a name");

@@ -11,8 +11,8 @@ namespace pcm {
 
 // The place of a file that is to be written as `path`: itself, or what it leads to where it is a symbolic link, so that
 // the link stays and its target is written. Whether an existing file may be replaced is for the caller to decide.
-// Throws Error(exists | invalid_argument | unsupported) for a folder, for anything but a regular file (a device, a
-// FIFO, a stream such as /dev/stdout), and for a place inside a tree's folder.
+// Throws Error(exists | invalid_argument | unsupported) for a URL, a folder, for anything but a regular file (a device,
+// a FIFO, a stream such as /dev/stdout), and for a place inside a tree's folder.
 std::filesystem::path output_file(const std::filesystem::path& path);
 
 // Whether the name ends as that of a file of points does (.las, .laz, .ply, .pcd, .e57, .xyz, ...), in any case. A tree

@@ -2,6 +2,7 @@
 
 #include "pcm/system/error.h"
 #include "pcm/system/file.h"
+#include "pcm/system/url.h"
 
 #include <cstdio>
 #include <cstring>
@@ -40,6 +41,13 @@ bool is_data_file_name(const std::string& name)
     return name == same;
 }
 
+// The same for a tree behind an address, by its names alone.
+fs::path tree_folder_of_url(const fs::path& url)
+{
+    if (!url.has_filename()) return url.parent_path();
+    return is_name_in_tree(url.filename().string()) ? url.parent_path() : url;
+}
+
 bool is_build_folder(const fs::path& folder)
 {
     return folder.extension() == ".part" && has_file(folder / build_marker_name);
@@ -65,6 +73,7 @@ bool is_tree_folder(const fs::path& folder)
 
 fs::path tree_folder_of(const fs::path& path)
 {
+    if (is_url(path)) return tree_folder_of_url(path);
     std::error_code error;
     if (fs::is_directory(path, error)) return path;
     // The index names the tree even where there is none, so that errors are about the folder.

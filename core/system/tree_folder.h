@@ -1,7 +1,8 @@
 // The names in a tree's folder, and whether a path leads into one: nothing else may be written among a tree's files,
 // and any of them opens the tree. What the files hold is in tree/ and bpc/FORMAT.md.
 //
-// Paths are compared as the file system sees them: through links, `..` and other spellings. Any thread.
+// Paths are compared as the file system sees them: through links, `..` and other spellings. A path may be a URL
+// (system/url.h), of which only the names are looked at. Any thread.
 #pragma once
 
 #include <filesystem>

@@ -1,5 +1,6 @@
 // Reads of a tree's chunks.
 #include "pcm/bpc/chunk_decoder.h"
+#include "pcm/bpc/chunk_header.h"
 #include "pcm/bpc/column_codec.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/column_shares.h"
@@ -38,12 +39,19 @@ Chunk Tree::checked(NodeId id, DecodedChunk decoded, const ColumnSet& columns) c
     return std::move(decoded.chunk);
 }
 
+BpcHeader Tree::read_header(NodeId id) const
+{
+    const Extent& extent = nodes_.at(id).extent;
+    const std::shared_ptr<const ByteSource> file = data_file(extent.file);
+    return read_undamaged(folder_, [&] { return pcm::read_header(*file, extent.offset, extent.bytes); });
+}
+
 Chunk Tree::read_chunk(NodeId id, const ColumnSet& columns) const
 {
     const Node& node = nodes_.at(id);
     if (node.points == 0) return empty_chunk(columns);
     const Extent& extent = node.extent;
-    const std::shared_ptr<const File> file = data_file(extent.file);
+    const std::shared_ptr<const ByteSource> file = data_file(extent.file);
     return read_undamaged(folder_, [&] {
         const std::uint64_t at_first = shares_->at_first(extent, columns);
         return checked(id, pcm::read_chunk(*file, extent.offset, extent.bytes, at_first, columns), columns);
@@ -125,7 +133,7 @@ ChunkPart Tree::read_chunk_part(NodeId id, const ColumnSet& columns,
         return part;
     }
     const Extent& extent = node.extent;
-    const std::shared_ptr<const File> file = data_file(extent.file);
+    const std::shared_ptr<const ByteSource> file = data_file(extent.file);
     DecodedPart decoded = read_undamaged(folder_, [&] {
         DecodedPart found =
             pcm::read_chunk_part(*file, extent.offset, extent.bytes, extent.header_bytes, columns, wanted);

@@ -1,6 +1,7 @@
 #include "pcm/tree/damage.h"
 
 #include "pcm/system/renamed_error.h"
+#include "pcm/system/url.h"
 
 #include <algorithm>
 #include <cstring>
@@ -43,7 +44,9 @@ bool is_damage(const Error& error)
 }
 
 DamagedTree::DamagedTree(const Error& error, const std::filesystem::path& folder, const std::string& way_out)
-    : Error(error.code(), error.path(), without_path(error), way_out + ", in a terminal: " + repair_command(folder)),
+    : Error(error.code(), error.path(), without_path(error),
+            is_url(folder) ? "put the tree on the server again; one on a disk can be repaired"
+                           : way_out + ", in a terminal: " + repair_command(folder)),
       fault_(error.what())
 {
 }

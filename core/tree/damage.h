@@ -17,7 +17,8 @@ bool is_damage(const Error& error);
 // The error of a damaged tree. what() has the way out as a hint, "..., in a terminal: pcmlab repair TREE".
 class DamagedTree : public Error {
 public:
-    // `error` as it was thrown, without a hint; `way_out` says what the command does, and begins the hint.
+    // `error` as it was thrown, without a hint; `way_out` says what the command does, and begins the hint. One behind
+    // an address cannot be repaired there, and the hint says what can be done instead.
     DamagedTree(const Error& error, const std::filesystem::path& folder, const std::string& way_out);
 
     // what() without the hint: for lists of faults, below which the command stands once.

@@ -1,6 +1,9 @@
 #include "pcm/tree/data_file_pool.h"
 
+#include "pcm/remote/open_bytes.h"
 #include "pcm/system/error.h"
+#include "pcm/system/file.h"
+#include "pcm/system/url.h"
 #include "pcm/tree/tree_index.h"
 
 #include <algorithm>
@@ -10,10 +13,12 @@ namespace pcm {
 
 namespace {
 
-std::shared_ptr<const File> open_whole(const std::filesystem::path& folder, std::uint32_t number,
-                                       const DataFile& expected)
+std::shared_ptr<const ByteSource> open_whole(const std::filesystem::path& folder, std::uint32_t number,
+                                             const DataFile& expected)
 {
-    auto file = std::make_shared<const File>(folder / data_file_name(number), File::Mode::read);
+    const std::filesystem::path path = folder / data_file_name(number);
+    if (is_url(path)) return open_bytes(path);  // its size is known when something of it is read
+    auto file = std::make_shared<const File>(path, File::Mode::read);
     if (file->size() < expected.bytes)
         throw Error(ErrorCode::truncated, file->path(),
                     "the file has " + std::to_string(file->size()) + " bytes, the index expects " +
@@ -41,7 +46,7 @@ DataFilePool::DataFilePool(const std::filesystem::path& folder, const std::vecto
         if (files[i].bytes > 0) keep(i, open_whole(folder_, i, files[i]));
 }
 
-std::shared_ptr<const File> DataFilePool::get(std::uint32_t number)
+std::shared_ptr<const ByteSource> DataFilePool::get(std::uint32_t number)
 {
     {
         const std::lock_guard lock(mutex_);
@@ -61,9 +66,9 @@ std::size_t DataFilePool::open_files() const
     return by_use_.size();
 }
 
-std::shared_ptr<const File> DataFilePool::keep(std::uint32_t number, std::shared_ptr<const File> file)
+std::shared_ptr<const ByteSource> DataFilePool::keep(std::uint32_t number, std::shared_ptr<const ByteSource> file)
 {
-    std::shared_ptr<const File> closed;  // closed after the lock is released
+    std::shared_ptr<const ByteSource> closed;  // closed after the lock is released
     const std::lock_guard lock(mutex_);
     Entry& entry = entries_[number];
     if (entry.file) return entry.file;  // opened by another thread meanwhile

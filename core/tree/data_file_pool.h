@@ -4,7 +4,7 @@
 // file per caller.
 #pragma once
 
-#include "pcm/system/file.h"
+#include "pcm/system/byte_source.h"
 #include "pcm/tree/tree.h"
 
 #include <cstddef>
@@ -28,16 +28,16 @@ public:
 
     // Opens the file if necessary; when too many are open, the least recently used one is closed. Throws
     // Error(not_found | permission | io), and Error(truncated) for a file that is shorter than its bytes in use.
-    std::shared_ptr<const File> get(std::uint32_t number);
+    std::shared_ptr<const ByteSource> get(std::uint32_t number);
     std::size_t open_files() const;
 
 private:
     struct Entry {
-        std::shared_ptr<const File> file;        // null while closed
+        std::shared_ptr<const ByteSource> file;  // null while closed
         std::list<std::uint32_t>::iterator use;  // in by_use_, while open
     };
 
-    std::shared_ptr<const File> keep(std::uint32_t number, std::shared_ptr<const File> file);
+    std::shared_ptr<const ByteSource> keep(std::uint32_t number, std::shared_ptr<const ByteSource> file);
 
     std::filesystem::path folder_;
     std::vector<DataFile> files_;

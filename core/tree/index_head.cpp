@@ -140,7 +140,7 @@ std::vector<std::byte> encode_head(const IndexHead& head)
     return std::move(out.bytes());
 }
 
-std::vector<std::byte> read_beginning(const File& file)
+std::vector<std::byte> read_beginning(const ByteSource& file)
 {
     std::vector<std::byte> bytes(static_cast<std::size_t>(std::min<std::uint64_t>(file.size(), first_read)));
     file.read_at(bytes.data(), bytes.size(), 0);
@@ -165,7 +165,7 @@ std::uint32_t version_of_index(const std::vector<std::byte>& beginning, const st
                 found < index_version ? "build the tree again from its files" : "");
 }
 
-IndexHead read_head(const File& file, std::vector<std::byte>& beginning)
+IndexHead read_head(const ByteSource& file, std::vector<std::byte>& beginning)
 {
     const std::uint64_t size = file.size();
     const std::uint64_t head_bytes = stated_head_bytes(beginning, file.path());

@@ -2,7 +2,7 @@
 // bpc/FORMAT.md.
 #pragma once
 
-#include "pcm/system/file.h"
+#include "pcm/system/byte_source.h"
 #include "pcm/tree/tree.h"
 
 #include <cstdint>
@@ -34,7 +34,7 @@ struct IndexHead {
 std::vector<std::byte> encode_head(const IndexHead& head);
 
 // The first bytes of an index file: the head, and in most cases the first page. One read.
-std::vector<std::byte> read_beginning(const File& file);
+std::vector<std::byte> read_beginning(const ByteSource& file);
 
 // The version, 3 or index_version, that these bytes state. Throws Error(not_a_tree | unsupported), and Error(corrupt)
 // where everything else is of a version that can be read.
@@ -42,7 +42,7 @@ std::uint32_t version_of_index(const std::vector<std::byte>& beginning, const st
 
 // The head of a file of index_version that begins with these bytes; reads on where the head is longer. Throws
 // Error(corrupt | io); memory is taken for what the file holds at most.
-IndexHead read_head(const File& file, std::vector<std::byte>& beginning);
+IndexHead read_head(const ByteSource& file, std::vector<std::byte>& beginning);
 
 // The same for the bytes of a whole index file.
 IndexHead decode_head(const std::vector<std::byte>& bytes, const std::filesystem::path& path);

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t bytes_before_info = sizeof index_magic + 4, bytes_of_data_file = 12;
 
 // The largest size that the counts at the beginning of an index allow.
-std::uint64_t most_bytes_of(const File& file)
+std::uint64_t most_bytes_of(const ByteSource& file)
 {
     return parse_beginning(file, [&](ByteReader& in) {
         in.get_bytes(bytes_before_info);
@@ -29,7 +29,7 @@ std::uint64_t most_bytes_of(const File& file)
 
 }  // namespace
 
-std::vector<std::byte> read_index_of_version_3(const File& file)
+std::vector<std::byte> read_index_of_version_3(const ByteSource& file)
 {
     const std::uint64_t size = file.size();
     if (size > first_beginning_bytes) {

@@ -21,8 +21,8 @@ struct NodeTable::State {
 
     std::shared_ptr<const IndexHead> head;
     std::optional<NodeChecks> checks;
-    std::shared_ptr<const File> file;  // closed when all pages are there
-    std::filesystem::path path;        // its name
+    std::shared_ptr<const ByteSource> file;  // closed when all pages are there
+    std::filesystem::path path;              // its name
     std::deque<std::vector<Node>> owned;
     std::vector<std::atomic<const Node*>> pages;
     std::vector<NodeId> first;
@@ -161,7 +161,7 @@ NodeTable::NodeTable(std::vector<Node> nodes)
     state_->publish(0, std::move(nodes));
 }
 
-NodeTable::NodeTable(std::shared_ptr<const IndexHead> head, std::shared_ptr<const File> file,
+NodeTable::NodeTable(std::shared_ptr<const IndexHead> head, std::shared_ptr<const ByteSource> file,
                      const std::vector<std::byte>& beginning)
     : NodeTable([&] {
           std::vector<std::uint32_t> nodes;

@@ -16,7 +16,7 @@
 
 namespace pcm {
 
-class File;
+class ByteSource;
 struct IndexHead;
 
 class NodeTable {
@@ -26,7 +26,7 @@ public:
     // The pages of the file that `head` was read from. `beginning` are bytes of the file from its first one on that
     // have been read already. Errors name `file`'s path and its folder as the tree's. Throws what at() throws, since
     // it reads the page of the root.
-    NodeTable(std::shared_ptr<const IndexHead> head, std::shared_ptr<const File> file,
+    NodeTable(std::shared_ptr<const IndexHead> head, std::shared_ptr<const ByteSource> file,
               const std::vector<std::byte>& beginning);
 
     std::size_t size() const { return size_; }

@@ -2,8 +2,8 @@
 #pragma once
 
 #include "pcm/bpc/byte_order.h"
+#include "pcm/system/byte_source.h"
 #include "pcm/system/error.h"
-#include "pcm/system/file.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -18,7 +18,7 @@ inline constexpr std::uint64_t most_beginning_bytes = std::uint64_t(1) << 28;
 // throws Error(corrupt), with four times as many, up to most_beginning_bytes or the whole file. Returns what it
 // returns, throws what it throws at last.
 template <class Parse>
-auto parse_beginning(const File& file, const Parse& parse)
+auto parse_beginning(const ByteSource& file, const Parse& parse)
 {
     const std::uint64_t size = file.size();
     for (std::uint64_t bytes = first_beginning_bytes;; bytes *= 4) {

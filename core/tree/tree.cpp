@@ -1,14 +1,15 @@
 #include "pcm/tree/tree.h"
 
 #include "pcm/bpc/chunk_header.h"
+#include "pcm/remote/open_bytes.h"
 #include "pcm/system/error.h"
+#include "pcm/system/renamed_error.h"
+#include "pcm/system/url.h"
 #include "pcm/tree/column_shares.h"
 #include "pcm/tree/damage.h"
 #include "pcm/tree/data_file_pool.h"
 #include "pcm/tree/tree_index.h"
 #include "pcm/tree/unfinished_build.h"
-
-#include <sys/stat.h>
 
 #include <algorithm>
 
@@ -17,21 +18,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Whether the name still refers to the opened file.
-bool keeps_its_name(const File& file)
-{
-    struct stat opened {
-    }, named{};
-    return ::fstat(file.descriptor(), &opened) == 0 && ::stat(file.path().c_str(), &named) == 0 &&
-           opened.st_ino == named.st_ino && opened.st_dev == named.st_dev;
-}
-
 // The error of an index that cannot be decoded, with what to do about it.
 [[noreturn]] void refuse_index(const Error& error, const fs::path& folder)
 {
+    if (is_url(folder) && error.code() == ErrorCode::not_found)
+        throw Error(ErrorCode::not_found, folder,
+                    "there is no point cloud tree at this address: " + without_path(error),
+                    std::string("an address of a tree is that of a folder with ") + index_file_name + " in it");
     // A folder or a device of this name is damage as well; repairing moves it aside.
     std::error_code ignored;
-    if (is_damage(error) || !fs::is_regular_file(error.path(), ignored))
+    if (is_damage(error) || (!is_url(folder) && !fs::is_regular_file(error.path(), ignored)))
         throw DamagedTree(error, folder, "rebuild the index from the chunks");
     throw error;
 }
@@ -56,17 +52,9 @@ bool keeps_its_name(const File& file)
                                        : "make one with 'pcmlab build'");
 }
 
-}  // namespace
-
-bool is_tree(const fs::path& path)
+// The error of a folder that is not a tree's, or of what is not a folder.
+void refuse_what_is_no_tree(const fs::path& folder)
 {
-    std::error_code ignored;
-    return fs::is_regular_file(tree_folder_of(path) / index_file_name, ignored);
-}
-
-std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_open_files)
-{
-    const fs::path folder = tree_folder_of(path);
     std::error_code error;
     const fs::file_status status = fs::status(folder, error);
     if (status.type() == fs::file_type::not_found) {
@@ -92,25 +80,61 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         if (error) throw Error::from_errno(error.value(), folder, "opening");
         refuse_folder(folder);
     }
+}
 
+}  // namespace
+
+bool is_tree(const fs::path& path)
+{
+    std::error_code ignored;
+    return is_url(path) || fs::is_regular_file(tree_folder_of(path) / index_file_name, ignored);
+}
+
+std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_open_files)
+{
+    const fs::path folder = tree_folder_of(path);
+    if (!is_url(folder)) refuse_what_is_no_tree(folder);
     // An update may replace the index or the folder while the data files of the old one are being opened.
     for (int tries = 1;; ++tries) {
-        std::shared_ptr<const File> index_file;
+        std::shared_ptr<const ByteSource> index_file;
         std::shared_ptr<Tree> tree;
         try {
-            index_file = std::make_shared<const File>(folder / index_file_name, File::Mode::read);
+            index_file = open_bytes(folder / index_file_name);
             tree = without_files(folder, open_index(index_file));
         } catch (const Error& failure) {
             refuse_index(failure, folder);
         }
         try {
             tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files(), most_open_files);
+            if (is_url(folder)) tree->refuse_other_data();
         } catch (const Error& failure) {
-            if (tries == 10 || keeps_its_name(*index_file)) refuse_data_file(failure, folder);
+            if (tries == 10 || index_file->keeps_its_name()) refuse_data_file(failure, folder);
             continue;
         }
-        if (tries == 10 || keeps_its_name(*index_file)) return tree;
+        if (tries == 10 || is_url(folder) || index_file->keeps_its_name()) return tree;
     }
+}
+
+std::optional<CommitRecord> Tree::last_commit() const
+{
+    const std::vector<DataFile>& files = data_files();
+    std::size_t last = files.size();
+    while (last > 0 && files[last - 1].bytes == 0) --last;
+    if (last == 0) return std::nullopt;
+    const std::uint64_t size = commit_bytes(last), end = files[last - 1].bytes;
+    std::uint64_t bytes = 0;
+    if (end < size) return std::nullopt;
+    auto commit = read_commit(*data_file(static_cast<std::uint32_t>(last - 1)), end - size, size, bytes);
+    return commit && bytes == size ? std::move(commit) : std::nullopt;
+}
+
+// Files are put on a server one by one: an index may be there next to data of an earlier tree, or the other way round.
+void Tree::refuse_other_data() const
+{
+    const std::optional<CommitRecord> commit = last_commit();
+    const bool is_of_this = commit && commit->points == info_.points && commit->content_hash == info_.content_hash;
+    if (!is_of_this && !data_files().empty())
+        throw Error(ErrorCode::corrupt, folder_, "the data files are not those of the index");
 }
 
 std::shared_ptr<Tree> Tree::without_files(const fs::path& folder, OpenIndex index)
@@ -168,7 +192,7 @@ Chunk Tree::empty_chunk(const ColumnSet& columns) const
 }
 
 // Where not all files are open, one may be gone by now.
-std::shared_ptr<const File> Tree::data_file(std::uint32_t number) const
+std::shared_ptr<const ByteSource> Tree::data_file(std::uint32_t number) const
 {
     try {
         return files_->get(number);

@@ -21,7 +21,7 @@
 #include "pcm/cloud/attribute.h"
 #include "pcm/cloud/geometry.h"
 #include "pcm/io/reader.h"
-#include "pcm/system/file.h"
+#include "pcm/system/byte_source.h"
 #include "pcm/system/tree_folder.h"
 #include "pcm/tree/node_table.h"
 #include "pcm/tree/tree_reads.h"
@@ -113,7 +113,8 @@ class Tree {
 public:
     static constexpr std::size_t usual_open_files = 128;
 
-    // `path` is the tree folder or any file of the tree in it (tree_folder_of()). A tree with more than
+    // `path` is the tree folder, any file of the tree in it (tree_folder_of()), or the URL of either on a server that
+    // sends ranges of files (remote/remote_file.h). A tree with more than
     // `most_open_files` data files opens them when they are used, and keeps at most that many open, in addition to
     // those being read; others are opened and checked now. Throws Error(not_found | not_a_tree | interrupted_build |
     // corrupt | unsupported | permission | io).
@@ -139,11 +140,17 @@ public:
     // tree's.
     ChunkIdentity identity(NodeId id) const;
     const std::vector<DataFile>& data_files() const;
+    // The commit record at the end of the newest data file in use; none where it does not end with one. Throws what
+    // read_chunk() throws.
+    std::optional<CommitRecord> last_commit() const;
     // The same tree with attributes added at the end of its schema; their values are zero. Nothing changes on disk;
     // both trees share their open files.
     std::shared_ptr<const Tree> with_schema(const Schema& longer) const;
     // Throws Error(corrupt) when a header does not belong to the node's chunk.
     void check(NodeId id, const BpcHeader& header) const;
+
+    // The header of a node's chunk, which must have one. Throws what read_chunk() throws.
+    BpcHeader read_header(NodeId id) const;
 
     // Reads and decodes the given columns of a node's chunk and verifies their checksums. A node without points gives
     // an empty chunk. Throws Error(corrupt | io | truncated), naming the data file and the byte.
@@ -170,12 +177,13 @@ public:
 private:
     Tree() = default;
     static std::shared_ptr<Tree> without_files(const std::filesystem::path& folder, OpenIndex index);
+    void refuse_other_data() const;
     Chunk empty_chunk(const ColumnSet& columns) const;
     Chunk checked(NodeId id, DecodedChunk decoded, const ColumnSet& columns) const;
     Chunk decode(const ChunkRequest& request, const std::byte* bytes) const;
     Extent place_among_others(const ChunkRequest& request) const;
     std::vector<std::byte> read_bytes(const Extent& first, const Extent& last) const;
-    std::shared_ptr<const File> data_file(std::uint32_t number) const;
+    std::shared_ptr<const ByteSource> data_file(std::uint32_t number) const;
     std::filesystem::path folder_;
     TreeInfo info_;
     NodeTable nodes_;
@@ -185,7 +193,8 @@ private:
     std::shared_ptr<ColumnShares> shares_;
 };
 
-// Whether `path` is a folder with an index file, or a file of such a tree (a cheap test of names, not a validation).
+// Whether `path` is a folder with an index file, a file of such a tree, or a URL (a cheap test of names, not a
+// validation).
 bool is_tree(const std::filesystem::path& path);
 
 }  // namespace pcm

@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
+#include "pcm/system/file.h"
 #include "pcm/tree/index_version_3.h"
 #include "pcm/tree/node_checks.h"
 #include "pcm/tree/node_order.h"
@@ -129,7 +130,7 @@ std::vector<std::byte> encode_index(const TreeIndex& index)
     return bytes;
 }
 
-std::vector<std::byte> read_index(const File& file)
+std::vector<std::byte> read_index(const ByteSource& file)
 {
     std::vector<std::byte> bytes = read_beginning(file);
     if (version_of_index(bytes, file.path()) == index_version_without_pages) return read_index_of_version_3(file);
@@ -162,7 +163,7 @@ OpenIndex in_memory(TreeIndex index)
     return {std::move(head), NodeTable(std::move(index.nodes))};
 }
 
-OpenIndex open_index(std::shared_ptr<const File> file)
+OpenIndex open_index(std::shared_ptr<const ByteSource> file)
 {
     std::vector<std::byte> beginning = read_beginning(*file);
     if (version_of_index(beginning, file->path()) == index_version_without_pages)

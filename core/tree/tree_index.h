@@ -1,7 +1,7 @@
 // The index file of a tree folder, as bytes; the layout is in bpc/FORMAT.md.
 #pragma once
 
-#include "pcm/system/file.h"
+#include "pcm/system/byte_source.h"
 #include "pcm/tree/index_head.h"
 #include "pcm/tree/tree.h"
 
@@ -36,7 +36,7 @@ std::vector<LevelSummary> summaries_of_levels(const std::vector<Node>& nodes, co
 
 // The bytes of an index file. Throws Error(not_a_tree | unsupported | corrupt) for a file that is not an
 // index or is longer than its own counts allow, before memory is taken for it, and Error(io).
-std::vector<std::byte> read_index(const File& file);
+std::vector<std::byte> read_index(const ByteSource& file);
 
 // Decodes version 4 and version 3. Checks magic, version, checksums and every invariant that tree.h states for nodes.
 // Throws Error(not_a_tree | corrupt | unsupported).
@@ -49,7 +49,7 @@ struct OpenIndex {
 };
 // At most three reads: the beginning of the file, the rest of a long head, the first page; an index of version 3 is
 // read as a whole. The file stays open while pages are missing. Throws what read_index() and decode_index() throw.
-OpenIndex open_index(std::shared_ptr<const File> file);
+OpenIndex open_index(std::shared_ptr<const ByteSource> file);
 OpenIndex in_memory(TreeIndex index);
 
 }  // namespace pcm

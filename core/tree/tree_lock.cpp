@@ -2,6 +2,7 @@
 
 #include "pcm/system/error.h"
 #include "pcm/system/file_lock.h"
+#include "pcm/system/url.h"
 
 #include <sys/stat.h>
 
@@ -22,6 +23,7 @@ bool is_in_build(const std::filesystem::path& folder)
 
 TreeLock::TreeLock(const std::filesystem::path& folder)
 {
+    refuse_to_write(folder);
     const std::filesystem::path path = folder / lock_file_name;
     for (;;) {
         file_ = File(path, File::Mode::change_or_create);

@@ -2,6 +2,7 @@
 
 #include "pcm/system/error.h"
 #include "pcm/system/seconds.h"
+#include "pcm/system/url.h"
 #include "pcm/threads/crew.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
@@ -52,11 +53,8 @@ void check_commit(const Tree& tree, VerifyReport& report)
     const std::string remedy = "; no point is lost, and 'pcmlab compact' writes a new one";
     const std::string missing = path.string() + ": it does not end with the commit record of its generation" + remedy;
     try {
-        const std::uint64_t size = commit_bytes(last), end = files[last - 1].bytes;
-        std::uint64_t bytes = 0;
-        if (end < size) return report.notes.push_back(missing);
-        const auto commit = read_commit(File(path, File::Mode::read), end - size, size, bytes);
-        if (!commit || bytes != size) return report.notes.push_back(missing);
+        const std::optional<CommitRecord> commit = tree.last_commit();
+        if (!commit) return report.notes.push_back(missing);
         const TreeInfo& info = tree.info();
         if (commit->generation == info.generation &&
             (commit->points != info.points || commit->content_hash != info.content_hash ||
@@ -84,6 +82,7 @@ void list_strays(const Tree& tree, VerifyReport& report)
                                    " bytes after those that the index names");
         if (!error && used == 0) report.notes.push_back(path.string() + ": nothing in it is in use; it can be removed");
     }
+    if (is_url(tree.folder())) return;  // what else is on a server is not asked
     std::sort(known.begin(), known.end());
     for (const auto& entry : fs::directory_iterator(tree.folder()))
         if (!std::binary_search(known.begin(), known.end(), entry.path().filename().string()))
@@ -203,7 +202,7 @@ VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, co
     report.outcome.points_in = info.points;
 
     check_extents(tree->nodes(), report);
-    if (const auto about = check_about(tree->folder(), info))
+    if (const auto about = is_url(path) ? std::nullopt : check_about(tree->folder(), info))
         (about->left_by_update ? report.notes : report.around).push_back(about->what);
     check_commit(*tree, report);
     list_strays(*tree, report);

@@ -2,6 +2,7 @@
 
 #include "pcm/build/build_folder.h"
 #include "pcm/system/error.h"
+#include "pcm/system/file.h"
 #include "pcm/tree/about.h"
 #include "pcm/tree/tree.h"
 #include "pcm/tree/tree_index.h"

@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/chunk_header.h"
 #include "pcm/system/error.h"
+#include "pcm/system/file.h"
 
 #include <string>
 

@@ -4,7 +4,9 @@
 #include "pcm/build/bins/observed.h"
 #include "pcm/build/build_folder.h"
 #include "pcm/system/error.h"
+#include "pcm/system/file.h"
 #include "pcm/system/text.h"
+#include "pcm/system/url.h"
 #include "pcm/threads/ordered.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
@@ -439,6 +441,7 @@ private:
 RepairReport repair_tree(const fs::path& path, const RepairOptions& options)
 {
     const fs::path folder = tree_folder_of(path);
+    refuse_to_write(folder);
     try {
         return Repair(folder, options).run();
     } catch (const fs::filesystem_error& error) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "pcm/cache/chunk_store.h"
+#include "pcm/system/file.h"
 #include "pcm/update/tree_update.h"
 
 #include <cstdint>

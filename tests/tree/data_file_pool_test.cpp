@@ -126,7 +126,7 @@ TEST_F(DataFilePoolTest, ThePoolClosesWhatWasNotUsedForLongest)
     DataFilePool pool(folder_.path(), files, 4);
     std::mt19937_64 random(1);
     std::vector<std::uint32_t> used;  // naive model, last used first
-    std::vector<std::weak_ptr<const File>> seen(12);
+    std::vector<std::weak_ptr<const ByteSource>> seen(12);
     for (int round = 0; round < 2000; ++round) {
         const auto number = static_cast<std::uint32_t>(random() % 12);
         const bool was_open = !seen[number].expired();
