@@ -1,6 +1,7 @@
 #include "pcm/ops/result.h"
 
 #include "pcm/ops/argument.h"
+#include "pcm/system/counted.h"
 #include "pcm/system/error.h"
 #include "pcm/system/peak_memory.h"
 #include "pcm/system/text.h"
@@ -29,11 +30,18 @@ double points_per_second(const Outcome& outcome)
     return outcome.seconds > 0 ? static_cast<double>(outcome.points_out) / outcome.seconds : 0.0;
 }
 
+std::string network_text(const WorkDone& work)
+{
+    if (work.requests == 0) return {};
+    return ", " + counted(work.requests, "request") + " to servers, " + bytes_text(work.bytes_received) + " received";
+}
+
 std::string traded_text(const Result& result)
 {
     return text_of(result.accuracy.value()) + "; " + time_text(result.outcome.seconds) + ", processor time " +
            time_text(result.work.cpu_seconds) + "; " + points_text(result.work.points_read) + ", " +
-           bytes_text(result.work.bytes_read) + " read; peak memory " + bytes_text(peak_memory_bytes());
+           bytes_text(result.work.bytes_read) + " read" + network_text(result.work) + "; peak memory " +
+           bytes_text(peak_memory_bytes());
 }
 
 std::vector<std::string> all_lines(const Result& result)
@@ -63,6 +71,8 @@ const std::vector<ResultKey>& head_keys()
         {"cpu_seconds", "number", "s", "time of all processors"},
         {"points_read", "count", "points", "points that were decoded, again for each time"},
         {"bytes_read", "count", "bytes", "bytes read from files, temporary ones among them"},
+        {"requests", "count", "requests", "requests to servers, where there were some; those that failed too"},
+        {"bytes_received", "count", "bytes", "bytes received from servers, where there were requests"},
         {"peak_memory", "count", "bytes", "largest memory of the process since its start"},
         {"warnings", "list", "", "what failed after the result was in place"},
         {"notes", "list", "", "what one should know of the answer"},
@@ -83,6 +93,10 @@ void put_traded(Json& json, const Result& result)
     json["cpu_seconds"] = result.work.cpu_seconds;
     json["points_read"] = result.work.points_read;
     json["bytes_read"] = result.work.bytes_read;
+    if (result.work.requests > 0) {
+        json["requests"] = result.work.requests;
+        json["bytes_received"] = result.work.bytes_received;
+    }
     json["peak_memory"] = peak_memory_bytes();
 }
 

@@ -4,6 +4,7 @@
 #include <list>
 #include <map>
 #include <mutex>
+#include <thread>
 #include <utility>
 
 namespace pcm {
@@ -13,6 +14,7 @@ struct BlockMemory::State {
     struct Entry {
         RemoteBlock block;  // null: a thread is fetching it
         std::list<Key>::iterator use;
+        std::thread::id by = std::this_thread::get_id();  // the thread that fetches it
     };
 
     std::size_t most_blocks;
@@ -24,7 +26,7 @@ struct BlockMemory::State {
     // With the lock: takes what is there and claims what no thread is fetching.
     std::vector<std::uint64_t> take_or_claim(const void* file, std::uint64_t first, std::vector<RemoteBlock>& blocks);
     void keep(const Key& key, RemoteBlock block);
-    void give_up(const void* file, const std::vector<std::uint64_t>& numbers);
+    void give_up(const void* file);
 };
 
 BlockMemory::BlockMemory(std::size_t most_blocks) : state_(std::make_unique<State>())
@@ -61,10 +63,19 @@ void BlockMemory::State::keep(const Key& key, RemoteBlock block)
     by_use.pop_back();
 }
 
-void BlockMemory::State::give_up(const void* file, const std::vector<std::uint64_t>& numbers)
+// What this thread has claimed and not fetched.
+void BlockMemory::State::give_up(const void* file)
 {
-    for (const std::uint64_t number : numbers) entries.erase({file, number});
+    for (auto it = entries.lower_bound({file, 0}); it != entries.end() && it->first.first == file;)
+        it = !it->second.block && it->second.by == std::this_thread::get_id() ? entries.erase(it) : std::next(it);
     changed.notify_all();
+}
+
+void BlockMemory::claim(const void* file, std::uint64_t first, std::uint64_t end, Numbers& numbers)
+{
+    const std::lock_guard lock(state_->mutex);
+    for (std::uint64_t number = first; number < end; ++number)
+        if (state_->entries.try_emplace({file, number}).second) numbers.push_back(number);
 }
 
 std::vector<RemoteBlock> BlockMemory::get(const void* file, std::uint64_t first, std::size_t count, const Fetch& fetch)
@@ -82,18 +93,18 @@ std::vector<RemoteBlock> BlockMemory::get(const void* file, std::uint64_t first,
             continue;
         }
         lock.unlock();
-        std::vector<RemoteBlock> fetched;
+        Fetched fetched;
         try {
             fetched = fetch(claimed);
         } catch (...) {
             lock.lock();
-            state.give_up(file, claimed);
+            state.give_up(file);
             throw;
         }
         lock.lock();
-        for (std::size_t i = 0; i < claimed.size(); ++i) {
-            blocks[static_cast<std::size_t>(claimed[i] - first)] = fetched[i];
-            state.keep({file, claimed[i]}, std::move(fetched[i]));
+        for (auto& [number, block] : fetched) {
+            if (number >= first && number < first + count) blocks[static_cast<std::size_t>(number - first)] = block;
+            state.keep({file, number}, std::move(block));
         }
         state.changed.notify_all();
     }

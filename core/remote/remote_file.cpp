@@ -45,7 +45,7 @@ void RemoteFile::find_version() const
 std::uint64_t RemoteFile::size() const
 {
     find_version();
-    if (!object_.known()) memory().get(this, 0, 1, [&](const auto& numbers) { return fetch(numbers); });
+    if (!object_.known()) memory().get(this, 0, 1, [&](const BlockMemory::Numbers& numbers) { return fetch(numbers); });
     return object_.known()->size;
 }
 
@@ -89,40 +89,36 @@ std::vector<RemoteBlock> RemoteFile::download(const std::vector<std::uint64_t>& 
     return blocks;
 }
 
-std::vector<RemoteBlock> RemoteFile::fetch(const std::vector<std::uint64_t>& numbers) const
+BlockMemory::Fetched RemoteFile::fetch(const BlockMemory::Numbers& numbers) const
 {
-    std::vector<RemoteBlock> blocks(numbers.size());
-    std::vector<std::uint64_t> missing;
+    BlockMemory::Fetched fetched;
+    BlockMemory::Numbers missing;
     const std::optional<RemoteVersion> version = object_.known();
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-        if (version)
-            if (auto kept = folder_.read(path(), *version, numbers[i]))
-                blocks[i] = std::make_shared<const std::vector<std::byte>>(std::move(*kept));
-        if (!blocks[i]) missing.push_back(numbers[i]);
+    for (const std::uint64_t number : numbers) {
+        auto kept = version ? folder_.read(path(), *version, number) : std::nullopt;
+        if (kept)
+            fetched.emplace_back(number, std::make_shared<const std::vector<std::byte>>(std::move(*kept)));
+        else
+            missing.push_back(number);
     }
-    if (missing.empty()) return blocks;
-    auto next = download(missing);
-    auto from = next.begin();
-    for (RemoteBlock& block : blocks)
-        if (!block) block = std::move(*from++);
-    return blocks;
+    if (missing.empty()) return fetched;
+    const std::uint64_t end = missing.back() + 1;
+    memory().claim(this, end, end + blocks_ahead(missing.front(), end), missing);
+    const std::vector<RemoteBlock> blocks = download(missing);
+    for (std::size_t i = 0; i < missing.size(); ++i) fetched.emplace_back(missing[i], blocks[i]);
+    return fetched;
 }
 
-// The last block to fetch for a read of these blocks.
-std::uint64_t RemoteFile::last_with_ahead(std::uint64_t first, std::uint64_t last) const
+// How many blocks to fetch after these, which are about to be asked for.
+std::uint64_t RemoteFile::blocks_ahead(std::uint64_t first, std::uint64_t end) const
 {
-    const std::lock_guard lock(run_mutex_);
-    if (run_blocks_ > 0 && first <= run_end_ && last >= run_end_) {
-        run_blocks_ = std::min(2 * run_blocks_, most_blocks_of_request);
-        last = std::max(last, run_end_ + run_blocks_ - 1);
-    } else if (last + most_blocks_of_request >= run_end_ && last < run_end_) {
-        return last;  // within the run
-    } else {
-        run_blocks_ = last - first + 1;
-    }
-    run_end_ = last + 1;
     const auto known = object_.known();
-    return known ? std::min(last, (known->size - 1) / block_bytes) : last;
+    const std::lock_guard lock(run_mutex_);
+    const bool continues = run_blocks_ > 0 && first <= run_end_ && end > run_end_;
+    run_blocks_ = continues ? std::min(2 * run_blocks_, most_blocks_of_request) : end - first;
+    run_end_ = std::max(end, continues ? run_end_ + run_blocks_ : 0);
+    if (known) run_end_ = std::min(run_end_, (known->size + block_bytes - 1) / block_bytes);
+    return run_end_ > end ? run_end_ - end : 0;
 }
 
 std::size_t RemoteFile::read_some_at(void* to, std::size_t bytes, std::uint64_t offset) const
@@ -133,11 +129,10 @@ std::size_t RemoteFile::read_some_at(void* to, std::size_t bytes, std::uint64_t 
         bytes = static_cast<std::size_t>(std::min<std::uint64_t>(bytes, known->size - offset));
     }
     if (bytes == 0) return 0;
-    const std::uint64_t first = offset / block_bytes, wanted = (offset + bytes - 1) / block_bytes;
-    const std::uint64_t last = last_with_ahead(first, wanted);
+    const std::uint64_t first = offset / block_bytes, last = (offset + bytes - 1) / block_bytes;
     const std::vector<RemoteBlock> blocks =
         memory().get(this, first, static_cast<std::size_t>(last - first + 1),
-                     [&](const std::vector<std::uint64_t>& numbers) { return fetch(numbers); });
+                     [&](const BlockMemory::Numbers& numbers) { return fetch(numbers); });
     std::size_t done = 0;
     for (const RemoteBlock& block : blocks) {
         const auto start = static_cast<std::size_t>(done == 0 ? offset % block_bytes : 0);

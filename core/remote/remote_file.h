@@ -31,8 +31,8 @@ public:
 
 private:
     void find_version() const;
-    std::uint64_t last_with_ahead(std::uint64_t first, std::uint64_t last) const;
-    std::vector<RemoteBlock> fetch(const std::vector<std::uint64_t>& numbers) const;
+    BlockMemory::Fetched fetch(const BlockMemory::Numbers& numbers) const;
+    std::uint64_t blocks_ahead(std::uint64_t first, std::uint64_t end) const;
     std::vector<RemoteBlock> download(const std::vector<std::uint64_t>& numbers) const;
 
     RemoteObject object_;

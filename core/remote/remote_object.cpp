@@ -194,7 +194,10 @@ bool RemoteObject::accept_range(Try& one) const
 bool RemoteObject::accept(Try& one) const
 {
     const int status = one.answer.status;
-    if (status != 0) answered_ = true;
+    if (status != 0) {
+        answered_ = true;
+        gone_ = false;
+    }
     if (status == 0) {
         one.failure = unreachable_text + std::string(one.answer.message);
         return false;
@@ -268,9 +271,12 @@ void RemoteObject::perform(std::vector<Try>& tries) const
         if (!again) continue;  // sent on by the server
         const double pause =
             std::max(failed->answer.retry_after, wait * std::uniform_real_distribution<>(0.5, 1.0)(random));
-        const double limit = answered_ ? most_seconds : most_seconds_of_first;
-        if (!(std::chrono::duration<double>(Clock::now() - start).count() + pause < limit))
+        const bool silent = failed->answer.status == 0;
+        const double limit = silent && gone_ ? 0 : answered_ ? most_seconds : most_seconds_of_first;
+        if (!(std::chrono::duration<double>(Clock::now() - start).count() + pause < limit)) {
+            gone_ = silent;
             throw Error(ErrorCode::io, address_, failed->failure, "try again later");
+        }
         std::this_thread::sleep_for(std::chrono::duration<double>(pause));
         wait = std::min(2 * wait, longest_wait);
     }

@@ -36,7 +36,8 @@ struct RemoteVersion {
 
 // Any number of threads. What throws throws Error(not_found | permission | unsupported | io) and names the address;
 // is_unreachable() of it is true where no server answered. Where a connection fails or a server is busy (408, 429 and
-// 5xx, with the wait that it asks for) a request is repeated over a new connection for a while.
+// 5xx, with the wait that it asks for) a request is repeated over a new connection for a while;
+// after a request without any answer the next ones are tried once.
 class RemoteObject {
 public:
     static constexpr double most_seconds = 20;
@@ -76,6 +77,7 @@ private:
     mutable std::string url_;  // where the server sent us, on itself
     mutable std::optional<RemoteVersion> version_;
     mutable std::atomic<bool> answered_{false};  // the server, ever
+    mutable std::atomic<bool> gone_{false};      // the last request was given up without an answer
 };
 
 // Whether the error is that no server answered.

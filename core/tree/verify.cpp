@@ -148,7 +148,7 @@ public:
                              " in the index");
         if (hash_ != info.content_hash) faults.push_back("the points are not, bit for bit, the ones that were stored");
         std::vector<Box3i> tight = own_box_;
-        for (std::size_t id = nodes_.size(); id-- > 0;) {
+        for (auto id = static_cast<NodeId>(nodes_.size()); id-- > 0;) {
             if (!(tight[id] == nodes_[id].box))
                 faults.push_back("node " + std::to_string(id) + ": its box is not tight around its points");
             if (id > 0) tight[nodes_[id].parent].extend(tight[id]);
@@ -166,7 +166,7 @@ private:
         const ColumnSet all = ColumnSet::whole(tree_.info().schema);
         std::vector<std::byte> scratch;
         for (std::size_t id; !signal_.stopped && (id = next_++) < nodes_.size();) {
-            if (nodes_[id].points == 0) continue;
+            if (nodes_[static_cast<NodeId>(id)].points == 0) continue;
             try {
                 const Chunk chunk = read_checked(tree_, static_cast<NodeId>(id), all, own_box_[id]);
                 hash_ += hash_chunk(chunk, layout, scratch);

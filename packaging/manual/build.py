@@ -22,7 +22,7 @@ import markdown
 HERE = pathlib.Path(__file__).resolve().parent
 # The order of the pages, under headings.
 CONTENTS = [("", ["index", "install", "window"]), ("From start to end", ["drawing", "facade", "measuring", "epochs", "tile", "notebook"]),
-            ("Reference", ["operations", "formats", "trust", "messages", "python", "library", "glossary"])]
+            ("Reference", ["operations", "formats", "servers", "trust", "messages", "python", "library", "glossary"])]
 REPOSITORY = "../../"  # links to files that are not part of the manual begin so
 
 

@@ -8,7 +8,9 @@
 
 namespace pcm::host {
 
-Filter set_clip_box();  // in the file of its name
+// In the files of their names.
+Filter open_address();
+Filter set_clip_box();
 
 namespace {
 
@@ -37,6 +39,7 @@ const std::vector<Filter>& filters()
             const auto used = hooks().find(row.name);
             filters.push_back(operation_filter(row, used == hooks().end() ? OperationHooks{} : used->second));
         }
+        filters.push_back(open_address());
         filters.push_back(set_clip_box());
         return filters;
     }();

@@ -17,7 +17,7 @@ import sys
 import unittest
 
 # Backends that packaging/debian/rules leaves out, as Debian would have them as packages of their own.
-LEFT_OUT = {"usr/lib/libpcm_flann.so", "usr/lib/libpcm_pcl.so", "usr/lib/libpcm_step.so"}
+LEFT_OUT = {"usr/lib/libpcm_flann.so", "usr/lib/libpcm_pcl.so", "usr/lib/libpcm_step.so", "usr/lib/libpcm_curl.so"}
 # Which package has which component.
 PACKAGES = {"command": "pcmlab", "manual": "pcmlab", "meshlab": "meshlab-plugin-pcmlab", "library": "libpcmlab-dev",
             "python": "python3-pcmlab"}

@@ -20,8 +20,8 @@ struct Fetcher {
     std::atomic<int> blocks{0}, calls{0};
     BlockMemory::Fetch fetch = [this](const std::vector<std::uint64_t>& numbers) {
         ++calls;
-        std::vector<RemoteBlock> fetched;
-        for (const std::uint64_t number : numbers) fetched.push_back(block_of(number));
+        BlockMemory::Fetched fetched;
+        for (const std::uint64_t number : numbers) fetched.emplace_back(number, block_of(number));
         blocks += static_cast<int>(numbers.size());
         return fetched;
     };
@@ -74,8 +74,12 @@ TEST(BlockMemoryTest, AFailureIsOfItsCallerAndOthersTryAgain)
     const int file = 0;
     std::atomic<int> failures{0}, calls{0};
     const BlockMemory::Fetch fetch = [&](const std::vector<std::uint64_t>& numbers) {
+        BlockMemory::Numbers claimed = numbers;
+        memory.claim(&file, 2, 5, claimed);
         if (++calls <= 3) throw std::runtime_error("no");
-        return std::vector<RemoteBlock>(numbers.size(), block_of(7));
+        BlockMemory::Fetched fetched;
+        for (const std::uint64_t number : claimed) fetched.emplace_back(number, block_of(number));
+        return fetched;
     };
     std::vector<std::thread> threads;
     for (int i = 0; i < 8; ++i)
@@ -88,6 +92,10 @@ TEST(BlockMemoryTest, AFailureIsOfItsCallerAndOthersTryAgain)
         });
     for (std::thread& thread : threads) thread.join();
     EXPECT_EQ(failures, 3);
+    // What the failed ones had claimed beyond what was wanted is nobody's, and what the last one had is in memory.
+    EXPECT_EQ(calls, 4);
+    EXPECT_EQ(memory.get(&file, 0, 5, fetch)[4]->front(), std::byte{4});
+    EXPECT_EQ(calls, 4);
 }
 
 TEST(BlockMemoryTest, ManyThreadsFetchEachBlockOnce)

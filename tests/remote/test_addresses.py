@@ -1,0 +1,142 @@
+"""The command on trees behind addresses: over TLS, in a bucket with signed requests, with round trips of 60 ms, and while a tree is replaced."""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from range_server import RangeServer, certificate_for
+
+PROGRAM = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "bin" / "pcmlab"
+SECRET = "wJalrXUtnFEMI/K7MDENG+bPxRfiCYEXAMPLEKEY"
+
+
+class Addresses(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        cls.tree = cls.made("site.pct", "3000000")
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    @classmethod
+    def made(cls, name, points, *options):
+        file = cls.folder / f"{name}.las"
+        for command in (["generate", file, "-n", points, "--no-truth", *options], ["build", file, "-o", cls.folder / name]):
+            subprocess.run([PROGRAM, *command, "-q"], check=True, capture_output=True)
+        return cls.folder / name
+
+    def run_command(self, *arguments, **variables):
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("AWS_")}
+        environment.update({"PCM_NETWORK_CACHE": "0", "HOME": str(self.folder), **{name: str(value) for name, value in variables.items()}})
+        return subprocess.run([PROGRAM, *map(str, arguments)], env=environment, capture_output=True, text=True, check=False)
+
+    def answer(self, *arguments, **variables):
+        run = self.run_command(*arguments, "--json", **variables)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return json.loads(run.stdout)
+
+    def test_a_copy_has_every_point(self):
+        copy = self.folder / "copy.pct"
+        with RangeServer(self.folder) as server:
+            report = self.answer("convert", server.address("site.pct"), "-o", copy)
+            here, there = self.answer("info", self.tree), self.answer("info", server.address("site.pct/index.pct"))
+        self.assertEqual(report["points_out"] if "points_out" in report else report["points"], 3000000)
+        self.assertEqual(self.answer("verify", copy)["faults"], [])
+        self.assertEqual(there["requests"], 2)
+        self.assertNotIn("requests", here)
+        size = sum(file.stat().st_size for file in self.tree.iterdir())
+        self.assertLess(report["bytes_received"], 1.2 * size)
+
+    def test_tls_is_checked(self):
+        certificate = certificate_for(self.folder)
+        with RangeServer(self.folder, certificate=certificate) as server:
+            self.assertEqual(self.answer("info", server.address("site.pct"), SSL_CERT_FILE=f"{certificate}.crt")["points"], 3000000)
+            run = self.run_command("info", server.address("site.pct"))
+            self.assertEqual(run.returncode, 1)
+            self.assertIn("certificate", run.stderr)
+
+    def test_a_bucket_is_read_with_signed_requests_and_no_key_is_shown(self):
+        keys = {"AWS_ACCESS_KEY_ID": "AKIDEXAMPLE", "AWS_SECRET_ACCESS_KEY": SECRET}
+        (self.folder / "scans" / "2026").mkdir(parents=True)
+        shutil.copytree(self.tree, self.folder / "scans" / "2026" / "a site.pct")
+        address = "s3://scans/2026/a site.pct"
+        with RangeServer(self.folder, keys={"AKIDEXAMPLE": SECRET}, region="eu-central-1") as server:
+            place = {"AWS_ENDPOINT_URL": server.address().rstrip("/"), "AWS_REGION": "eu-central-1"}
+            for more in ({}, {"AWS_SESSION_TOKEN": "a+token/="}):
+                self.assertEqual(self.answer("verify", address, **place, **keys, **more)["faults"], [])
+            self.assertEqual(server.refusals, [])
+            for wrong in ({**keys, "AWS_SECRET_ACCESS_KEY": SECRET + "x"}, {}):
+                run = self.run_command("info", address, **{**place, **wrong})
+                self.assertEqual(run.returncode, 1)
+                self.assertIn("403", run.stderr)
+                self.assertNotIn(SECRET, run.stderr + run.stdout)
+            self.assertEqual(set(server.refusals), {"a wrong signature", "no signature"})
+
+    def test_secrets_in_an_address_are_refused_and_not_repeated(self):
+        for address in ("https://me:hidden@127.0.0.1/site.pct", "https://127.0.0.1/site.pct?key=hidden"):
+            run = self.run_command("info", address)
+            self.assertEqual(run.returncode, 1)
+            self.assertNotIn("hidden", run.stderr + run.stdout)
+
+    def test_few_requests_over_a_slow_network(self):
+        with RangeServer(self.folder, delay=0.06) as server:
+            report = self.answer("query", server.address("site.pct"), "--count")
+            self.assertEqual(report["points"], 3000000)
+            # Most of the tree, in requests that grow to 8 MiB.
+            size = sum(file.stat().st_size for file in self.tree.iterdir())
+            self.assertLess(len(server.requests), 8 + size / (4 << 20))
+
+    def test_blocks_that_are_kept_serve_again_and_without_the_server(self):
+        kept = self.folder / "kept"
+        variables = {"PCM_NETWORK_CACHE": "1G", "PCM_NETWORK_CACHE_FOLDER": kept}
+        box = ["--box", *"500000 4800000 0 500020 4800020 200".split(), "--count"]
+        server = RangeServer(self.folder)
+        address = server.address("site.pct")
+        first, again = (self.answer("query", address, *box, **variables) for _ in range(2))
+        server.stop()
+        offline = self.answer("query", address, *box, **variables)
+        self.assertEqual(len({report["points"] for report in (first, again, offline)}), 1)
+        self.assertEqual(again["bytes_received"], 0)
+        run = self.run_command("verify", address, **variables)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("cannot be reached", run.stdout + run.stderr)
+
+    def test_a_tree_that_is_replaced_is_never_mixed_with_the_old_one(self):
+        served = self.folder / "served"
+        served.mkdir()
+        shutil.copytree(self.tree, served / "site.pct")
+        other = self.made("other.pct", "3000000", "--seed", "2")
+        with RangeServer(served) as server:
+            address = server.address("site.pct")
+            # As an upload goes: the data first, the index last.
+            for name in ("chunks-000.bpc", "index.pct"):
+                shutil.copyfile(other / name, served / "site.pct" / name)
+                run = self.run_command("verify", address)
+                if name != "index.pct":
+                    self.assertEqual(run.returncode, 1)
+                    self.assertIn("not those of the index", run.stderr)
+                else:
+                    self.assertEqual(run.returncode, 0, run.stderr)
+
+    def test_nothing_is_written_to_an_address(self):
+        with RangeServer(self.folder) as server:
+            address = server.address("site.pct")
+            for command in (["compact", address], ["repair", address], ["append", self.folder / "site.pct.las", "--to", address],
+                            ["build", self.folder / "site.pct.las", "-o", address], ["convert", self.tree, "-o", server.address("x.las")]):
+                run = self.run_command(*command)
+                self.assertNotEqual(run.returncode, 0, command)
+            run = self.run_command("compact", address)
+            self.assertIn("nothing is written to an address", run.stderr)
+        self.assertFalse(list(pathlib.Path().glob("http*")))
+
+
+if __name__ == "__main__":
+    unittest.main()
