@@ -29,6 +29,7 @@ void run(const FilterRun& run)
     if (!run.scene.add_tree(tree_folder_of(address), nullptr, lines))
         throw Error(ErrorCode::invalid_argument, address, "the tree has no points");
     for (const std::string& line : lines) run.log(line);
+    run.log("MeshLab does not open addresses that a project names: open this one again after opening the project.");
 }
 
 }  // namespace

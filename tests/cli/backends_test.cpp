@@ -33,11 +33,11 @@ TEST_F(BackendsTest, HelpShowsWhatIsInstalledBesideTheCommand)
         EXPECT_EQ(pclose(pipe), 0);
         return text;
     };
-    const fs::path beside = fs::path(pcm::paths::command).parent_path();
+    const fs::path modules = fs::path(pcm::paths::command).parent_path() / "../lib";
     for (const auto& [module, topic, option] : {std::array<const char*, 3>{"libpcm_flann.so", "normals", "--flann"},
                                                 std::array<const char*, 3>{"libpcm_pcl.so", "fit", "--backend"}}) {
         EXPECT_EQ(help_of("'" + std::string(pcm::paths::command) + "'", topic).find(option) != std::string::npos,
-                  fs::exists(beside / module));
+                  fs::exists(modules / module));
         EXPECT_EQ(help_of(alone, topic).find(option), std::string::npos) << topic;
     }
 }

@@ -1,0 +1,67 @@
+"""Trees on a server: opened by their address in a script and in the window, and looked at over round trips of 60 ms."""
+
+import sys
+import unittest
+
+from meshlab import SOURCE, MeshLabTest, pcmlab
+
+sys.path.insert(0, str(SOURCE / "tests" / "remote"))
+from range_server import RangeServer
+
+
+class Addresses(MeshLabTest):
+    def setUp(self):
+        super().setUp()
+        self.environment["PCM_NETWORK_CACHE"] = "0"
+        _, self.tree = self.generate("site", 1500000, "--extent", 30, "--origin", "500000,4800000,100")
+
+    def test_a_script_opens_an_address(self):
+        with RangeServer(self.folder) as server:
+            run = self.server([("Open Point Cloud Tree by Address", {"Address": ("RichString", server.address("site.pct"))}),
+                               ("Point Cloud Tree Information", {"Tree": ("RichString", "")})])
+            self.assertEqual(run.code, 0, run.text)
+            self.assertIn("1,500,000 points", run.text)
+            for address, words in (("", "no address was given"), (server.address("none.pct"), "there is no point cloud tree at this address"),
+                                   (str(self.tree), "this is not an address"), ("https://me:hidden@host/x", "a user or a password")):
+                run = self.server([("Open Point Cloud Tree by Address", {"Address": ("RichString", address)})])
+                self.assertIn(words, run.text)
+                self.assertNotIn("hidden@", run.text.replace(address, ""))
+
+    def test_the_view_of_an_address_is_that_of_the_folder(self):
+        with RangeServer(self.folder, delay=0.06) as server:
+            address = server.address("site.pct")
+            there = self.own_gui(f"""
+                wait-view
+                view-size 800 600
+                trigger Open Point Cloud Tree by Address
+                set Address = {address}
+                press Apply
+                wait-layers 1
+                press Close
+                wait-status complete
+                wait-standing
+                picture {self.result("there.png")}
+                screen {self.result("screen.png")}
+                print-layers
+                quit
+                """)
+            self.assertDriven(there)
+            self.assertLess(len(server.requests), 40)
+            self.assertIn("MeshLab does not open addresses that a project names", there.text)
+        here = self.own_gui(f"""
+            wait-view
+            view-size 800 600
+            open {self.tree}
+            wait-layers 1
+            wait-status complete
+            wait-standing
+            picture {self.result("here.png")}
+            quit
+            """)
+        self.assertDriven(here)
+        self.assertEqual(self.result("there.png").read_bytes(), self.result("here.png").read_bytes())
+        self.assertEqual(pcmlab("verify", self.tree)["faults"], [])
+
+
+if __name__ == "__main__":
+    unittest.main()
