@@ -83,7 +83,8 @@ std::vector<RemoteBlock> RemoteFile::download(const std::vector<std::uint64_t>& 
             const auto end =
                 pieces[piece].begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(at + block_bytes, range.got));
             blocks.push_back(std::make_shared<const std::vector<std::byte>>(begin, end));
-            folder_.write(path(), *version, (range.offset + at) / block_bytes, *blocks.back());
+            if (!blocks.back()->empty())
+                folder_.write(path(), *version, (range.offset + at) / block_bytes, *blocks.back());
         }
     }
     return blocks;
@@ -115,8 +116,12 @@ std::uint64_t RemoteFile::blocks_ahead(std::uint64_t first, std::uint64_t end) c
     const auto known = object_.known();
     const std::lock_guard lock(run_mutex_);
     const bool continues = run_blocks_ > 0 && first <= run_end_ && end > run_end_;
-    run_blocks_ = continues ? std::min(2 * run_blocks_, most_blocks_of_request) : end - first;
-    run_end_ = std::max(end, continues ? run_end_ + run_blocks_ : 0);
+    const bool begins = !known && first == 0;
+    if (begins) run_end_ = 0;
+    run_blocks_ = begins      ? blocks_of_beginning
+                  : continues ? std::min(2 * run_blocks_, most_blocks_of_request)
+                              : end - first;
+    run_end_ = std::max(end, begins || continues ? run_end_ + run_blocks_ : 0);
     if (known) run_end_ = std::min(run_end_, (known->size + block_bytes - 1) / block_bytes);
     return run_end_ > end ? run_end_ - end : 0;
 }

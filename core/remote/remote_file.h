@@ -13,13 +13,14 @@
 namespace pcm {
 
 // Nothing is asked of the server before the first read. Blocks that lie side by side come in one request, all requests
-// of a read at once; reads that continue where the one before ended bring twice as many blocks each time, up to
-// most_blocks_of_request, since each request takes a whole round trip. Where the server cannot be reached at the first
+// of a read at once. Each request takes a whole round trip: a file's beginning comes with blocks_of_beginning, since an
+// index and the coarse levels are there, and reads that continue where the one before ended bring twice as many blocks
+// each time, up to most_blocks_of_request. Where the server cannot be reached at the first
 // read, what an earlier process left on disk is shown, and everything else throws Error(io).
 class RemoteFile final : public ByteSource {
 public:
     static constexpr std::uint64_t block_bytes = std::uint64_t{1} << 20;
-    static constexpr std::uint64_t most_blocks_of_request = 8;
+    static constexpr std::uint64_t blocks_of_beginning = 4, most_blocks_of_request = 8;
 
     explicit RemoteFile(const std::filesystem::path& address, const BlockFolder& folder = BlockFolder::of_user());
     ~RemoteFile() override;

@@ -52,6 +52,16 @@ namespace fs = std::filesystem;
                                        : "make one with 'pcmlab build'");
 }
 
+// Reads all pages of an index of a few megabytes now: what draws walks the tree, and no picture waits for a server
+// then.
+void load_small_index(const NodeTable& nodes)
+{
+    constexpr std::size_t most_nodes = 1 << 17;  // some 17 MB
+    if (nodes.size() > most_nodes) return;
+    for ([[maybe_unused]] const Node& node : nodes) {
+    }
+}
+
 // The error of a folder that is not a tree's, or of what is not a folder.
 void refuse_what_is_no_tree(const fs::path& folder)
 {
@@ -106,7 +116,10 @@ std::shared_ptr<const Tree> Tree::open(const fs::path& path, std::size_t most_op
         }
         try {
             tree->files_ = std::make_shared<DataFilePool>(folder, tree->data_files(), most_open_files);
-            if (is_url(folder)) tree->refuse_other_data();
+            if (is_url(folder)) {
+                tree->refuse_other_data();
+                load_small_index(tree->nodes_);
+            }
         } catch (const Error& failure) {
             if (tries == 10 || index_file->keeps_its_name()) refuse_data_file(failure, folder);
             continue;

@@ -23,8 +23,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Finds bytes that belong to two chunks.
-void check_extents(const NodeTable& nodes, VerifyReport& report)
+// The nodes with a chunk, in the order of the files.
+std::vector<NodeId> nodes_by_place(const NodeTable& nodes)
 {
     std::vector<NodeId> by_place;
     for (NodeId id = 0; id < nodes.size(); ++id)
@@ -33,6 +33,12 @@ void check_extents(const NodeTable& nodes, VerifyReport& report)
         const Extent &a = nodes[p].extent, &b = nodes[q].extent;
         return a.file != b.file ? a.file < b.file : a.offset < b.offset;
     });
+    return by_place;
+}
+
+// Finds bytes that belong to two chunks.
+void check_extents(const NodeTable& nodes, const std::vector<NodeId>& by_place, VerifyReport& report)
+{
     for (std::size_t i = 1; i < by_place.size(); ++i) {
         const Extent &a = nodes[by_place[i - 1]].extent, &b = nodes[by_place[i]].extent;
         if (a.file == b.file && a.offset + a.bytes > b.offset)
@@ -116,8 +122,9 @@ Chunk read_checked(const Tree& tree, NodeId id, const ColumnSet& columns, Box3i&
 // of all points' hashes, the nodes' boxes and the number of points.
 class ChunkVerification {
 public:
-    ChunkVerification(const Tree& tree, VerifyReport& report)
-        : tree_(tree), nodes_(tree.nodes()), report_(report), own_box_(nodes_.size())
+    // Chunks are read in this order.
+    ChunkVerification(const Tree& tree, const std::vector<NodeId>& order, VerifyReport& report)
+        : tree_(tree), nodes_(tree.nodes()), order_(order), report_(report), own_box_(nodes_.size())
     {
     }
 
@@ -126,9 +133,9 @@ public:
     {
         Watch watch(progress);
         const auto show = [&](bool at_once) {
-            const std::size_t done = std::min(next_.load(), nodes_.size());
+            const std::size_t done = std::min(next_.load(), order_.size());
             watch.report("Verifying chunks",
-                         static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, nodes_.size())),
+                         static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, order_.size())),
                          at_once);
         };
         show(true);
@@ -165,10 +172,10 @@ private:
         const RowLayout layout(tree_.info().schema, tree_.info().wide);
         const ColumnSet all = ColumnSet::whole(tree_.info().schema);
         std::vector<std::byte> scratch;
-        for (std::size_t id; !signal_.stopped && (id = next_++) < nodes_.size();) {
-            if (nodes_[static_cast<NodeId>(id)].points == 0) continue;
+        for (std::size_t i; !signal_.stopped && (i = next_++) < order_.size();) {
+            const NodeId id = order_[i];
             try {
-                const Chunk chunk = read_checked(tree_, static_cast<NodeId>(id), all, own_box_[id]);
+                const Chunk chunk = read_checked(tree_, id, all, own_box_[id]);
                 hash_ += hash_chunk(chunk, layout, scratch);
                 points_ += chunk.points;
             } catch (const Error& error) {
@@ -182,6 +189,7 @@ private:
 
     const Tree& tree_;
     const NodeTable& nodes_;
+    const std::vector<NodeId>& order_;
     VerifyReport& report_;
     std::vector<Box3i> own_box_;  // box of each node's own points
     std::atomic<std::size_t> next_{0};
@@ -201,12 +209,13 @@ VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, co
     report.bytes = info.bytes;
     report.outcome.points_in = info.points;
 
-    check_extents(tree->nodes(), report);
+    const std::vector<NodeId> by_place = nodes_by_place(tree->nodes());
+    check_extents(tree->nodes(), by_place, report);
     if (const auto about = is_url(path) ? std::nullopt : check_about(tree->folder(), info))
         (about->left_by_update ? report.notes : report.around).push_back(about->what);
     check_commit(*tree, report);
     list_strays(*tree, report);
-    ChunkVerification chunks(*tree, report);
+    ChunkVerification chunks(*tree, by_place, report);
     report.outcome.points_out = chunks.read(thread_count(threads), progress);
     if (report.faults.empty()) chunks.compare_totals();
 
