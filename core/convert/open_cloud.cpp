@@ -3,6 +3,7 @@
 #include "pcm/io/pipe/limited_reader.h"
 #include "pcm/io/pipe/selected_reader.h"
 #include "pcm/system/error.h"
+#include "pcm/system/tree_folder.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/tree/tree_reader.h"
 
@@ -72,9 +73,8 @@ void CloudSources::add_tree(const fs::path& input)
     if (is_file_of_tree(input) && input.filename() != index_file_name)
         notes_.push_back(input.string() + " is a file of the point cloud tree " + folder.string() +
                          ": the whole tree is read");
-    std::error_code error;
     for (const fs::path& tree : trees_)
-        if (fs::equivalent(tree, folder, error)) {
+        if (same_tree_folder(tree, folder)) {
             notes_.push_back("the tree " + folder.string() + " is named more than once; it is read once");
             return;
         }

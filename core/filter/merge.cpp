@@ -9,6 +9,7 @@
 #include "pcm/io/unique_name.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
+#include "pcm/system/tree_folder.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/tree/tree_reader.h"
 
@@ -48,9 +49,8 @@ std::vector<Source> open_trees(const std::vector<MergeInput>& inputs, unsigned t
     for (const MergeInput& input : inputs) {
         Source source{{}, input.map, Tree::open(input.tree), {}};
         source.folder = source.tree->folder();
-        std::error_code ignored;
         if (std::any_of(sources.begin(), sources.end(), [&](const Source& other) {
-                return same_map(other.map, source.map) && fs::equivalent(other.folder, source.folder, ignored);
+                return same_map(other.map, source.map) && same_tree_folder(other.folder, source.folder);
             })) {
             notes.push_back("the tree " + source.folder.string() + " is named more than once; it is read once");
             continue;

@@ -3,6 +3,7 @@
 #include "pcm/io/reader.h"
 #include "pcm/system/text.h"
 #include "pcm/system/tree_folder.h"
+#include "pcm/system/url.h"
 
 #include <algorithm>
 #include <array>
@@ -134,6 +135,9 @@ std::vector<fs::path> expand_inputs(const std::vector<fs::path>& inputs, std::ve
 {
     std::vector<fs::path> files;
     for (const fs::path& input : inputs) {
+        if (is_url(input))
+            throw Error(ErrorCode::unsupported, input, "files are not read from addresses; point cloud trees are",
+                        "download the file, or build a tree of it where it is and put that on the server");
         std::error_code error;
         const fs::file_status status = fs::status(input, error);
         if (status.type() == fs::file_type::not_found)

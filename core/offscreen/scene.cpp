@@ -2,6 +2,7 @@
 
 #include "pcm/system/error.h"
 #include "pcm/system/tree_folder.h"
+#include "pcm/system/url.h"
 
 #include <set>
 #include <string>
@@ -16,7 +17,8 @@ OffscreenScene::OffscreenScene(const std::vector<std::filesystem::path>& trees, 
     std::set<std::filesystem::path> named;
     for (const std::filesystem::path& tree : trees) {
         std::error_code error;
-        const std::filesystem::path canonical = std::filesystem::canonical(tree_folder_of(tree), error);
+        std::filesystem::path canonical = tree_folder_of(tree);
+        if (!is_url(canonical)) canonical = std::filesystem::canonical(canonical, error);
         if (!error && !named.insert(canonical).second)
             throw Error(ErrorCode::invalid_argument, tree, "this tree is named twice");
         clouds_.push_back(PointCloud::open(tree, l2));

@@ -4,6 +4,7 @@
 #include "pcm/ops/shared/result_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/system/error.h"
+#include "pcm/system/tree_folder.h"
 
 namespace pcm::ops {
 namespace {
@@ -87,8 +88,7 @@ private:
         std::optional<Affine> map;
         bool found = false;
         for (const Layer& layer : context.layers()) {
-            std::error_code ignored;
-            if (!std::filesystem::equivalent(layer.tree, tree, ignored)) continue;
+            if (!same_tree_folder(layer.tree, tree)) continue;
             if (!found || layer.current) map = layer.map;
             found = true;
         }

@@ -85,6 +85,12 @@ fs::path tree_folder_of(const fs::path& path)
     return path;
 }
 
+bool same_tree_folder(const fs::path& a, const fs::path& b)
+{
+    std::error_code error;
+    return is_url(a) || is_url(b) ? a == b : fs::equivalent(a, b, error);
+}
+
 bool is_file_of_tree(const fs::path& path)
 {
     std::error_code error;

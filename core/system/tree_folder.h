@@ -33,6 +33,9 @@ bool is_tree_folder(const std::filesystem::path& folder);
 // chunks-000.bpc, also where `path` is a link to that file. Any other path is returned as it is.
 std::filesystem::path tree_folder_of(const std::filesystem::path& path);
 
+// Whether both are the same existing folder, however they are spelt; for URLs, whether they are the same text.
+bool same_tree_folder(const std::filesystem::path& a, const std::filesystem::path& b);
+
 // Whether `path` is such a file.
 bool is_file_of_tree(const std::filesystem::path& path);
 

@@ -143,6 +143,8 @@ public:
     // The commit record at the end of the newest data file in use; none where it does not end with one. Throws what
     // read_chunk() throws.
     std::optional<CommitRecord> last_commit() const;
+    // Throws Error(corrupt) unless that record is of this tree: the data files are those of the index.
+    void refuse_other_data() const;
     // The same tree with attributes added at the end of its schema; their values are zero. Nothing changes on disk;
     // both trees share their open files.
     std::shared_ptr<const Tree> with_schema(const Schema& longer) const;
@@ -177,7 +179,6 @@ public:
 private:
     Tree() = default;
     static std::shared_ptr<Tree> without_files(const std::filesystem::path& folder, OpenIndex index);
-    void refuse_other_data() const;
     Chunk empty_chunk(const ColumnSet& columns) const;
     Chunk checked(NodeId id, DecodedChunk decoded, const ColumnSet& columns) const;
     Chunk decode(const ChunkRequest& request, const std::byte* bytes) const;

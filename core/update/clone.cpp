@@ -1,8 +1,10 @@
 #include "pcm/update/clone.h"
 
 #include "pcm/build/build_folder.h"
+#include "pcm/remote/open_bytes.h"
 #include "pcm/system/error.h"
 #include "pcm/system/file.h"
+#include "pcm/system/url.h"
 #include "pcm/tree/about.h"
 #include "pcm/tree/tree.h"
 #include "pcm/tree/tree_index.h"
@@ -17,11 +19,11 @@ namespace {
 
 void copy_synced(const fs::path& from, const fs::path& to)
 {
-    const File source(from, File::Mode::read);
+    const std::shared_ptr<const ByteSource> source = open_bytes(from);
     File copy(to, File::Mode::create_new);
     std::vector<std::byte> buffer(std::size_t(4) << 20);
     for (std::uint64_t at = 0;;) {
-        const std::size_t bytes = source.read_some_at(buffer.data(), buffer.size(), at);
+        const std::size_t bytes = source->read_some_at(buffer.data(), buffer.size(), at);
         if (bytes == 0) break;
         copy.write_at(buffer.data(), bytes, at);
         at += bytes;
@@ -30,12 +32,24 @@ void copy_synced(const fs::path& from, const fs::path& to)
     copy.close();
 }
 
+bool has_about(const fs::path& folder)
+{
+    const fs::path about = folder / about_file_name;
+    if (!is_url(folder)) return fs::exists(about);
+    try {
+        return open_bytes(about)->size() > 0;
+    } catch (const Error& error) {
+        if (error.code() == ErrorCode::not_found) return false;
+        throw;
+    }
+}
+
 }  // namespace
 
 void clone_into(const fs::path& tree, const fs::path& output)
 {
     const fs::path folder = Tree::open(tree)->folder();  // throws unless the index is valid
-    const std::vector<std::byte> index = read_index(File(folder / index_file_name, File::Mode::read));
+    const std::vector<std::byte> index = read_index(*open_bytes(folder / index_file_name));
     const std::vector<DataFile> data_files = decode_index(index, folder / index_file_name).data_files;
     for (std::size_t number = 0; number < data_files.size(); ++number) {
         if (data_files[number].bytes == 0) continue;
@@ -46,8 +60,9 @@ void clone_into(const fs::path& tree, const fs::path& output)
         if (!no_links) fs::create_hard_link(real, output / name, no_links);
         if (no_links) copy_synced(folder / name, output / name);
     }
-    if (fs::exists(folder / about_file_name)) copy_synced(folder / about_file_name, output / about_file_name);
+    if (has_about(folder)) copy_synced(folder / about_file_name, output / about_file_name);
     replace_file(output / index_file_name, index.data(), index.size());
+    if (is_url(folder)) Tree::open(output)->refuse_other_data();  // the server may have got another tree meanwhile
 }
 
 void clone_tree(const fs::path& tree, const fs::path& output)

@@ -1,6 +1,7 @@
 #include "plugin/filter/operation_filter.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/tree_folder.h"
 #include "plugin/filter/operation_parameters.h"
 #include "plugin/panels/operation.h"
 #include "plugin/scene/layer_matrix.h"
@@ -28,8 +29,7 @@ std::string set_matrix(Scene& scene, const std::filesystem::path& tree, const Af
 {
     SceneLayer* const layer = scene.current();
     const auto shown = layer ? layer->tree() : std::nullopt;
-    std::error_code ignored;
-    if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), tree, ignored))
+    if (!shown || !same_tree_folder(shown->cloud->tree()->folder(), tree))
         throw Error(ErrorCode::invalid_argument, tree, "the current layer does not show this tree",
                     "choose its layer, or write a new tree");
     scene.part<LayerMatrices>().set(*layer, matrix_of(motion, shown->origin), QString::fromStdString(step));

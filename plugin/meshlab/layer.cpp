@@ -1,5 +1,6 @@
 #include "plugin/meshlab/layer.h"
 
+#include "pcm/system/tree_folder.h"
 #include "plugin/meshlab/meshlab.h"
 #include "plugin/meshlab/scalar.h"
 #include "plugin/meshlab/vertex_attributes.h"
@@ -73,10 +74,9 @@ void vertices_changed(MeshModel& layer)
 std::vector<std::string> reload_layers(MeshDocument& document, const std::filesystem::path& folder)
 {
     std::vector<std::string> lines;
-    std::error_code ignored;
     for (MeshModel* layer : models_of(document)) {
         const auto shown = Registry::instance().find(*layer);
-        if (!shown || !std::filesystem::equivalent(shown->cloud->tree()->folder(), folder, ignored)) continue;
+        if (!shown || !same_tree_folder(shown->cloud->tree()->folder(), folder)) continue;
         const auto cloud = open_cloud(folder);
         if (cloud->info().points == 0) {
             clear_layer(*layer);

@@ -1,6 +1,7 @@
 #include "plugin/scene/layer_matrix.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/tree_folder.h"
 #include "plugin/scene/annotations.h"
 
 #include <cmath>
@@ -164,9 +165,7 @@ void refuse_locked(Scene& scene, const std::filesystem::path& tree)
     for (const SceneLayer* layer : scene.layers()) {
         if (!layer || !scene.part<LayerMatrices>().is_locked(*layer)) continue;
         const auto shown = layer->tree();
-        std::error_code ignored;
-        if (shown && (shown->cloud->tree()->folder() == tree ||
-                      std::filesystem::equivalent(shown->cloud->tree()->folder(), tree, ignored)))
+        if (shown && (shown->cloud->tree()->folder() == tree || same_tree_folder(shown->cloud->tree()->folder(), tree)))
             throw Error(ErrorCode::invalid_argument, tree,
                         "the layer '" + layer->label().toStdString() + "' shows this tree and is locked",
                         "unlock it in the panel Point Clouds, or write a copy");

@@ -1,5 +1,6 @@
 #include "plugin/scene/result_layer.h"
 
+#include "pcm/system/tree_folder.h"
 #include "plugin/scene/layer_visibility.h"
 #include "plugin/scene/scene_state.h"
 
@@ -12,8 +13,7 @@ namespace {
 bool shows(const SceneLayer& layer, const std::filesystem::path& folder)
 {
     const auto tree = layer.tree();
-    std::error_code ignored;
-    return tree && std::filesystem::equivalent(tree->cloud->tree()->folder(), folder, ignored);
+    return tree && same_tree_folder(tree->cloud->tree()->folder(), folder);
 }
 
 void hide(SceneLayer& layer)

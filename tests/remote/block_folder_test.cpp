@@ -73,6 +73,20 @@ TEST(BlockFolderTest, AFileWithAWrongByteCountsAsNone)
     EXPECT_EQ(folder.read(address, version, 3), bytes_of(100, 2));
 }
 
+// Names are checksums, which two blocks may have in common.
+TEST(BlockFolderTest, AnotherBlockUnderTheNameCountsAsNone)
+{
+    const TemporaryFolder temporary;
+    const BlockFolder folder(temporary.path(), 1 << 20);
+    folder.write(address, version, 3, bytes_of(100, 1));
+    const fs::path third = fs::directory_iterator(temporary.path())->path();
+    folder.write(address, version, 4, bytes_of(100, 2));
+    for (const auto& entry : fs::directory_iterator(temporary.path()))
+        if (entry.path() != third) fs::copy_file(third, entry.path(), fs::copy_options::overwrite_existing);
+    EXPECT_TRUE(folder.read(address, version, 3));
+    EXPECT_FALSE(folder.read(address, version, 4));
+}
+
 TEST(BlockFolderTest, ItsBytesAreBoundedAndTheOnesUsedLastStay)
 {
     const TemporaryFolder temporary;

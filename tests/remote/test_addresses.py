@@ -126,6 +126,27 @@ class Addresses(unittest.TestCase):
                 else:
                     self.assertEqual(run.returncode, 0, run.stderr)
 
+    def test_operations_take_an_address_where_they_take_a_tree(self):
+        tree = self.made("small.pct", "100000")
+        with RangeServer(self.folder) as server:
+            address = server.address("small.pct")
+            for name, command in {"normals": ["normals", "TREE", "-o", "OUT.pct"], "radii": ["radii", "TREE", "-o", "OUT.pct"],
+                                  "thin": ["subsample", "TREE", "-o", "OUT.pct", "--spacing", "0.5"], "merged": ["merge", "TREE", "TREE", "-o", "OUT.pct"],
+                                  "moved": ["transform", "TREE", "-o", "OUT.pct", "--translate", "1", "2", "3"]}.items():
+                made = []
+                for place, of in (("here", tree), ("there", address)):
+                    out = self.folder / f"{name}-{place}"
+                    self.answer(*[str(part).replace("TREE", str(of)).replace("OUT", str(out)) for part in command])
+                    made.append(self.answer("verify", f"{out}.pct"))
+                self.assertEqual([report["faults"] for report in made], [[], []], name)
+                chunks = [[file.read_bytes() for file in sorted((self.folder / f"{name}-{place}.pct").glob("chunks-*"))] for place in ("here", "there")]
+                self.assertEqual(*chunks, name)
+            for command, words in ((["render", address, address, "-o", self.folder / "x.png"], "named twice"),
+                                   (["convert", address, address, "-o", self.folder / "x.pct"], "named more than once"),
+                                   (["build", server.address("small.pct.las"), "-o", self.folder / "x2.pct"], "files are not read from addresses")):
+                run = self.run_command(*command, "-q")
+                self.assertIn(words, run.stdout + run.stderr)
+
     def test_nothing_is_written_to_an_address(self):
         with RangeServer(self.folder) as server:
             address = server.address("site.pct")
