@@ -12,8 +12,8 @@ std::uint8_t level_of(int size, const std::vector<int>& sizes)
     return static_cast<std::uint8_t>(std::max(0, sizes[0] - size));
 }
 
-// Calls take(i, size) for each point but the first: the size of the largest cells that part it from the point before, -1
-// for none.
+// Calls take(i, size) for each point but the first: the size of the largest cells that part it from the point before,
+// -1 for none.
 template <class Coord, class Take>
 void part(typename SortedPoints<Coord>::Reader& points, const AxisShift& finer, const Take& take)
 {
@@ -36,7 +36,7 @@ std::array<std::uint32_t, 65> count_first_of_cells(typename SortedPoints<Coord>:
 {
     std::array<std::uint32_t, 65> first{};
     first[static_cast<std::size_t>(top)] = 1;
-    std::array<std::uint32_t, 65> parted{};  // by size + 1
+    std::array<std::uint32_t, 65> parted{};  // number of points, keyed by size + 1
     part<Coord>(points, finer, [&](std::size_t, int size) { ++parted[static_cast<std::size_t>(size + 1)]; });
     for (int size = 0; size < 64; ++size)
         first[static_cast<std::size_t>(std::min(size, top))] += parted[static_cast<std::size_t>(size + 1)];
@@ -49,10 +49,9 @@ std::vector<std::uint8_t> grid_levels(typename SortedPoints<Coord>::Reader& poin
 {
     std::vector<std::uint8_t> levels(points.size());
     if (levels.empty()) return levels;
-    std::array<std::uint8_t, 65> level{};  // by size + 1
+    std::array<std::uint8_t, 65> level{};  // levels, keyed by size + 1
     for (int size = -1; size < 64; ++size) level[static_cast<std::size_t>(size + 1)] = level_of(size, sizes);
-    part<Coord>(points, finer,
-                [&](std::size_t i, int size) { levels[i] = level[static_cast<std::size_t>(size + 1)]; });
+    part<Coord>(points, finer, [&](std::size_t i, int size) { levels[i] = level[static_cast<std::size_t>(size + 1)]; });
     return levels;
 }
 

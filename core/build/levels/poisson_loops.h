@@ -30,12 +30,13 @@ struct ChosenNear {
 
 struct OpenPoint {
     std::size_t index;
-    bool is_sure;  // no chosen point is surely or perhaps nearer than the spacing
+    bool is_sure;  // float shows that every chosen point is at least the spacing away
 };
 
 struct PoissonLoops {
-    // The first of the points [i, end) whose cell is not `taken` (one bit per cell) and that is in another bucket, or is
-    // not surely nearer than the spacing to one of `near`; `end` if none. `mask`: from a cell's number to its bucket.
+    // The first of the points [i, end) whose cell is not `taken` (one bit per cell) and that is in another bucket, or
+    // has none of `near` surely inside the spacing; `end` if there is no such point. `mask`: from a cell's number to
+    // its bucket.
     OpenPoint (*first_open)(const PlacedPoints& points, std::size_t i, std::size_t end, const std::uint64_t* taken,
                             std::size_t bucket, std::size_t mask, const ChosenNear& near);
 };

@@ -1,5 +1,6 @@
 #include "pcm/build/levels/poisson_pass.h"
 
+#include "pcm/build/levels/cells.h"
 #include "pcm/build/levels/poisson_loops.h"
 
 #include <algorithm>
@@ -10,7 +11,7 @@ namespace pcm {
 namespace {
 
 constexpr float nowhere = 1e18f;
-constexpr std::size_t few_points = 6;  // tested one by one
+constexpr std::size_t few_points = 6;        // tested one by one
 constexpr std::size_t few_in_block = 16384;  // a block's points: so few are all placed, a cell has one or two of them
 
 using Four = float __attribute__((vector_size(16)));
@@ -37,56 +38,6 @@ bool any(FourFlags flags)
 }
 
 Four larger(Four a, Four b) { return a < b ? b : a; }
-
-// Like ==, which would call memcmp.
-template <class Coord>
-bool same(const Point<Coord>& p, const Point<Coord>& q)
-{
-    return !((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2]));
-}
-
-// A place in a table of 2^bits.
-template <class Coord>
-std::size_t hash_of(const Point<Coord>& p, int bits)
-{
-    // Odd multipliers from the digits of the golden ratio's and the plastic number's powers.
-    const std::uint64_t hash = static_cast<std::uint64_t>(p[0]) * 0x9E3779B97F4A7C15u +
-                               static_cast<std::uint64_t>(p[1]) * 0xC2B2AE3D27D4EB4Fu +
-                               static_cast<std::uint64_t>(p[2]) * 0x165667B19E3779F9u;
-    return (hash ^ hash >> 29) * 0x9E3779B97F4A7C15u >> (64 - bits);
-}
-
-// c >> shift, also for shifts of 64 and more.
-template <class Coord>
-std::uint64_t down(Coord c, int shift)
-{
-    if constexpr (sizeof(Coord) == 8)
-        if (shift >= 64) return 0;
-    return static_cast<std::uint64_t>(c) >> std::min(shift, 63);
-}
-
-template <class Coord>
-Point<Coord> cell_of(const Point<Coord>& p, const std::array<int, 3>& shifts)
-{
-    return {static_cast<Coord>(down(p[0], shifts[0])), static_cast<Coord>(down(p[1], shifts[1])),
-            static_cast<Coord>(down(p[2], shifts[2]))};
-}
-
-// Like Lattice::shifts, but beyond 63 where cells are larger than all coordinates, so that cells group in cubes of
-// equal numbers.
-std::array<int, 3> all_shifts(const Lattice& lattice, int size)
-{
-    return {size + lattice.finer[0], size + lattice.finer[1], size + lattice.finer[2]};
-}
-
-// Buckets are cubes of cells, at least as wide as the spacing along every axis. Two cells are wide enough on grids that
-// are equally fine along all axes.
-int bucket_bits(const Lattice& lattice)
-{
-    double least = std::ldexp(lattice.scale[0], lattice.finer[0]);
-    for (std::size_t a = 1; a < 3; ++a) least = std::min(least, std::ldexp(lattice.scale[a], lattice.finer[a]));
-    return 2 * least > lattice.spacing(0) ? 1 : 2;
-}
 
 }  // namespace
 
@@ -494,47 +445,7 @@ void PoissonPass<Coord>::mark(std::vector<std::uint8_t>& barred)
     }
 }
 
-template <class Coord>
-PointsNear<Coord>::PointsNear(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size)
-    : bucket_(all_shifts(lattice, size + bucket_bits(lattice)))
-{
-    const auto shifts = lattice.shifts(size + bucket_bits(lattice));
-    for (std::size_t i = 0; i < points.size(); i = points.end_of_cell(i, points.size(), shifts))
-        buckets_.push_back(cell_of(points[i], bucket_));
-    while ((std::size_t(1) << table_bits_) < 2 * buckets_.size()) ++table_bits_;
-    table_.assign(std::size_t(1) << table_bits_, 0);
-    for (std::size_t b = 0; b < buckets_.size(); ++b) {
-        std::size_t i = hash_of(buckets_[b], table_bits_);
-        while (table_[i]) i = (i + 1) & (table_.size() - 1);
-        table_[i] = static_cast<std::uint32_t>(b + 1);
-    }
-}
-
-template <class Coord>
-bool PointsNear<Coord>::has(const Point<Coord>& bucket) const
-{
-    for (std::size_t i = hash_of(bucket, table_bits_); table_[i]; i = (i + 1) & (table_.size() - 1))
-        if (same(buckets_[table_[i] - 1], bucket)) return true;
-    return false;
-}
-
-template <class Coord>
-bool PointsNear<Coord>::operator()(const Point<Coord>& p) const
-{
-    const Point<Coord> own = cell_of(p, bucket_);
-    if (has(own)) return true;
-    for (int n = 0; n < 27; ++n) {
-        const Point<Coord> at{static_cast<Coord>(own[0] + static_cast<Coord>(n % 3 - 1)),
-                              static_cast<Coord>(own[1] + static_cast<Coord>(n / 3 % 3 - 1)),
-                              static_cast<Coord>(own[2] + static_cast<Coord>(n / 9 - 1))};
-        if (has(at)) return true;
-    }
-    return false;
-}
-
 template class PoissonPass<std::uint32_t>;
 template class PoissonPass<std::uint64_t>;
-template class PointsNear<std::uint32_t>;
-template class PointsNear<std::uint64_t>;
 
 }  // namespace pcm
