@@ -35,8 +35,8 @@ struct OpenPoint {
 
 struct PoissonLoops {
     // The first of the points [i, end) whose cell is not `taken` (one bit per cell) and that is in another bucket, or
-    // has none of `near` surely inside the spacing; `end` if there is no such point. `mask`: from a cell's number to
-    // its bucket.
+    // has none of `near` inside the spacing, as far as float shows; `end` if there is no such point. `mask`: from a
+    // cell's number to its bucket.
     OpenPoint (*first_open)(const PlacedPoints& points, std::size_t i, std::size_t end, const std::uint64_t* taken,
                             std::size_t bucket, std::size_t mask, const ChosenNear& near);
 };
