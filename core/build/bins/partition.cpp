@@ -138,9 +138,14 @@ private:
             [&](unsigned t, const Batch& batch, std::vector<std::byte>& rows) {
                 put_gridded_rows(batch, rows, observed[t]);
                 const std::size_t row_bytes = found_.layout.bytes;
-                for (std::size_t i = 0; i < batch.size; ++i) {
-                    const std::byte* row = rows.data() + i * row_bytes;
-                    writers[t]->add(to.top.bin_of(coordinates_of<std::uint32_t>(row)), row);
+                std::array<std::uint32_t, 512> bin_of;
+                for (std::size_t first = 0; first < batch.size; first += bin_of.size()) {
+                    const std::size_t count = std::min(bin_of.size(), batch.size - first);
+                    const std::byte* const some = rows.data() + first * row_bytes;
+                    for (std::size_t i = 0; i < count; ++i)
+                        bin_of[i] = static_cast<std::uint32_t>(
+                            to.top.bin_of(coordinates_of<std::uint32_t>(some + i * row_bytes)));
+                    writers[t]->add(bin_of.data(), some, count);
                 }
             },
             [&](unsigned t) { writers[t]->flush(); });

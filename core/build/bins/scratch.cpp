@@ -225,6 +225,18 @@ void Scratch::Writer::add(std::size_t bin, const std::byte* row)
     if (++filled_[slot] == rows_each_) flush(slot);
 }
 
+void Scratch::Writer::add(const std::uint32_t* bins, const std::byte* rows, std::size_t count)
+{
+    constexpr std::size_t ahead = 16;  // places on their way to the cache
+    for (std::size_t i = 0; i < count; ++i) {
+        if (i + ahead < count) {
+            const std::size_t slot = bins[i + ahead] - first_bin_;
+            __builtin_prefetch(buffer_.data() + (slot * rows_each_ + filled_[slot]) * scratch_.row_bytes_, 1);
+        }
+        add(bins[i], rows + i * scratch_.row_bytes_);
+    }
+}
+
 void Scratch::Writer::flush(std::size_t slot)
 {
     scratch_.append(first_bin_ + slot, buffer_.data() + slot * rows_each_ * scratch_.row_bytes_, filled_[slot], work_);

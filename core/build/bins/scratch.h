@@ -41,6 +41,8 @@ public:
         // Buffers `buffer_bytes` in all, shared by bins [first_bin, first_bin + bins).
         Writer(Scratch& scratch, std::size_t first_bin, std::size_t bins, std::size_t buffer_bytes);
         void add(std::size_t bin, const std::byte* row);
+        // The same for rows that follow one another.
+        void add(const std::uint32_t* bins, const std::byte* rows, std::size_t count);
         void flush();
 
     private:

@@ -12,6 +12,22 @@ std::uint8_t level_of(int size, const std::vector<int>& sizes)
     return static_cast<std::uint8_t>(std::max(0, sizes[0] - size));
 }
 
+// Calls take(i, size) for each point but the first: the size of the largest cells that part it from the point before,
+// -1 for none.
+template <class Coord, class Take>
+void part(typename SortedPoints<Coord>::Reader& points, const AxisShift& finer, const Take& take)
+{
+    const std::size_t count = points.size();
+    Point<Coord> before = points[0];
+    for (std::size_t first = 0; first < count; first += sorted_block) {
+        const Point<Coord>* const block = &points[first];
+        const std::size_t size = std::min(sorted_block, count - first);
+        if (first > 0) take(first, parting_size(before, block[0], finer));
+        for (std::size_t i = 1; i < size; ++i) take(first + i, parting_size(block[i - 1], block[i], finer));
+        before = block[size - 1];
+    }
+}
+
 }  // namespace
 
 template <class Coord>
@@ -19,14 +35,11 @@ std::array<std::uint32_t, 65> count_first_of_cells(typename SortedPoints<Coord>:
                                                    int top)
 {
     std::array<std::uint32_t, 65> first{};
-    Point<Coord> before = points[0];
     first[static_cast<std::size_t>(top)] = 1;
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        const Point<Coord> p = points[i];
-        if (const int size = parting_size(before, p, finer); size >= 0)
-            ++first[static_cast<std::size_t>(std::min(size, top))];
-        before = p;
-    }
+    std::array<std::uint32_t, 65> parted{};  // number of points, keyed by size + 1
+    part<Coord>(points, finer, [&](std::size_t, int size) { ++parted[static_cast<std::size_t>(size + 1)]; });
+    for (int size = 0; size < 64; ++size)
+        first[static_cast<std::size_t>(std::min(size, top))] += parted[static_cast<std::size_t>(size + 1)];
     return first;
 }
 
@@ -36,12 +49,9 @@ std::vector<std::uint8_t> grid_levels(typename SortedPoints<Coord>::Reader& poin
 {
     std::vector<std::uint8_t> levels(points.size());
     if (levels.empty()) return levels;
-    Point<Coord> before = points[0];
-    for (std::size_t i = 1; i < levels.size(); ++i) {
-        const Point<Coord> p = points[i];
-        levels[i] = level_of(parting_size(before, p, finer), sizes);
-        before = p;
-    }
+    std::array<std::uint8_t, 65> level{};  // levels, keyed by size + 1
+    for (int size = -1; size < 64; ++size) level[static_cast<std::size_t>(size + 1)] = level_of(size, sizes);
+    part<Coord>(points, finer, [&](std::size_t i, int size) { levels[i] = level[static_cast<std::size_t>(size + 1)]; });
     return levels;
 }
 

@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/byte_order.h"
 #include "pcm/build/levels/grid_levels.h"
+#include "pcm/build/levels/points_near.h"
 #include "pcm/build/levels/poisson_pass.h"
 #include "pcm/build/levels/stop_rule.h"
 #include "pcm/system/error.h"

@@ -9,24 +9,21 @@
 namespace pcm {
 namespace {
 
-struct CodeIndex {
-    std::uint64_t code;
-    std::uint32_t index;
-};
-
-// Least significant digit first, 11 bits a pass, only the bits that differ.
-void radix_sort(std::vector<CodeIndex>& items)
+// By the bits from `low` on, least significant digit first, 11 bits a pass, only the bits that differ.
+void radix_sort(std::vector<std::uint64_t>& items, int low)
 {
+    constexpr int digit = 11;
+    constexpr std::uint64_t mask = (1u << digit) - 1;
     std::uint64_t any = 0;
-    for (const CodeIndex& item : items) any |= item.code ^ items[0].code;
-    std::vector<CodeIndex> other(items.size());
-    std::array<std::uint32_t, 2049> start;
-    for (int shift = 0; shift < 64 && any >> shift; shift += 11) {
-        if (!(any >> shift & 2047)) continue;
+    for (const std::uint64_t item : items) any |= item ^ items[0];
+    std::vector<std::uint64_t> other(items.size());
+    std::array<std::uint32_t, mask + 2> start;
+    for (int shift = low; shift < 64 && any >> shift; shift += digit) {
+        if (!(any >> shift & mask)) continue;
         start.fill(0);
-        for (const CodeIndex& item : items) ++start[(item.code >> shift & 2047) + 1];
-        for (std::size_t d = 0; d < 2048; ++d) start[d + 1] += start[d];
-        for (const CodeIndex& item : items) other[start[item.code >> shift & 2047]++] = item;
+        for (const std::uint64_t item : items) ++start[(item >> shift & mask) + 1];
+        for (std::size_t d = 0; d <= mask; ++d) start[d + 1] += start[d];
+        for (const std::uint64_t item : items) other[start[item >> shift & mask]++] = item;
         items.swap(other);
     }
 }
@@ -68,9 +65,13 @@ std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count
     std::array<int, 3> rank{};
     for (std::size_t r = 0; r < 3; ++r) rank[axes[r]] = static_cast<int>(r);
 
-    const int dropped = std::max(0, extent - (morton_axis_bits - 1));
-    const int kept = extent - dropped;  // bits of an axis below the border bits
-    std::vector<CodeIndex> items(count);
+    // An item is a code and, in its low bits, the point's index. A code has the four digits that are sorted by, if it
+    // has room: few points are left that it does not part.
+    int index_bits = 1;
+    while ((count - 1) >> index_bits) ++index_bits;
+    const int kept = std::min({extent, 13, (64 - 3 - index_bits) / 3});  // bits of an axis below the border bits
+    const int dropped = extent - kept;
+    std::vector<std::uint64_t> items(count);
     for (std::size_t i = 0; i < count; ++i) {
         const Point<Coord> p = point(i);
         std::uint64_t code = 0;
@@ -79,23 +80,24 @@ std::vector<std::uint32_t> morton_order(const std::byte* rows, std::size_t count
             code |= spread_bits(c & ((std::uint64_t(1) << kept) - 1)) << a;
             code |= (c >> kept & 1) << (3 * kept + rank[a]);
         }
-        items[i] = {code, static_cast<std::uint32_t>(i)};
+        items[i] = code << index_bits | i;
     }
-    radix_sort(items);
+    radix_sort(items, index_bits);
+    const std::uint64_t index = (std::uint64_t(1) << index_bits) - 1;
     for (std::size_t from = 0; from < count;) {
         std::size_t to = from + 1;
-        while (to < count && items[to].code == items[from].code) ++to;
+        while (to < count && items[to] >> index_bits == items[from] >> index_bits) ++to;
         if (to - from > 1)
             std::sort(items.begin() + static_cast<std::ptrdiff_t>(from),
-                      items.begin() + static_cast<std::ptrdiff_t>(to), [&](const CodeIndex& p, const CodeIndex& q) {
-                          const Point<Coord> a = point(p.index), b = point(q.index);
+                      items.begin() + static_cast<std::ptrdiff_t>(to), [&](std::uint64_t p, std::uint64_t q) {
+                          const Point<Coord> a = point(p & index), b = point(q & index);
                           if (a != b) return morton_before(a, b, finer);
-                          return std::memcmp(rows + p.index * layout.bytes, rows + q.index * layout.bytes,
+                          return std::memcmp(rows + (p & index) * layout.bytes, rows + (q & index) * layout.bytes,
                                              layout.bytes) < 0;
                       });
         from = to;
     }
-    for (std::size_t i = 0; i < count; ++i) order[i] = items[i].index;
+    for (std::size_t i = 0; i < count; ++i) order[i] = static_cast<std::uint32_t>(items[i] & index);
     return order;
 }
 

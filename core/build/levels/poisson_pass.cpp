@@ -1,5 +1,8 @@
 #include "pcm/build/levels/poisson_pass.h"
 
+#include "pcm/build/levels/cells.h"
+#include "pcm/build/levels/poisson_loops.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -7,13 +10,9 @@
 namespace pcm {
 namespace {
 
-// Error bound of squared distances in float, in spacings: coordinates are below 36 cells (a block of 32, and a bucket
-// of at most 4 more), each less than 0.9 wide, so their errors are below 2e-6 and those of their differences below
-// 4e-6; there are three differences, at most about 1 where it matters.
-constexpr float error = 5e-5f;
-constexpr float surely_inside = 1 - error, surely_outside = 1 + error;
 constexpr float nowhere = 1e18f;
-constexpr std::size_t few_points = 6;  // tested one by one
+constexpr std::size_t few_points = 6;        // tested one by one
+constexpr std::size_t few_in_block = 16384;  // a block's points: so few are all placed, a cell has one or two of them
 
 using Four = float __attribute__((vector_size(16)));
 using FourFlags = std::int32_t __attribute__((vector_size(16)));
@@ -40,70 +39,20 @@ bool any(FourFlags flags)
 
 Four larger(Four a, Four b) { return a < b ? b : a; }
 
-// Like ==, which would call memcmp.
-template <class Coord>
-bool same(const Point<Coord>& p, const Point<Coord>& q)
-{
-    return !((p[0] ^ q[0]) | (p[1] ^ q[1]) | (p[2] ^ q[2]));
-}
-
-// A place in a table of 2^bits.
-template <class Coord>
-std::size_t hash_of(const Point<Coord>& p, int bits)
-{
-    // Odd multipliers from the digits of the golden ratio's and the plastic number's powers.
-    const std::uint64_t hash = static_cast<std::uint64_t>(p[0]) * 0x9E3779B97F4A7C15u +
-                               static_cast<std::uint64_t>(p[1]) * 0xC2B2AE3D27D4EB4Fu +
-                               static_cast<std::uint64_t>(p[2]) * 0x165667B19E3779F9u;
-    return (hash ^ hash >> 29) * 0x9E3779B97F4A7C15u >> (64 - bits);
-}
-
-// c >> shift, also for shifts of 64 and more.
-template <class Coord>
-std::uint64_t down(Coord c, int shift)
-{
-    if constexpr (sizeof(Coord) == 8)
-        if (shift >= 64) return 0;
-    return static_cast<std::uint64_t>(c) >> std::min(shift, 63);
-}
-
-template <class Coord>
-Point<Coord> cell_of(const Point<Coord>& p, const std::array<int, 3>& shifts)
-{
-    return {static_cast<Coord>(down(p[0], shifts[0])), static_cast<Coord>(down(p[1], shifts[1])),
-            static_cast<Coord>(down(p[2], shifts[2]))};
-}
-
-// Like Lattice::shifts, but beyond 63 where cells are larger than all coordinates, so that cells group in cubes of
-// equal numbers.
-std::array<int, 3> all_shifts(const Lattice& lattice, int size)
-{
-    return {size + lattice.finer[0], size + lattice.finer[1], size + lattice.finer[2]};
-}
-
-// Buckets are cubes of cells, at least as wide as the spacing along every axis. Two cells are wide enough on grids that
-// are equally fine along all axes.
-int bucket_bits(const Lattice& lattice)
-{
-    double least = std::ldexp(lattice.scale[0], lattice.finer[0]);
-    for (std::size_t a = 1; a < 3; ++a) least = std::min(least, std::ldexp(lattice.scale[a], lattice.finer[a]));
-    return 2 * least > lattice.spacing(0) ? 1 : 2;
-}
-
 }  // namespace
 
 template <class Coord>
 void PoissonPass<Coord>::NearPoints::make_room(std::size_t more)
 {
-    if (size + more + 3 <= x.size()) return;
+    if (size + more + near_padding <= x.size()) return;
     for (auto* axis : {&x, &y, &z}) axis->resize(2 * (size + more) + 64);
     chosen.resize(x.size());
 }
 
 template <class Coord>
-void PoissonPass<Coord>::NearPoints::fill_four()
+void PoissonPass<Coord>::NearPoints::fill(std::size_t multiple)
 {
-    while (size % 4) add(nowhere, nowhere, nowhere, none);
+    while (size % multiple) add(nowhere, nowhere, nowhere, none);
 }
 
 template <class Coord>
@@ -118,7 +67,8 @@ PoissonPass<Coord>::PoissonPass(typename SortedPoints<Coord>::Reader& points, co
       bucket_(all_shifts(lattice, size + bucket_bits_)),
       block_(all_shifts(lattice, size + block_bits)),
       table_(std::size_t(1) << table_bits_),
-      taken_(std::size_t(1) << (3 * block_bits - 6))
+      taken_(std::size_t(1) << (3 * block_bits - 6)),
+      loops_(poisson_loops())
 {
     const double spacing = lattice.spacing(size);
     squared_spacing_ = spacing * spacing;
@@ -126,6 +76,7 @@ PoissonPass<Coord>::PoissonPass(typename SortedPoints<Coord>::Reader& points, co
         squared_scale_[a] = lattice.scale[a] * lattice.scale[a];
         unit_[a] = lattice.scale[a] / spacing;
     }
+    for (std::size_t n = 0; n < 27; ++n) bucket_steps_[n] = ((n / 9) * side + n / 3 % 3) * side + n % 3;
     const std::size_t along = ((std::size_t(1) << block_bits) - 1) >> bucket_bits_ << bucket_bits_;
     bucket_mask_ = along | along << block_bits | along << (2 * block_bits);
     chosen_.reserve(own.size() + others.size());
@@ -249,20 +200,25 @@ auto PoissonPass<Coord>::gather(std::size_t cell) -> Range
     constexpr std::size_t mask = (std::size_t(1) << block_bits) - 1;
     const std::size_t x = (cell & mask) >> bucket_bits_, y = (cell >> block_bits & mask) >> bucket_bits_,
                       z = cell >> (2 * block_bits) >> bucket_bits_;
-    for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t j = 0; j < 3; ++j) {
-            const std::size_t row = (z + k) * side + y + j;
-            for (std::uint32_t used = rows_[row] >> x & 7; used; used &= used - 1) {
-                const std::size_t bucket = row * side + x + static_cast<std::size_t>(__builtin_ctz(used));
-                for (std::uint32_t n = heads_[bucket]; n != none;) {
-                    const Local& local = local_[n];
-                    near_.add(local.x, local.y, local.z, local.chosen);
-                    n = local.next;
-                }
-            }
+    const std::size_t corner_row = z * side + y, corner = corner_row * side + x;
+    std::uint32_t used = 0;  // one bit per bucket
+    for (std::size_t n = 0; n < 9; ++n) used |= (rows_[corner_row + bucket_steps_[3 * n] / side] >> x & 7) << (3 * n);
+    float *const to_x = near_.x.data(), *const to_y = near_.y.data(), *const to_z = near_.z.data();
+    std::uint32_t* const to_chosen = near_.chosen.data();
+    const Local* const local = local_.data();
+    std::size_t size = 0;
+    for (; used; used &= used - 1) {
+        const std::size_t bucket = corner + bucket_steps_[static_cast<std::size_t>(__builtin_ctz(used))];
+        for (std::uint32_t n = heads_[bucket]; n != none; n = local[n].next) {
+            to_x[size] = local[n].x;
+            to_y[size] = local[n].y;
+            to_z[size] = local[n].z;
+            to_chosen[size++] = local[n].chosen;
         }
+    }
+    near_.size = size;
     const Range near{0, near_.size};
-    near_.fill_four();
+    near_.fill(near_padding);
     return near;
 }
 
@@ -345,7 +301,7 @@ std::size_t PoissonPass<Coord>::first_uncovered(std::size_t i, std::size_t end, 
             if (nearest[k] < surely_outside) near_.add(at[0][k], at[1][k], at[2][k], near_.chosen[n + k]);
     }
     const Range left{kept, near_.size};
-    near_.fill_four();
+    near_.fill(4);
     std::size_t found = end;
     if (left.from == left.to) {
         found = first_free(i, end);
@@ -367,8 +323,9 @@ template <class Coord>
 std::vector<std::uint32_t> PoissonPass<Coord>::run(const std::vector<std::uint8_t>& barred)
 {
     barred_ = barred.empty() ? nullptr : barred.data();
-    std::vector<std::uint32_t> found;
-    const auto cell_shifts = lattice_.shifts(size_), block_shifts = lattice_.shifts(size_ + block_bits);
+    found_.clear();
+    const auto block_shifts = lattice_.shifts(size_ + block_bits);
+    const bool can_place = *std::max_element(block_.begin(), block_.end()) < static_cast<int>(8 * sizeof(Coord));
     const std::size_t count = points_.size();
     std::size_t own = 0, end = 0;
     for (std::size_t i = 0; i < count; i = end) {
@@ -377,30 +334,91 @@ std::vector<std::uint32_t> PoissonPass<Coord>::run(const std::vector<std::uint8_
         while (own < own_.size() && own_[own] < end) ++own;
         if (own - own_before == end - i) continue;  // nothing to choose
         enter_block(points_[i]);
-        std::size_t bucket = none;
-        Range near{0, 0};
-        for (std::size_t next; i < end; i = next) {
-            const Point<Coord> p = points_[i];
-            next = points_.end_of_cell(i, end, cell_shifts);
-            const std::size_t cell = cell_at(p);
-            if (taken_[cell / 64] >> cell % 64 & 1) continue;
+        if (can_place && !barred_ && end - i <= few_in_block)
+            choose_by_points(i, end);
+        else
+            choose_by_cells(i, end);
+    }
+    return std::move(found_);
+}
+
+// Chooses a point of the current block, and adds it to those near the current bucket.
+template <class Coord>
+void PoissonPass<Coord>::choose(std::size_t i, std::size_t cell, Range& near)
+{
+    found_.push_back(static_cast<std::uint32_t>(i));
+    taken_[cell / 64] |= std::uint64_t(1) << cell % 64;
+    add_local(add(points_[i]));
+    near_.size = near.to;
+    near_.make_room(1);
+    near_.add(local_.back().x, local_.back().y, local_.back().z, local_.back().chosen);
+    near.to = near_.size;
+    near_.fill(near_padding);
+}
+
+template <class Coord>
+void PoissonPass<Coord>::choose_by_cells(std::size_t i, std::size_t end)
+{
+    const auto cell_shifts = lattice_.shifts(size_);
+    std::size_t bucket = none;
+    Range near{0, 0};
+    for (std::size_t next; i < end; i = next) {
+        const Point<Coord> p = points_[i];
+        next = points_.end_of_cell(i, end, cell_shifts);
+        const std::size_t cell = cell_at(p);
+        if (taken_[cell / 64] >> cell % 64 & 1) continue;
+        if (bucket != (cell & bucket_mask_)) {
+            bucket = cell & bucket_mask_;
+            near = gather(cell);
+        }
+        const std::size_t first = first_uncovered(i, next, size_, near);
+        if (first != next) choose(first, cell, near);
+    }
+}
+
+// The same where cells hold a few points: a point is chosen when its cell has none yet and nothing covers it.
+template <class Coord>
+void PoissonPass<Coord>::choose_by_points(std::size_t i, std::size_t end)
+{
+    std::size_t bucket = none;
+    Range near{0, 0};
+    while (i < end) {
+        const std::size_t first = i;
+        i = std::min(end, (first / sorted_block + 1) * sorted_block);
+        place(first, i - first);
+        for (std::size_t n = 0, count = i - first; n < count;) {
+            const OpenPoint open = loops_.first_open(placed_, n, count, taken_.data(), bucket, bucket_mask_,
+                                                     {near_.x.data(), near_.y.data(), near_.z.data(), near.to});
+            n = open.index;
+            if (n == count) break;
+            const std::size_t cell = placed_.cell[n];
             if (bucket != (cell & bucket_mask_)) {
                 bucket = cell & bucket_mask_;
                 near = gather(cell);
+                continue;
             }
-            const std::size_t first = first_uncovered(i, next, size_, near);
-            if (first == next) continue;
-            found.push_back(static_cast<std::uint32_t>(first));
-            taken_[cell / 64] |= std::uint64_t(1) << cell % 64;
-            add_local(add(points_[first]));
-            near_.size = near.to;
-            near_.make_room(1);
-            near_.add(local_.back().x, local_.back().y, local_.back().z, local_.back().chosen);
-            near.to = near_.size;
-            near_.fill_four();
+            if (open.is_sure || !covered(points_[first + n], near)) choose(first + n, cell, near);
+            ++n;
         }
     }
-    return found;
+}
+
+template <class Coord>
+void PoissonPass<Coord>::place(std::size_t first, std::size_t count)
+{
+    const Point<Coord>* const points = &points_[first];  // one block of the sorted points
+    const auto steps = [&](std::size_t i, std::size_t a) {
+        return static_cast<double>(static_cast<std::make_signed_t<Coord>>(points[i][a] - origin_[a])) * unit_[a];
+    };
+    constexpr Coord mask = (Coord(1) << block_bits) - 1;
+    for (std::size_t i = 0; i < count; ++i) {
+        placed_.x[i] = static_cast<float>(steps(i, 0));
+        placed_.y[i] = static_cast<float>(steps(i, 1));
+        placed_.z[i] = static_cast<float>(steps(i, 2));
+        placed_.cell[i] = static_cast<std::uint16_t>((points[i][0] >> cell_[0] & mask) |
+                                                     (points[i][1] >> cell_[1] & mask) << block_bits |
+                                                     (points[i][2] >> cell_[2] & mask) << (2 * block_bits));
+    }
 }
 
 template <class Coord>
@@ -427,47 +445,7 @@ void PoissonPass<Coord>::mark(std::vector<std::uint8_t>& barred)
     }
 }
 
-template <class Coord>
-PointsNear<Coord>::PointsNear(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size)
-    : bucket_(all_shifts(lattice, size + bucket_bits(lattice)))
-{
-    const auto shifts = lattice.shifts(size + bucket_bits(lattice));
-    for (std::size_t i = 0; i < points.size(); i = points.end_of_cell(i, points.size(), shifts))
-        buckets_.push_back(cell_of(points[i], bucket_));
-    while ((std::size_t(1) << table_bits_) < 2 * buckets_.size()) ++table_bits_;
-    table_.assign(std::size_t(1) << table_bits_, 0);
-    for (std::size_t b = 0; b < buckets_.size(); ++b) {
-        std::size_t i = hash_of(buckets_[b], table_bits_);
-        while (table_[i]) i = (i + 1) & (table_.size() - 1);
-        table_[i] = static_cast<std::uint32_t>(b + 1);
-    }
-}
-
-template <class Coord>
-bool PointsNear<Coord>::has(const Point<Coord>& bucket) const
-{
-    for (std::size_t i = hash_of(bucket, table_bits_); table_[i]; i = (i + 1) & (table_.size() - 1))
-        if (same(buckets_[table_[i] - 1], bucket)) return true;
-    return false;
-}
-
-template <class Coord>
-bool PointsNear<Coord>::operator()(const Point<Coord>& p) const
-{
-    const Point<Coord> own = cell_of(p, bucket_);
-    if (has(own)) return true;
-    for (int n = 0; n < 27; ++n) {
-        const Point<Coord> at{static_cast<Coord>(own[0] + static_cast<Coord>(n % 3 - 1)),
-                              static_cast<Coord>(own[1] + static_cast<Coord>(n / 3 % 3 - 1)),
-                              static_cast<Coord>(own[2] + static_cast<Coord>(n / 9 - 1))};
-        if (has(at)) return true;
-    }
-    return false;
-}
-
 template class PoissonPass<std::uint32_t>;
 template class PoissonPass<std::uint64_t>;
-template class PointsNear<std::uint32_t>;
-template class PointsNear<std::uint64_t>;
 
 }  // namespace pcm

@@ -15,6 +15,7 @@
 // first-level cache.
 #pragma once
 
+#include "pcm/build/levels/poisson_loops.h"
 #include "pcm/build/levels/sorted_points.h"
 
 #include <cstdint>
@@ -61,7 +62,7 @@ private:
         std::vector<float> x, y, z;
         std::vector<std::uint32_t> chosen;
         std::size_t size = 0;
-        void make_room(std::size_t more);  // for add() and fill_four()
+        void make_room(std::size_t more);  // for add() and fill()
         void add(float px, float py, float pz, std::uint32_t n)
         {
             x[size] = px;
@@ -69,7 +70,7 @@ private:
             z[size] = pz;
             chosen[size++] = n;
         }
-        void fill_four();
+        void fill(std::size_t multiple);  // pads with points far away
     };
     struct Range {  // part of a NearPoints
         std::size_t from, to;
@@ -84,6 +85,10 @@ private:
     std::size_t cell_at(const Point<Coord>& p) const;
     Range gather(std::size_t cell);
     bool covered(const Point<Coord>& p, Range near);
+    void choose_by_cells(std::size_t i, std::size_t end);
+    void choose_by_points(std::size_t i, std::size_t end);
+    void choose(std::size_t i, std::size_t cell, Range& near);
+    void place(std::size_t first, std::size_t count);
     std::size_t first_free(std::size_t i, std::size_t end) const;
     // The first point of [i, end), all of one cell of `size`, that none of `near` covers and none bars; `end` if none.
     std::size_t first_uncovered(std::size_t i, std::size_t end, int size, Range near);
@@ -111,27 +116,13 @@ private:
     std::size_t bucket_mask_;                      // from a cell's index to its bucket
     NearPoints near_;
     std::size_t hint_ = 0;  // the four that covered the last point
-};
-
-// Whether the bin has points in the bucket of a point or in an adjacent one. All that are nearer than the spacing are
-// there.
-template <class Coord>
-class PointsNear {
-public:
-    PointsNear(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size);
-    bool operator()(const Point<Coord>& p) const;
-
-private:
-    bool has(const Point<Coord>& bucket) const;
-    std::array<int, 3> bucket_;
-    std::vector<Point<Coord>> buckets_;
-    int table_bits_ = 1;
-    std::vector<std::uint32_t> table_;  // hash table: one more than the number of a bucket; 0 if free
+    std::array<std::size_t, 27> bucket_steps_;
+    const PoissonLoops& loops_;
+    PlacedPoints placed_;
+    std::vector<std::uint32_t> found_;
 };
 
 extern template class PoissonPass<std::uint32_t>;
 extern template class PoissonPass<std::uint64_t>;
-extern template class PointsNear<std::uint32_t>;
-extern template class PointsNear<std::uint64_t>;
 
 }  // namespace pcm

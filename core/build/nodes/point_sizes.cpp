@@ -8,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <utility>
 
 namespace pcm {
 namespace {
@@ -68,6 +70,28 @@ std::vector<float> distances(std::size_t points, const Place& place)
     return distance;
 }
 
+// The smallest and the largest of values that are not negative, whose bits are in their order: integers that vectors
+// compare.
+std::pair<float, float> range_of(const std::vector<float>& values)
+{
+    const auto bits_of = [](float v) {
+        std::int32_t bits;
+        std::memcpy(&bits, &v, sizeof bits);
+        return bits;
+    };
+    const auto float_of = [](std::int32_t bits) {
+        float v;
+        std::memcpy(&v, &bits, sizeof v);
+        return v;
+    };
+    std::int32_t low = bits_of(values[0]), high = low;
+    for (const float v : values) {
+        low = std::min(low, bits_of(v));
+        high = std::max(high, bits_of(v));
+    }
+    return {float_of(low), float_of(high)};
+}
+
 }  // namespace
 
 template <class Coord>
@@ -103,8 +127,8 @@ std::vector<std::uint8_t> find_sizes(const std::byte* rows, std::size_t points, 
     const std::vector<float> distance = steps < (1u << 24) ? distances_as(float()) : distances_as(double());
     const double least = least_point_size(grid) / unit;
     std::vector<std::uint8_t> codes(places.size());
-    const auto [nearest, farthest] = std::minmax_element(distance.begin(), distance.end());
-    const SizeCodes code_of(*nearest, *farthest, least);
+    const auto [nearest, farthest] = range_of(distance);
+    const SizeCodes code_of(nearest, farthest, least);
     for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = code_of(distance[i]);
     std::vector<std::uint8_t> sizes(points);
     for (std::size_t i = 0; i < points; ++i) sizes[i] = codes[of[i]];
