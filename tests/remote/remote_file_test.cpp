@@ -71,6 +71,29 @@ TEST_F(RemoteFileTest, NothingIsAskedBeforeTheFirstReadAndEachBlockOnce)
     EXPECT_EQ(sum, 12 * block);
 }
 
+TEST_F(RemoteFileTest, RequestsGrowWhereReadsFollowEachOtherUpToABound)
+{
+    const std::string large = random_bytes(40 * block, 5);
+    server_.set_handler([&](const HttpRequest& request) { return answer_for(request, large); });
+    const auto blocks_of = [](const HttpRequest& request) {
+        return (request.range()->second - request.range()->first + 1) / block;
+    };
+    const RemoteFile in_steps(server_.address("x"), none_);
+    for (std::uint64_t at = 0; at < large.size(); at += block / 2) read(in_steps, at, block / 2);
+    std::vector<std::uint64_t> asked;
+    for (const HttpRequest& request : server_.requests()) asked.push_back(blocks_of(request));
+    EXPECT_EQ(asked, (std::vector<std::uint64_t>{4, 8, 8, 8, 8, 4}));
+    const RemoteFile at_once(server_.address("x"), none_);
+    read(at_once, 20 * block, 20 * block);
+    for (std::size_t i = asked.size(); i < server_.requests().size(); ++i)
+        EXPECT_LE(blocks_of(server_.requests()[i]), RemoteFile::most_blocks_of_request);
+    // Reads here and there bring what they ask for.
+    const std::size_t before = server_.requests().size();
+    const RemoteFile scattered(server_.address("x"), none_);
+    for (const std::uint64_t number : {30u, 10u, 20u, 35u, 15u}) read(scattered, number * block, 10);
+    for (std::size_t i = before; i < server_.requests().size(); ++i) EXPECT_EQ(blocks_of(server_.requests()[i]), 1u);
+}
+
 TEST_F(RemoteFileTest, WhatWasReadServesTheNextProcess)
 {
     read(RemoteFile(server_.address("x"), folder_), 0, 5 * block);

@@ -47,6 +47,7 @@ TEST(UrlTest, WhatIsSecretIsRefusedAndNotRepeated)
         EXPECT_FALSE(refusal.empty()) << address;
         EXPECT_EQ(refusal.find("secret"), std::string::npos) << refusal;
     }
+    EXPECT_NE(refusal_of("https://me:secret@host/a.pct").find("password"), std::string::npos);
 }
 
 TEST(UrlTest, OtherAddressesAreRefused)
