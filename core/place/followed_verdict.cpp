@@ -62,15 +62,14 @@ void FollowedVerdict::judge(const FollowedPoints& followed, FittedPrimitive& res
         points.erase(std::remove_if(points.begin(), points.end(), is_other), points.end());
         return points;
     };
+    std::vector<Vec3d> around;
+    if (was_good)
+        around = own(coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94)));
     const std::vector<Vec3d> fitted =
         own(random_points(result.points, most_departing, options_.threads, part_of(progress_, 0.94, 0.94)));
     const bool is_automatic = options_.fit.threshold == 0;
-    if (was_good) {
-        const std::vector<Vec3d> around =
-            own(coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94)));
-        if (is_automatic) judge_noise(followed, around, fitted, result);
-        if (fit.verdict == FitVerdict::good) return judge_kind(followed, around, fitted, result);
-    }
+    if (was_good && is_automatic) judge_noise(followed, around, fitted, result);
+    if (was_good && fit.verdict == FitVerdict::good) return judge_kind(followed, around, fitted, result);
     if (is_automatic && fit.issue == FitIssue::other_surface) name_departure(followed, fitted, result);
 }
 
