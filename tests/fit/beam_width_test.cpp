@@ -145,6 +145,21 @@ TEST(BeamWidth, ErrorsAlongTheRaysAreNoWidthAndItsErrorIsHonest)
     EXPECT_LT(std::sqrt(squares), 1.4);
 }
 
+// Its error is that of what the equations leave, which a shift of the station is not part of.
+TEST(BeamWidth, ShiftsOfStationsAreNoError)
+{
+    pcm::Shape pipe = curved(ShapeKind::cylinder);
+    pipe.radius = 0.25;
+    double errors[2];
+    for (const int shifted : {0, 1}) {
+        Dice dice(7);
+        StationRays rays = seen(pipe, towards, 0, 0, 0.0001, 3000, dice);
+        for (PointOnShape& p : rays.points) p.place = p.place + shifted * 0.0008 * towards;
+        errors[shifted] = width_of(pipe, {{1, rays}}).error;
+    }
+    EXPECT_NEAR(errors[1], errors[0], 0.05 * errors[0]);
+}
+
 TEST(BeamWidth, WithoutEvidenceItIsThatOfScanners)
 {
     pcm::Shape tank = curved(ShapeKind::cylinder);
