@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -101,6 +102,7 @@ public:
         std::sort(border_.begin(), border_.end());  // they came in the order of the search
         if (propagation_) {
             propagation_->add_unit(unit, neighbours_, normal_, two_surfaces_, border_);
+            border_ = {};
             for (std::uint32_t n = 0; n < unit.points; ++n)
                 if (two_surfaces_[n] && confidence_[n] == static_cast<std::uint8_t>(NormalConfidence::good))
                     confidence_[n] = static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
@@ -217,7 +219,7 @@ private:
     std::vector<std::array<float, 3>> normal_;
     std::vector<std::uint8_t> confidence_, two_surfaces_;
     JoinedNeighbours neighbours_;
-    std::vector<BorderNeighbour> border_;
+    std::deque<BorderNeighbour> border_;
     Counts counts_;
 };
 

@@ -59,7 +59,7 @@ public:
     }
 
     // Joins along the edges in the order of their classes. Those of the first class, most of all, at once.
-    SidedSets& join()
+    SidedSets join()
     {
         std::array<std::size_t, least_parallel.size() + 1> begin{};  // of each class from the second on
         for (std::uint32_t i = 0; i < positions_.size(); ++i)
@@ -77,7 +77,7 @@ public:
             if (edges_[e] != not_joined && class_of(edges_[e]) != 0)
                 others[begin[class_of(edges_[e])]++] = static_cast<std::uint32_t>(e);
         for (const std::uint32_t e : others) sets_.join(e / JoinedNeighbours::most, neighbours_[e], side_of(edges_[e]));
-        return sets_;
+        return std::move(sets_);
     }
 
 private:
@@ -224,8 +224,7 @@ UnitPieces join_pieces(const SearchPositions& positions, const JoinedNeighbours&
     const auto is_defined = [&](std::size_t i) { return normals[i] != std::array<float, 3>{}; };
     if (std::find(two_surfaces.begin(), two_surfaces.end(), 1) != two_surfaces.end())
         two_surfaces = smoothed(neighbours, two_surfaces);
-    Joiner joiner(positions, neighbours, normals, two_surfaces);
-    SidedSets& sets = joiner.join();
+    SidedSets sets = Joiner(positions, neighbours, normals, two_surfaces).join();
     UnitPieces pieces;
     pieces.piece.assign(points, no_piece);
     std::vector<std::uint32_t> number(points, no_piece);  // number of a set's piece

@@ -1,5 +1,6 @@
 #include "pcm/filter/orientation_propagation.h"
 
+#include "pcm/filter/scratch_file.h"
 #include "pcm/filter/search_positions.h"
 #include "pcm/threads/for_each_index.h"
 #include "pcm/threads/thread_count.h"
@@ -16,7 +17,7 @@ namespace {
 // Maximum border points of a piece whose neighbours vote. With 8000 as many neighbours disagree (indoors 0.206 %, in a
 // forest 1.16 %).
 constexpr std::size_t most_border_points = 500;
-constexpr std::size_t neighbours_of_a_run = 8192;  // border neighbours that one thread takes at a time
+constexpr std::uint64_t neighbours_of_a_run = 8192;  // border neighbours that one thread takes at a time
 
 Vec3i middle_of(const Box3i& box)
 {
@@ -27,7 +28,7 @@ Vec3i middle_of(const Box3i& box)
 
 // Border neighbours of a unit that vote: of each piece those of all its border points, or of the maximum number, spread
 // over them. `border` is ascending.
-std::vector<BorderNeighbour> spread_over_pieces(const std::vector<BorderNeighbour>& border, const UnitPieces& pieces)
+std::vector<BorderNeighbour> spread_over_pieces(const std::deque<BorderNeighbour>& border, const UnitPieces& pieces)
 {
     std::vector<std::size_t> count(pieces.sums.size(), 0), seen(pieces.sums.size(), 0);
     const auto for_each_point = [&](const auto& f) {
@@ -95,7 +96,10 @@ private:
 };
 
 OrientationPropagation::OrientationPropagation(const Tree& tree)
-    : grid_(tree.info().grid), origin_(middle_of(tree.info().box)), piece_of_(tree, tree.folder())
+    : grid_(tree.info().grid),
+      origin_(middle_of(tree.info().box)),
+      piece_of_(tree, tree.folder()),
+      border_(scratch_file(tree.folder()))
 {
 }
 
@@ -113,7 +117,7 @@ UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, const Joi
 void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
                                       std::vector<std::array<float, 3>>& normals,
                                       std::vector<std::uint8_t>& two_surfaces,
-                                      const std::vector<BorderNeighbour>& border)
+                                      const std::deque<BorderNeighbour>& border)
 {
     if (unit.points == 0) return;
     const UnitPieces pieces = join(unit, neighbours, normals, two_surfaces);
@@ -129,12 +133,15 @@ void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, const Joine
     for (const BorderNeighbour& found : spread_over_pieces(border, pieces))
         pairs.push_back({unit.place_of(found.point), found.other, found.across});
     std::size_t first;
+    std::uint64_t first_pair;
     {
         const std::lock_guard lock(mutex_);
         first = pieces_.size();
         pieces_.insert(pieces_.end(), added.begin(), added.end());
-        border_.insert(border_.end(), pairs.begin(), pairs.end());
+        first_pair = pairs_;
+        pairs_ += pairs.size();
     }
+    border_.write_at(pairs.data(), pairs.size() * sizeof(BorderPair), first_pair * sizeof(BorderPair));
     std::vector<double> numbers;
     for (const NeighbourhoodUnit::Part& part : unit.parts) {
         numbers.clear();
@@ -148,19 +155,21 @@ void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, const Joine
 }
 
 std::vector<OrientationPropagation::Vote> OrientationPropagation::votes_of(L2Cache& cache, std::size_t place,
-                                                                           std::size_t begin, std::size_t end) const
+                                                                           std::uint64_t begin, std::uint64_t end) const
 {
+    std::vector<BorderPair> pairs(static_cast<std::size_t>(end - begin));
+    border_.read_at(pairs.data(), pairs.size() * sizeof(BorderPair), begin * sizeof(BorderPair));
     std::vector<PointPlace> places;
-    for (std::size_t i = begin; i < end; ++i) {
-        places.push_back(border_[i].own);
-        places.push_back(border_[i].other);
+    for (const BorderPair& pair : pairs) {
+        places.push_back(pair.own);
+        places.push_back(pair.other);
     }
     const VotingPoints points(cache, piece_of_, place, std::move(places));
     std::vector<Vote> votes;
-    for (std::size_t i = begin; i < end; ++i) {
-        const VotingPoints::Point &own = points[border_[i].own], &other = points[border_[i].other];
+    for (const BorderPair& pair : pairs) {
+        const VotingPoints::Point &own = points[pair.own], &other = points[pair.other];
         if (own.piece == no_piece || other.piece == no_piece) continue;
-        if (border_[i].across && (own.on_two_surfaces || other.on_two_surfaces)) continue;
+        if (pair.across && (own.on_two_surfaces || other.on_two_surfaces)) continue;
         votes.push_back({std::min(own.piece, other.piece), std::max(own.piece, other.piece),
                          static_cast<std::int64_t>(std::lround(1000 * dot(own.normal, other.normal)))});
     }
@@ -174,12 +183,12 @@ std::vector<OrientationPropagation::Vote> OrientationPropagation::collect_votes(
 {
     std::mutex mutex;
     std::vector<Vote> votes;
-    const std::size_t runs = (border_.size() + neighbours_of_a_run - 1) / neighbours_of_a_run;
+    const auto runs = static_cast<std::size_t>((pairs_ + neighbours_of_a_run - 1) / neighbours_of_a_run);
     for_each_index(
         runs, threads,
         [&](std::size_t run) {
-            const std::vector<Vote> some = votes_of(cache, place, run * neighbours_of_a_run,
-                                                    std::min(border_.size(), (run + 1) * neighbours_of_a_run));
+            const std::uint64_t first = run * neighbours_of_a_run;
+            const std::vector<Vote> some = votes_of(cache, place, first, std::min(pairs_, first + neighbours_of_a_run));
             const std::lock_guard lock(mutex);
             votes.insert(votes.end(), some.begin(), some.end());
         },
@@ -236,7 +245,6 @@ std::uint64_t OrientationPropagation::finish(L2Cache& cache, std::size_t place, 
                                              double begin, double end)
 {
     threads = thread_count(threads);
-    std::sort(border_.begin(), border_.end());
     const double middle = 0.5 * (begin + end);
     const std::vector<bool> flips = decide(collect_votes(cache, place, threads, watch, begin, middle));
     if (std::find(flips.begin(), flips.end(), true) == flips.end()) return 0;

@@ -15,9 +15,9 @@
 // are marked. Surfaces that no neighbours join are
 // decided one by one. The result does not depend on the threads.
 //
-// Memory, in addition to that of the pass: some 60 bytes per point of a unit while it is joined, 20 bytes per border
-// neighbour (of at most 500 points of a piece), and some 100 bytes per piece. A scratch file of 8 bytes a point lies in
-// the tree's folder; it has no name.
+// Memory, in addition to that of the pass: some 60 bytes per point of a unit while it is joined, and some 100 bytes per
+// piece. Scratch files of 8 bytes a point, and of 20 bytes for each border neighbour of at most 500 points of a piece,
+// lie in the tree's folder; they have no names.
 #pragma once
 
 #include "pcm/cache/l2_cache.h"
@@ -28,6 +28,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <mutex>
 #include <vector>
 
@@ -46,7 +47,7 @@ public:
     // How many of a point's nearest neighbours, with those in its own unit, may be border neighbours.
     static constexpr std::size_t voting_neighbours = 8;
 
-    // Throws what making the scratch file throws.
+    // Throws what making the scratch files throws.
     explicit OrientationPropagation(const Tree& tree);
 
     // A unit whose normals are computed; makes them consistent. `neighbours`: those of each point in the unit.
@@ -54,7 +55,7 @@ public:
     // may call.
     void add_unit(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
                   std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces,
-                  const std::vector<BorderNeighbour>& border);
+                  const std::deque<BorderNeighbour>& border);
 
     // After the last unit, when the cache holds the normals of add_unit() at `place`: turns those around that the
     // pieces' neighbours disagree with. Returns how many. Reports progress from `begin` to `end`. Throws
@@ -69,7 +70,6 @@ private:
     struct BorderPair {
         PointPlace own, other;
         bool across;  // BorderNeighbour::across
-        bool operator<(const BorderPair& o) const { return own < o.own || (own == o.own && other < o.other); }
     };
     using Vote = SideVote;
     class VotingPoints;
@@ -79,7 +79,7 @@ private:
     // One vote for each pair of pieces.
     static void add_up(std::vector<Vote>& votes);
     // Those of some border pairs; of all.
-    std::vector<Vote> votes_of(L2Cache& cache, std::size_t place, std::size_t begin, std::size_t end) const;
+    std::vector<Vote> votes_of(L2Cache& cache, std::size_t place, std::uint64_t begin, std::uint64_t end) const;
     std::vector<Vote> collect_votes(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch, double begin,
                                     double end) const;
     // Whether each piece is to be turned around.
@@ -87,10 +87,11 @@ private:
 
     const Grid grid_;
     const Vec3i origin_;  // origin of the sums
-    std::mutex mutex_;    // guards the pieces and the border
+    std::mutex mutex_;    // guards the pieces and the number of pairs
     std::vector<Piece> pieces_;
-    std::vector<BorderPair> border_;
-    ValueFile piece_of_;  // 1 + the number of each point's piece; 0: none; negative on two surfaces
+    std::uint64_t pairs_ = 0;  // number of border pairs in the file
+    ValueFile piece_of_;       // 1 + the number of each point's piece; 0: none; negative on two surfaces
+    File border_;              // the border pairs, those of a unit together
 };
 
 }  // namespace pcm
