@@ -61,7 +61,7 @@ public:
     // Joins along the edges in the order of their classes. Those of the first class, most of all, at once.
     SidedSets join()
     {
-        std::array<std::size_t, least_parallel.size() + 1> begin{};  // of each class from the second on
+        std::array<std::size_t, least_parallel.size() + 1> begin{};  // first place of each class from the second on
         for (std::uint32_t i = 0; i < positions_.size(); ++i)
             for (std::size_t e = first_edge(i); e < first_edge(i + 1); ++e) {
                 const Edge edge = edges_[e] = edge_to(i, neighbours_[e]);
@@ -105,7 +105,7 @@ private:
         if (may_be_gap ? is_across_gap(i, j) : j < i && neighbours_.surely_lists(j, i)) return not_joined;
         const float cosine = dot_of(normals_[i], normals_[j]), parallel = std::fabs(cosine);
         if (cosine == 0 && !(is_defined(i) && is_defined(j))) return not_joined;
-        unsigned number = 0;  // of the class
+        unsigned number = 0;  // number of the class
         for (const float least : least_parallel) number += parallel < least;
         return static_cast<Edge>(2 * number + (cosine < 0));
     }

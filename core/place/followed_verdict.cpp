@@ -73,7 +73,7 @@ void FollowedVerdict::judge(const FollowedPoints& followed, FittedPrimitive& res
     if (is_automatic && fit.issue == FitIssue::other_surface) name_departure(followed, fitted, result);
 }
 
-// Points that keep to one smooth surface with the noise of those at the place are no several surfaces: a wall of large
+// Points that keep to one smooth surface, with the noise of those at the place, are one surface: a wall of large
 // radius leaves a plane to both sides, too.
 void FollowedVerdict::name_departure(const FollowedPoints& followed, const std::vector<Vec3d>& fitted,
                                      FittedPrimitive& result)

@@ -89,7 +89,7 @@ TEST(BeamWidth, ShiftsOfStationsAreNoWidth)
     EXPECT_NEAR(std::sqrt(width_of(pipe, stations).variance), width, 0.05 * width);
 }
 
-// Rays that graze the surface light up what is beside the shape.
+// Rays that graze the surface light up what is next to the shape.
 TEST(BeamWidth, PointsThatRaysGrazeAreLeftOut)
 {
     Dice dice(5);

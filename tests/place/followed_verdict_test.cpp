@@ -42,7 +42,7 @@ protected:
     }
 
     // A piece of 8 m of a wall of 1000 m radius, or the two faces of a plate, each with half of the points. `before`:
-    // what was said of the points at the place.
+    // the issue of the fit at the place.
     FittedPrimitive judged(Wall wall, FitIssue before)
     {
         constexpr double noise = 0.0015;
@@ -114,7 +114,7 @@ TEST_F(FollowedVerdictTest, AWallOfLargeRadiusIsBulgedByItsRms)
         EXPECT_EQ(wall.primitive.fit.verdict, FitVerdict::doubtful);
         EXPECT_EQ(wall.primitive.fit.issue, FitIssue::uneven) << wall.primitive.fit.message;
         ASSERT_TRUE(wall.departure);
-        EXPECT_NEAR(wall.departure->size, 0.0024, 0.0002);  // of x^2 / 2000 about its mean: 16 / 2000 sqrt(4 / 45)
+        EXPECT_NEAR(wall.departure->size, 0.0024, 0.0002);  // rms of x^2 / 2000 about its mean
         EXPECT_NEAR(wall.departure->rest, 0.0015, 0.0002);
         EXPECT_NE(wall.primitive.fit.message.find("together by 0.002"), std::string::npos)
             << wall.primitive.fit.message;
