@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <memory>
 #include <mutex>
@@ -69,7 +70,7 @@ public:
         if (propagation_) {
             two_surfaces_.assign(unit.points, 0);
             neighbours_.resize(unit.points);
-            find_box(unit);
+            border_.clear();
         }
     }
 
@@ -89,7 +90,7 @@ public:
             if (wanted_.needs_shape()) confidence_[number] = static_cast<std::uint8_t>(values.confidence);
             if (places_.mean_distance) mean_distance_[number] = static_cast<float>(values.mean_distance);
             if (!propagation_) continue;
-            if (looks_outside(unit, some, i)) border_.push_back(number);
+            add_border_neighbours(unit, some, i, values.normal);
             neighbours_.set(number, some.neighbours(i), some.squared(i), some.count(i));
             two_surfaces_[number] = values.confidence == NormalConfidence::good &&
                                     are_two_surfaces(found, values.normal, least_gap(values.normal));
@@ -101,6 +102,7 @@ public:
         std::sort(border_.begin(), border_.end());  // they came in the order of the search
         if (propagation_) {
             propagation_->add_unit(unit, neighbours_, normal_, two_surfaces_, border_);
+            border_ = {};
             for (std::uint32_t n = 0; n < unit.points; ++n)
                 if (two_surfaces_[n] && confidence_[n] == static_cast<std::uint8_t>(NormalConfidence::good))
                     confidence_[n] = static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
@@ -150,28 +152,16 @@ private:
         if (number < part_->first || number - part_->first >= part_->indices.size()) part_ = &unit.part_of(number);
     }
 
-    void find_box(const NeighbourhoodUnit& unit)
+    void add_border_neighbours(const NeighbourhoodUnit& unit, const Neighbourhoods& some, std::size_t i,
+                               const Vec3d& normal)
     {
-        border_.clear();
-        box_ = Box3i();
-        for (const NeighbourhoodUnit::Part& part : unit.parts)
-            for (const std::uint32_t i : part.indices) box_.extend(part.chunk->positions->grid(i));
-    }
-
-    // Whether a point has neighbours outside of the box of the unit's points.
-    bool looks_outside(const NeighbourhoodUnit& unit, const Neighbourhoods& some, std::size_t i)
-    {
-        find_part(unit, some.number(i));
-        const Vec3i q = part_->chunk->positions->grid(part_->indices[some.number(i) - part_->first]);
-        const std::array<const double*, 3> offsets{some.dx(i), some.dy(i), some.dz(i)};
-        for (std::size_t a = 0; a < 3; ++a) {
-            const double step = grid_.scale[a];
-            const double low = (static_cast<double>(box_.min[a] - q[a]) - 0.5) * step;
-            const double high = (static_cast<double>(box_.max[a] - q[a]) + 0.5) * step;
-            for (std::size_t j = 0; j < some.count(i); ++j)
-                if (offsets[a][j] < low || offsets[a][j] > high) return true;
+        const std::uint32_t* const numbers = some.neighbours(i);
+        const std::size_t count = std::min(some.count(i), OrientationPropagation::voting_neighbours);
+        for (std::size_t j = 0; j < count; ++j) {
+            if (numbers[j] < unit.points) continue;
+            const bool across = is_across({some.dx(i)[j], some.dy(i)[j], some.dz(i)[j]}, normal);
+            border_.push_back({some.number(i), across, unit.place_of(numbers[j])});
         }
-        return false;
     }
 
     Vec3d known_normal(const NeighbourhoodUnit& unit, std::uint32_t number)
@@ -224,13 +214,12 @@ private:
     NeighbourAttributeReport& report_;
     ColumnSet written_;
     const NeighbourhoodUnit::Part* part_ = nullptr;  // part of the last point that was looked at
-    Box3i box_;                                      // box of the unit's points
     // By number in the unit.
     std::vector<float> radius_, curvature_, mean_distance_;
     std::vector<std::array<float, 3>> normal_;
     std::vector<std::uint8_t> confidence_, two_surfaces_;
     JoinedNeighbours neighbours_;
-    std::vector<std::uint32_t> border_;  // numbers
+    std::deque<BorderNeighbour> border_;
     Counts counts_;
 };
 

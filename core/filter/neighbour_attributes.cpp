@@ -100,8 +100,8 @@ void run_pass(L2Cache& cache, const NeighbourAttributeOptions& options, const At
     }
     OrientationPropagation propagation(cache.tree());
     run_attribute_pass(cache, options, places, &propagation, end_of_joining_pass, report);
-    report.flipped += propagation.finish(cache, *places.normal, options.memory_bytes, options.threads, watch,
-                                         end_of_joining_pass, end_of_pass);
+    report.flipped +=
+        propagation.finish(cache, *places.normal, options.threads, watch, end_of_joining_pass, end_of_pass);
 }
 
 }  // namespace

@@ -12,7 +12,6 @@ namespace {
 
 // Classes of |ni . nj|, descending from parallel normals.
 constexpr std::array<float, 8> least_parallel{0.999F, 0.99F, 0.97F, 0.9F, 0.8F, 0.6F, 0.3F, 0.0F};
-constexpr std::uint8_t no_class = 255;
 
 float dot_of(const std::array<float, 3>& a, const std::array<float, 3>& b)
 {
@@ -35,7 +34,7 @@ std::vector<std::uint8_t> smoothed(const JoinedNeighbours& neighbours, const std
     for (std::size_t i = 0; i < flags.size(); ++i) {
         std::size_t all = 1, set = flags[i];
         for (std::size_t e = i * JoinedNeighbours::most; e < (i + 1) * JoinedNeighbours::most; ++e) {
-            if (neighbours[e] == no_number) continue;
+            if (neighbours[e] == JoinedNeighbours::none) continue;
             ++all;
             set += flags[neighbours[e]];
         }
@@ -44,34 +43,89 @@ std::vector<std::uint8_t> smoothed(const JoinedNeighbours& neighbours, const std
     return result;
 }
 
-// The class of each neighbour of each point.
-std::vector<std::uint8_t> classes_of(const SearchPositions& positions, const JoinedNeighbours& neighbours,
-                                     const std::vector<std::array<float, 3>>& normals,
-                                     const std::vector<std::uint8_t>& two_surfaces)
-{
-    std::vector<std::uint8_t> classes(neighbours.size(), no_class);
-    for (std::size_t e = 0; e < neighbours.size(); ++e) {
-        const std::array<float, 3> none{};
-        const std::size_t i = e / JoinedNeighbours::most;
-        if (neighbours[e] == no_number || normals[i] == none || normals[neighbours[e]] == none) continue;
-        const std::uint32_t j = neighbours[e];
-        if ((two_surfaces[i] || two_surfaces[j]) && is_across(position_of(positions, j) - position_of(positions, i),
-                                                              {normals[i][0], normals[i][1], normals[i][2]}))
-            continue;
-        const float parallel = std::fabs(dot_of(normals[i], normals[neighbours[e]]));
-        classes[e] = static_cast<std::uint8_t>(
-            std::find_if(least_parallel.begin(), least_parallel.end(), [&](float least) { return parallel >= least; }) -
-            least_parallel.begin());
+// The points of a unit that are joined, as a graph.
+class Joiner {
+public:
+    Joiner(const SearchPositions& positions, const JoinedNeighbours& neighbours,
+           const std::vector<std::array<float, 3>>& normals, const std::vector<std::uint8_t>& two_surfaces)
+        : positions_(positions),
+          neighbours_(neighbours),
+          normals_(normals),
+          two_surfaces_(two_surfaces),
+          has_two_surfaces_(std::find(two_surfaces.begin(), two_surfaces.end(), 1) != two_surfaces.end()),
+          edges_(neighbours.size()),
+          sets_(positions.size())
+    {
     }
-    return classes;
-}
+
+    // Joins along the edges in the order of their classes. Those of the first class, most of all, at once.
+    SidedSets join()
+    {
+        std::array<std::size_t, least_parallel.size() + 1> begin{};  // first place of each class from the second on
+        for (std::uint32_t i = 0; i < positions_.size(); ++i)
+            for (std::size_t e = first_edge(i); e < first_edge(i + 1); ++e) {
+                const Edge edge = edges_[e] = edge_to(i, neighbours_[e]);
+                if (edge == not_joined) continue;
+                if (class_of(edge) == 0)
+                    sets_.join(i, neighbours_[e], side_of(edge));
+                else
+                    ++begin[class_of(edge) + 1];
+            }
+        for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
+        std::vector<std::uint32_t> others(begin.back());
+        for (std::size_t e = 0; e < edges_.size(); ++e)
+            if (edges_[e] != not_joined && class_of(edges_[e]) != 0)
+                others[begin[class_of(edges_[e])]++] = static_cast<std::uint32_t>(e);
+        for (const std::uint32_t e : others) sets_.join(e / JoinedNeighbours::most, neighbours_[e], side_of(edges_[e]));
+        return std::move(sets_);
+    }
+
+private:
+    // What joins a point with one of its neighbours: twice the class of their normals, and 1 where these point to
+    // opposite sides.
+    using Edge = std::uint8_t;
+    static constexpr Edge not_joined = 255;
+    static std::size_t class_of(Edge edge) { return edge >> 1; }
+    static int side_of(Edge edge) { return edge & 1 ? -1 : 1; }
+    static std::size_t first_edge(std::uint32_t i) { return std::size_t(i) * JoinedNeighbours::most; }
+
+    bool is_defined(std::uint32_t i) const { return normals_[i] != std::array<float, 3>{}; }
+
+    bool is_across_gap(std::uint32_t i, std::uint32_t j) const
+    {
+        return is_across(position_of(positions_, j) - position_of(positions_, i),
+                         {normals_[i][0], normals_[i][1], normals_[i][2]});
+    }
+
+    Edge edge_to(std::uint32_t i, std::uint32_t j) const
+    {
+        if (j == JoinedNeighbours::none) return not_joined;
+        // Only across a gap may the edge from j to i be another one.
+        const bool may_be_gap = has_two_surfaces_ && (two_surfaces_[i] || two_surfaces_[j]);
+        if (may_be_gap ? is_across_gap(i, j) : j < i && neighbours_.surely_lists(j, i)) return not_joined;
+        const float cosine = dot_of(normals_[i], normals_[j]), parallel = std::fabs(cosine);
+        if (cosine == 0 && !(is_defined(i) && is_defined(j))) return not_joined;
+        unsigned number = 0;  // number of the class
+        for (const float least : least_parallel) number += parallel < least;
+        return static_cast<Edge>(2 * number + (cosine < 0));
+    }
+
+    const SearchPositions& positions_;
+    const JoinedNeighbours& neighbours_;
+    const std::vector<std::array<float, 3>>& normals_;
+    const std::vector<std::uint8_t>& two_surfaces_;
+    const bool has_two_surfaces_;
+    std::vector<Edge> edges_;  // in the order of the neighbours
+    SidedSets sets_;
+};
 
 }  // namespace
 
 void JoinedNeighbours::resize(std::size_t points)
 {
-    numbers_.assign(points * most, no_number);
-    first_.assign(points, no_number);
+    numbers_.assign(points * most, none);
+    first_.assign(points, none);
+    shares_places_ = false;
 }
 
 void JoinedNeighbours::set(std::uint32_t point, const std::uint32_t* numbers, const double* squared, std::size_t count)
@@ -80,30 +134,33 @@ void JoinedNeighbours::set(std::uint32_t point, const std::uint32_t* numbers, co
     std::size_t kept = 0;
     first_[point] = point;
     for (std::size_t j = 0; j < count && (kept < most || squared[j] == 0); ++j) {
-        if (numbers[j] == no_number) continue;
-        if (squared[j] == 0) first_[point] = std::min(first_[point], numbers[j]);
+        if (numbers[j] >= first_.size()) continue;
+        if (squared[j] == 0) {
+            shares_places_ = true;
+            first_[point] = std::min(first_[point], numbers[j]);
+        }
         if (kept < most) mine[kept++] = numbers[j];
     }
 }
 
-SidedSets::SidedSets(std::size_t count) : parent_(count), size_(count, 1), side_(count, 1)
+SidedSets::SidedSets(std::size_t count) : numbers_(count)
 {
-    for (std::size_t i = 0; i < count; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+    for (std::size_t i = 0; i < count; ++i) numbers_[i] = {static_cast<std::uint32_t>(i), 1, 1};
 }
 
 SidedSets::Found SidedSets::find(std::uint32_t number)
 {
     std::uint32_t root = number;
     int side = 1;
-    for (; parent_[root] != root; root = parent_[root]) side *= side_[root];
+    for (; numbers_[root].parent != root; root = numbers_[root].parent) side *= numbers_[root].side;
     // The way there becomes short.
-    for (int left = side; parent_[number] != root && number != root;) {
-        const std::uint32_t next = parent_[number];
-        const int step = side_[number];
-        parent_[number] = root;
-        side_[number] = static_cast<std::int8_t>(left);
+    for (int left = side; numbers_[number].parent != root && number != root;) {
+        Number& passed = numbers_[number];
+        number = passed.parent;
+        const int step = passed.side;
+        passed.parent = root;
+        passed.side = static_cast<std::int8_t>(left);
         left *= step;
-        number = next;
     }
     return {root, side};
 }
@@ -112,10 +169,10 @@ bool SidedSets::join(std::uint32_t a, std::uint32_t b, int side)
 {
     Found x = find(a), y = find(b);
     if (x.set == y.set) return false;
-    if (size_[x.set] < size_[y.set]) std::swap(x, y);
-    parent_[y.set] = x.set;
-    size_[x.set] += size_[y.set];
-    side_[y.set] = static_cast<std::int8_t>(x.side * y.side * side);
+    if (numbers_[x.set].size < numbers_[y.set].size) std::swap(x, y);
+    numbers_[y.set].parent = x.set;
+    numbers_[x.set].size += numbers_[y.set].size;
+    numbers_[y.set].side = static_cast<std::int8_t>(x.side * y.side * side);
     return true;
 }
 
@@ -165,19 +222,9 @@ UnitPieces join_pieces(const SearchPositions& positions, const JoinedNeighbours&
 {
     const std::size_t points = positions.size();
     const auto is_defined = [&](std::size_t i) { return normals[i] != std::array<float, 3>{}; };
-    SidedSets sets(points);
-    {
-        if (std::find(two_surfaces.begin(), two_surfaces.end(), 1) != two_surfaces.end())
-            two_surfaces = smoothed(neighbours, two_surfaces);
-        const std::vector<std::uint8_t> classes = classes_of(positions, neighbours, normals, two_surfaces);
-        for (std::uint8_t c = 0; c < least_parallel.size(); ++c)
-            for (std::size_t e = 0; e < classes.size(); ++e) {
-                if (classes[e] != c) continue;
-                const std::size_t i = e / JoinedNeighbours::most;
-                const bool turned = dot_of(normals[i], normals[neighbours[e]]) < 0;
-                sets.join(static_cast<std::uint32_t>(i), neighbours[e], turned ? -1 : 1);
-            }
-    }
+    if (std::find(two_surfaces.begin(), two_surfaces.end(), 1) != two_surfaces.end())
+        two_surfaces = smoothed(neighbours, two_surfaces);
+    SidedSets sets = Joiner(positions, neighbours, normals, two_surfaces).join();
     UnitPieces pieces;
     pieces.piece.assign(points, no_piece);
     std::vector<std::uint32_t> number(points, no_piece);  // number of a set's piece

@@ -27,8 +27,11 @@ public:
     bool join(std::uint32_t a, std::uint32_t b, int side);
 
 private:
-    std::vector<std::uint32_t> parent_, size_;
-    std::vector<std::int8_t> side_;  // relative to the parent
+    struct Number {
+        std::uint32_t parent, size;
+        std::int8_t side;  // relative to the parent
+    };
+    std::vector<Number> numbers_;
 };
 
 // Whether two sets agree: positive where neighbours in them point to one side, negative where they point to opposite
@@ -66,18 +69,31 @@ struct UnitPieces {
 class JoinedNeighbours {
 public:
     static constexpr std::size_t most = 6;
+    static constexpr std::uint32_t none = 0xffffffffu;
 
     void resize(std::size_t points);
-    // Sets those of a point, out of its nearest neighbours, nearest first: their numbers, no_number where they are not
-    // of the unit, and squared distances.
+    // Sets those of a point, out of its nearest neighbours, nearest first: their numbers, which are those of other
+    // units from the number of points on, and squared distances.
     void set(std::uint32_t point, const std::uint32_t* numbers, const double* squared, std::size_t count);
     std::size_t size() const { return numbers_.size(); }
-    // The neighbour number e % most of the point e / most; no_number where there are fewer.
-    std::uint32_t operator[](std::size_t e) const { return numbers_[e] == no_number ? no_number : first_[numbers_[e]]; }
+    // The neighbour number e % most of the point e / most; none where there are fewer.
+    std::uint32_t operator[](std::size_t e) const
+    {
+        return shares_places_ && numbers_[e] != none ? first_[numbers_[e]] : numbers_[e];
+    }
+    // Whether a point has a neighbour; false also where points lie at one place.
+    bool surely_lists(std::uint32_t point, std::uint32_t neighbour) const
+    {
+        if (shares_places_) return false;
+        unsigned found = 0;
+        for (std::size_t j = 0; j < most; ++j) found |= numbers_[std::size_t(point) * most + j] == neighbour;
+        return found != 0;
+    }
 
 private:
     std::vector<std::uint32_t> numbers_;
     std::vector<std::uint32_t> first_;  // for each point the lowest number of those at its place
+    bool shares_places_ = false;        // whether any two points lie at one place
 };
 
 // Joins the points of a unit with their nearest neighbours in the unit, pairs with nearly parallel normals first (a

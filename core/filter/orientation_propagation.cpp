@@ -1,8 +1,7 @@
 #include "pcm/filter/orientation_propagation.h"
 
+#include "pcm/filter/scratch_file.h"
 #include "pcm/filter/search_positions.h"
-#include "pcm/filter/two_surfaces.h"
-#include "pcm/knn/point_search.h"
 #include "pcm/threads/for_each_index.h"
 #include "pcm/threads/thread_count.h"
 
@@ -15,13 +14,10 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t voting_neighbours = 8;
-// Maximum border points of a piece that look around. With 8000 as many neighbours disagree (indoors 0.206 %, in a
-// forest 1.16 %), and joining takes twice as long.
+// Maximum border points of a piece whose neighbours vote. With 8000 as many neighbours disagree (indoors 0.206 %, in a
+// forest 1.16 %).
 constexpr std::size_t most_border_points = 500;
-constexpr std::size_t points_of_a_run = 512;  // border points that one thread takes at a time
-// In case that a unit meets others inside of its box, some points of its inside look around, too.
-constexpr std::uint32_t inside_step = 4096;
+constexpr std::uint64_t neighbours_of_a_run = 8192;  // border neighbours that one thread takes at a time
 
 Vec3i middle_of(const Box3i& box)
 {
@@ -30,89 +26,80 @@ Vec3i middle_of(const Box3i& box)
     return middle;
 }
 
-// Border points of a unit that look around: of each piece all, or the maximum number, spread over its border points.
-std::vector<std::uint32_t> spread_over_pieces(const std::vector<std::uint32_t>& border, const UnitPieces& pieces)
+// Border neighbours of a unit that vote: of each piece those of all its border points, or of the maximum number, spread
+// over them. `border` is ascending.
+std::vector<BorderNeighbour> spread_over_pieces(const std::deque<BorderNeighbour>& border, const UnitPieces& pieces)
 {
     std::vector<std::size_t> count(pieces.sums.size(), 0), seen(pieces.sums.size(), 0);
-    for (const std::uint32_t number : border)
-        if (pieces.piece[number] != no_piece) ++count[pieces.piece[number]];
-    std::vector<std::uint32_t> chosen;
-    for (const std::uint32_t number : border) {
-        const std::uint32_t piece = pieces.piece[number];
-        if (piece == no_piece) continue;
+    const auto for_each_point = [&](const auto& f) {
+        for (std::size_t i = 0, end; i < border.size(); i = end) {
+            for (end = i + 1; end < border.size() && border[end].point == border[i].point;) ++end;
+            const std::uint32_t piece = pieces.piece[border[i].point];
+            if (piece != no_piece) f(piece, i, end);
+        }
+    };
+    for_each_point([&](std::uint32_t piece, std::size_t, std::size_t) { ++count[piece]; });
+    std::vector<BorderNeighbour> chosen;
+    for_each_point([&](std::uint32_t piece, std::size_t begin, std::size_t end) {
         const std::size_t step = (count[piece] + most_border_points - 1) / most_border_points;
-        if (seen[piece]++ % step == 0) chosen.push_back(number);
-    }
+        if (seen[piece]++ % step != 0) return;
+        for (; begin < end; ++begin) chosen.push_back(border[begin]);
+    });
     return chosen;
 }
 
 }  // namespace
 
-// Looks around border points, for one thread.
-class OrientationPropagation::Voter {
+// What the votes of some points depend on, read node by node.
+class OrientationPropagation::VotingPoints {
 public:
-    Voter(L2Cache& cache, BlockCache& blocks, const ValueFile& pieces, std::size_t place)
-        : cache_(cache), pieces_(pieces), place_(place), search_(cache, blocks)
-    {
-        columns_.attributes.set(place);
-    }
+    struct Point {
+        std::uint32_t piece = no_piece;
+        bool on_two_surfaces = false;
+        Vec3d normal{};
+    };
 
-    void look_around(const Place& p, std::vector<Vote>& votes)
+    // `normals`: the place of normals in the schema.
+    VotingPoints(L2Cache& cache, const ValueFile& pieces, std::size_t normals, std::vector<PointPlace> places)
+        : places_(std::move(places))
     {
-        const Held& own = held(p.node);
-        const std::uint32_t piece = own.piece(p.index);
-        if (piece == no_piece) return;
-        const bool of_two = own.on_two_surfaces(p.index);
-        const Vec3d normal = own.normal(place_, p.index);
-        const Vec3d place = cache_.tree().info().grid.to_source(own.chunk->positions->grid(p.index));
-        search_.run(place, voting_neighbours + 1, found_);
-        for (const Neighbour& f : found_) {
-            const Held& other = held(f.node);
-            const std::uint32_t neighbour = other.piece(f.index);
-            if (neighbour == piece || neighbour == no_piece) continue;
-            if ((of_two || other.on_two_surfaces(f.index)) && is_across(f.position - place, normal)) continue;
-            const double cosine = dot(normal, other.normal(place_, f.index));
-            votes.push_back({std::min(piece, neighbour), std::max(piece, neighbour),
-                             static_cast<std::int64_t>(std::lround(1000 * cosine))});
+        std::sort(places_.begin(), places_.end());
+        places_.erase(std::unique(places_.begin(), places_.end()), places_.end());
+        ColumnSet columns;
+        columns.positions = false;
+        columns.attributes.set(normals);
+        NodeId node = no_node;
+        L2Cache::Handle chunk;
+        std::vector<double> piece;
+        for (const PointPlace& place : places_) {
+            if (place.node != node) {
+                node = place.node;
+                chunk = cache.get(node, columns);
+                piece = pieces.get(node);
+            }
+            const double value = piece[place.index];
+            const float* const n = chunk->attributes[normals]->as<float>() + std::size_t(3) * place.index;
+            points_.push_back({value == 0 ? no_piece : static_cast<std::uint32_t>(std::fabs(value)) - 1,
+                               value < 0,
+                               {n[0], n[1], n[2]}});
         }
+    }
+    const Point& operator[](const PointPlace& place) const
+    {
+        const auto found = std::lower_bound(places_.begin(), places_.end(), place);
+        return points_[static_cast<std::size_t>(found - places_.begin())];
     }
 
 private:
-    struct Held {
-        NodeId node = no_node;
-        L2Cache::Handle chunk;
-        std::vector<double> pieces;
-
-        std::uint32_t piece(std::uint32_t index) const
-        {
-            return pieces[index] == 0 ? no_piece : static_cast<std::uint32_t>(std::fabs(pieces[index])) - 1;
-        }
-        bool on_two_surfaces(std::uint32_t index) const { return pieces[index] < 0; }
-        Vec3d normal(std::size_t place, std::uint32_t index) const
-        {
-            const float* n = chunk->attributes[place]->as<float>() + std::size_t(3) * index;
-            return {n[0], n[1], n[2]};
-        }
-    };
-
-    const Held& held(NodeId node)
-    {
-        Held& slot = held_[node % held_.size()];
-        if (slot.node != node) slot = {node, cache_.get(node, columns_), pieces_.get(node)};
-        return slot;
-    }
-
-    L2Cache& cache_;
-    const ValueFile& pieces_;
-    const std::size_t place_;
-    PointSearch search_;
-    ColumnSet columns_;
-    std::array<Held, 16> held_;
-    std::vector<Neighbour> found_;
+    std::vector<PointPlace> places_;
+    std::vector<Point> points_;
 };
 
 OrientationPropagation::OrientationPropagation(const Tree& tree)
-    : grid_(tree.info().grid), origin_(middle_of(tree.info().box)), piece_of_(tree, tree.folder())
+    : grid_(tree.info().grid),
+      origin_(middle_of(tree.info().box)),
+      piece_of_(tree, tree.folder()),
+      border_(scratch_file(tree.folder()))
 {
 }
 
@@ -129,28 +116,32 @@ UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, const Joi
 
 void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
                                       std::vector<std::array<float, 3>>& normals,
-                                      std::vector<std::uint8_t>& two_surfaces, const std::vector<std::uint32_t>& border)
+                                      std::vector<std::uint8_t>& two_surfaces,
+                                      const std::deque<BorderNeighbour>& border)
 {
     if (unit.points == 0) return;
     const UnitPieces pieces = join(unit, neighbours, normals, two_surfaces);
-    const auto place_of = [&](std::uint32_t number) { return Place{unit.part_of(number).node, unit.index_of(number)}; };
     std::vector<Piece> added(pieces.sums.size());
     for (std::size_t i = 0; i < added.size(); ++i) added[i] = {pieces.sums[i], {no_node, 0}};
     for (const NeighbourhoodUnit::Part& part : unit.parts)
         for (std::size_t i = 0; i < part.indices.size(); ++i) {
             const std::uint32_t piece = pieces.piece[part.first + i];
-            if (piece != no_piece) added[piece].first = std::min(added[piece].first, Place{part.node, part.indices[i]});
+            if (piece == no_piece) continue;
+            added[piece].first = std::min(added[piece].first, PointPlace{part.node, part.indices[i]});
         }
-    std::vector<Place> looking;
-    for (const std::uint32_t number : spread_over_pieces(border, pieces)) looking.push_back(place_of(number));
-    for (std::uint32_t n = 0; n < unit.points; n += inside_step) looking.push_back(place_of(n));
+    std::vector<BorderPair> pairs;
+    for (const BorderNeighbour& found : spread_over_pieces(border, pieces))
+        pairs.push_back({unit.place_of(found.point), found.other, found.across});
     std::size_t first;
+    std::uint64_t first_pair;
     {
         const std::lock_guard lock(mutex_);
         first = pieces_.size();
         pieces_.insert(pieces_.end(), added.begin(), added.end());
-        border_.insert(border_.end(), looking.begin(), looking.end());
+        first_pair = pairs_;
+        pairs_ += pairs.size();
     }
+    border_.write_at(pairs.data(), pairs.size() * sizeof(BorderPair), first_pair * sizeof(BorderPair));
     std::vector<double> numbers;
     for (const NeighbourhoodUnit::Part& part : unit.parts) {
         numbers.clear();
@@ -163,25 +154,43 @@ void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, const Joine
     }
 }
 
+std::vector<OrientationPropagation::Vote> OrientationPropagation::votes_of(L2Cache& cache, std::size_t place,
+                                                                           std::uint64_t begin, std::uint64_t end) const
+{
+    std::vector<BorderPair> pairs(static_cast<std::size_t>(end - begin));
+    border_.read_at(pairs.data(), pairs.size() * sizeof(BorderPair), begin * sizeof(BorderPair));
+    std::vector<PointPlace> places;
+    for (const BorderPair& pair : pairs) {
+        places.push_back(pair.own);
+        places.push_back(pair.other);
+    }
+    const VotingPoints points(cache, piece_of_, place, std::move(places));
+    std::vector<Vote> votes;
+    for (const BorderPair& pair : pairs) {
+        const VotingPoints::Point &own = points[pair.own], &other = points[pair.other];
+        if (own.piece == no_piece || other.piece == no_piece) continue;
+        if (pair.across && (own.on_two_surfaces || other.on_two_surfaces)) continue;
+        votes.push_back({std::min(own.piece, other.piece), std::max(own.piece, other.piece),
+                         static_cast<std::int64_t>(std::lround(1000 * dot(own.normal, other.normal)))});
+    }
+    add_up(votes);
+    return votes;
+}
+
 std::vector<OrientationPropagation::Vote> OrientationPropagation::collect_votes(L2Cache& cache, std::size_t place,
-                                                                                std::uint64_t memory_bytes,
                                                                                 unsigned threads, Watch& watch,
                                                                                 double begin, double end) const
 {
-    BlockCache blocks(block_share(memory_bytes));
     std::mutex mutex;
     std::vector<Vote> votes;
-    const std::size_t runs = (border_.size() + points_of_a_run - 1) / points_of_a_run;
+    const auto runs = static_cast<std::size_t>((pairs_ + neighbours_of_a_run - 1) / neighbours_of_a_run);
     for_each_index(
         runs, threads,
         [&](std::size_t run) {
-            Voter voter(cache, blocks, piece_of_, place);
-            std::vector<Vote> mine;
-            for (std::size_t i = run * points_of_a_run; i < std::min(border_.size(), (run + 1) * points_of_a_run); ++i)
-                voter.look_around(border_[i], mine);
-            add_up(mine);
+            const std::uint64_t first = run * neighbours_of_a_run;
+            const std::vector<Vote> some = votes_of(cache, place, first, std::min(pairs_, first + neighbours_of_a_run));
             const std::lock_guard lock(mutex);
-            votes.insert(votes.end(), mine.begin(), mine.end());
+            votes.insert(votes.end(), some.begin(), some.end());
         },
         [&](std::size_t done) {
             watch.report("Orienting normals", begin + (end - begin) * static_cast<double>(done) /
@@ -232,13 +241,12 @@ std::vector<bool> OrientationPropagation::decide(std::vector<Vote> votes) const
     return flips;
 }
 
-std::uint64_t OrientationPropagation::finish(L2Cache& cache, std::size_t place, std::uint64_t memory_bytes,
-                                             unsigned threads, Watch& watch, double begin, double end)
+std::uint64_t OrientationPropagation::finish(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch,
+                                             double begin, double end)
 {
     threads = thread_count(threads);
-    std::sort(border_.begin(), border_.end());
     const double middle = 0.5 * (begin + end);
-    const std::vector<bool> flips = decide(collect_votes(cache, place, memory_bytes, threads, watch, begin, middle));
+    const std::vector<bool> flips = decide(collect_votes(cache, place, threads, watch, begin, middle));
     if (std::find(flips.begin(), flips.end(), true) == flips.end()) return 0;
     ColumnSet columns;
     columns.positions = false;

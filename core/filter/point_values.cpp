@@ -1,6 +1,7 @@
 #include "pcm/filter/point_values.h"
 
 #include "pcm/cloud/symmetric_eigen.h"
+#include "pcm/filter/lane_sum.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,26 +9,16 @@
 namespace pcm {
 namespace {
 
-// Sums are kept in four lanes, which compilers turn into vectors.
-constexpr std::size_t lanes = 4;
-
-double sum_of(const double (&lane)[lanes]) { return (lane[0] + lane[1]) + (lane[2] + lane[3]); }
-
-double sum_of(const double* values, std::size_t count)
-{
-    double lane[lanes] = {};
-    std::size_t j = 0;
-    for (; j + lanes <= count; j += lanes)
-        for (std::size_t l = 0; l < lanes; ++l) lane[l] += values[j + l];
-    for (; j < count; ++j) lane[0] += values[j];
-    return sum_of(lane);
-}
+constexpr std::size_t lanes = sum_lanes;
 
 // Sums of products about the centroid, the point itself included.
 SymmetricMatrix scatter_of(const OnePointsNeighbours& n)
 {
     const double points = static_cast<double>(n.count + 1);
-    const Vec3d m{sum_of(n.dx, n.count) / points, sum_of(n.dy, n.count) / points, sum_of(n.dz, n.count) / points};
+    const auto mean_of = [&](const double* values) {
+        return lane_sum(n.count, [values](std::size_t j) { return values[j]; }) / points;
+    };
+    const Vec3d m{mean_of(n.dx), mean_of(n.dy), mean_of(n.dz)};
     double xx[lanes] = {m[0] * m[0]}, xy[lanes] = {m[0] * m[1]}, xz[lanes] = {m[0] * m[2]};
     double yy[lanes] = {m[1] * m[1]}, yz[lanes] = {m[1] * m[2]}, zz[lanes] = {m[2] * m[2]};
     const auto add = [&](std::size_t j, std::size_t l) {
@@ -39,7 +30,7 @@ SymmetricMatrix scatter_of(const OnePointsNeighbours& n)
     for (; j + lanes <= n.count; j += lanes)
         for (std::size_t l = 0; l < lanes; ++l) add(j + l, l);
     for (; j < n.count; ++j) add(j, 0);
-    return {sum_of(xx), sum_of(xy), sum_of(xz), sum_of(yy), sum_of(yz), sum_of(zz)};
+    return {sum_of_lanes(xx), sum_of_lanes(xy), sum_of_lanes(xz), sum_of_lanes(yy), sum_of_lanes(yz), sum_of_lanes(zz)};
 }
 
 void find_shape(const OnePointsNeighbours& neighbours, PointValues& values)

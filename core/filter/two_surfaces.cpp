@@ -1,5 +1,7 @@
 #include "pcm/filter/two_surfaces.h"
 
+#include "pcm/filter/lane_sum.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -17,10 +19,10 @@ constexpr double clear_at_first = 3.6, clear_gap = 6;
 // How much of where the upper points are a function of place explains: more than this is a step or a curved surface.
 constexpr double most_explained = 0.8;
 
-// Least-squares fit of one function by N others.
-template <std::size_t N>
+// Least-squares fit of one function by six others.
 class Regression {
 public:
+    static constexpr std::size_t N = 6;
     void add(const std::array<double, N>& x, double y)
     {
         for (std::size_t i = 0; i < N; ++i) {
@@ -58,114 +60,140 @@ private:
     std::array<double, N> right_{};
 };
 
-// The points relative to their centroid: along the normal, and across it in units of their spread.
+// The points relative to their centroid: along the normal, and by two coordinates across it.
 struct Heights {
     std::array<double, most_surface_points> up, across, along;
-    std::array<bool, most_surface_points> above;
+    std::array<double, most_surface_points> above;  // 1: of the upper sheet; else 0
     std::size_t count = 0;
     Vec3d centre{};  // centroid, relative to the point
 
-    std::size_t upper() const
+    bool has_two_sheets() const
     {
-        return static_cast<std::size_t>(
-            std::count(above.begin(), above.begin() + static_cast<std::ptrdiff_t>(count), true));
+        constexpr auto least = static_cast<double>(least_of_a_sheet);
+        const double upper = lane_sum(count, [&](std::size_t j) { return above[j]; });
+        return upper >= least && static_cast<double>(count) - upper >= least;
     }
-    bool has_two_sheets() const { return upper() >= least_of_a_sheet && count - upper() >= least_of_a_sheet; }
+    // Sets f(d) for each point, d being its place relative to the centroid: each neighbour, and the point itself last.
+    template <class F>
+    void set(std::array<double, most_surface_points>& values, const OnePointsNeighbours& n, const F& f) const
+    {
+        for (std::size_t j = 0; j + 1 < count; ++j)
+            values[j] = f(n.dx[j] - centre[0], n.dy[j] - centre[1], n.dz[j] - centre[2]);
+        values[count - 1] = f(-centre[0], -centre[1], -centre[2]);
+    }
 };
 
-// The neighbour j, after all neighbours the point itself, relative to the centroid.
-Vec3d place_of(const OnePointsNeighbours& n, const Heights& h, std::size_t j)
+auto component_along(const Vec3d& axis)
 {
-    return (j + 1 < h.count ? Vec3d{n.dx[j], n.dy[j], n.dz[j]} : Vec3d{}) - h.centre;
+    return [axis](double x, double y, double z) { return x * axis[0] + y * axis[1] + z * axis[2]; };
 }
 
-// Without `across` and `along`.
+// Without `across`, `along` and `above`.
 Heights heights_of(const OnePointsNeighbours& n, const Vec3d& normal)
 {
     Heights h;
     h.count = std::min(n.count + 1, most_surface_points);
-    for (std::size_t j = 0; j + 1 < h.count; ++j) h.centre = h.centre + Vec3d{n.dx[j], n.dy[j], n.dz[j]};
-    h.centre = h.centre / static_cast<double>(h.count);
-    for (std::size_t j = 0; j < h.count; ++j) {
-        h.up[j] = dot(place_of(n, h, j), normal);
-        h.above[j] = h.up[j] > 0;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double* const d = a == 0 ? n.dx : a == 1 ? n.dy : n.dz;
+        h.centre[a] = lane_sum(h.count - 1, [&](std::size_t j) { return d[j]; }) / static_cast<double>(h.count);
     }
+    h.set(h.up, n, component_along(normal));
     return h;
 }
 
-// Sets `across` and `along`.
+// Whether the heights above 0 and the others are far apart compared with what is in them; a quick rejection.
+bool may_be_two(const Heights& h)
+{
+    const auto is_up = [&](std::size_t j) { return h.up[j] > 0 ? 1.0 : 0.0; };
+    const double upper = lane_sum(h.count, is_up), all = static_cast<double>(h.count), lower = all - upper;
+    constexpr auto least = static_cast<double>(least_of_a_sheet);
+    if (upper < least || lower < least) return false;
+    const double sum = lane_sum(h.count, [&](std::size_t j) { return h.up[j] > 0 ? h.up[j] : 0.0; });
+    const double squares = lane_sum(h.count, [&](std::size_t j) { return h.up[j] * h.up[j]; });
+    const double gap = sum / upper + sum / lower;  // the sum of all heights is 0
+    const double within = squares / all - gap * gap * upper * lower / (all * all);
+    return gap * gap > clear_at_first * clear_at_first * std::max(0.0, within);
+}
+
+// Makes values that are 0 in the mean independent of `axis`, which has a length of 1, or is 0.
+void remove(std::array<double, most_surface_points>& values, const std::array<double, most_surface_points>& axis,
+            std::size_t count)
+{
+    const double share = lane_sum(count, [&](std::size_t j) { return values[j] * axis[j]; });
+    for (std::size_t j = 0; j < count; ++j) values[j] -= share * axis[j];
+}
+
+// Sets `above` by the heights, and `across` and `along`, as functions of the points, to ones of length 1 at right
+// angles to each other, or 0 where the points have no such extent. Makes the heights independent of both: those over
+// the plane that fits all points best.
 void spread_out(Heights& h, const OnePointsNeighbours& n, const Vec3d& normal)
 {
+    for (std::size_t j = 0; j < h.count; ++j) h.above[j] = h.up[j] > 0 ? 1 : 0;
     std::size_t least = 0;
     for (std::size_t a = 1; a < 3; ++a)
         if (std::fabs(normal[a]) < std::fabs(normal[least])) least = a;
     Vec3d axis{};
     axis[least] = 1;
-    const Vec3d first = normalised(cross(normal, axis)), second = cross(normal, first);
-    double squares = 0;
-    for (std::size_t j = 0; j < h.count; ++j) {
-        const Vec3d d = place_of(n, h, j);
-        h.across[j] = dot(d, first);
-        h.along[j] = dot(d, second);
-        squares += h.across[j] * h.across[j] + h.along[j] * h.along[j];
-    }
-    const double spread = std::sqrt(squares / static_cast<double>(h.count));
-    for (std::size_t j = 0; j < h.count && spread > 0; ++j) h.across[j] /= spread, h.along[j] /= spread;
-}
-
-// Whether the upper and the lower half are far apart compared with what is in them; a quick rejection.
-bool may_be_two(const Heights& h)
-{
-    if (!h.has_two_sheets()) return false;
-    double sum[2] = {}, squares = 0;
-    for (std::size_t j = 0; j < h.count; ++j) {
-        sum[h.above[j]] += h.up[j];
-        squares += h.up[j] * h.up[j];
-    }
-    const double upper = static_cast<double>(h.upper()), all = static_cast<double>(h.count), lower = all - upper;
-    const double gap = sum[1] / upper - sum[0] / lower;
-    const double within = squares / all - gap * gap * upper * lower / (all * all);
-    return gap * gap > clear_at_first * clear_at_first * std::max(0.0, within);
+    const Vec3d first = normalised(cross(normal, axis));
+    h.set(h.across, n, component_along(first));
+    h.set(h.along, n, component_along(cross(normal, first)));
+    const auto squares_of = [&](const auto& values) {
+        return lane_sum(h.count, [&](std::size_t j) { return values[j] * values[j]; });
+    };
+    const double extent = squares_of(h.across) + squares_of(h.along);
+    const auto normalise = [&](auto& values) {
+        const double squares = squares_of(values), factor = squares > 1e-9 * extent ? 1 / std::sqrt(squares) : 0;
+        for (std::size_t j = 0; j < h.count; ++j) values[j] *= factor;
+    };
+    normalise(h.across);
+    remove(h.along, h.across, h.count);
+    normalise(h.along);
+    remove(h.up, h.across, h.count);
+    remove(h.up, h.along, h.count);
 }
 
 // Two parallel planes, fitted twice: each point goes to the nearer one. The gap; 0 where there are no two sheets.
+// Least squares of the heights by `above`, relative to its own fit by 1, `across` and `along`, which are at right
+// angles to each other.
 double gap_of(Heights& h)
 {
+    const double all = static_cast<double>(h.count);
+    const double heights = lane_sum(h.count, [&](std::size_t j) { return h.up[j] * h.up[j]; });
     for (int round = 0;; ++round) {
         if (!h.has_two_sheets()) return 0;
-        Regression<4> planes;
-        for (std::size_t j = 0; j < h.count; ++j)
-            planes.add({1, h.across[j], h.along[j], h.above[j] ? 1.0 : 0}, h.up[j]);
-        const std::array<double, 4> f = planes.solve();
-        const double gap = f[3];
-        double squares = 0;
-        for (std::size_t j = 0; j < h.count; ++j) {
-            const double over = h.up[j] - (f[0] + f[1] * h.across[j] + f[2] * h.along[j]);
-            const double rest = over - (h.above[j] ? gap : 0);
-            squares += rest * rest;
-            if (round < 2) h.above[j] = over > gap / 2;
+        const auto above_times = [&](const auto& values) {
+            return lane_sum(h.count, [&](std::size_t j) { return h.above[j] * values[j]; });
+        };
+        const double upper = above_times(h.above), mean = upper / all;
+        const double across = above_times(h.across), along = above_times(h.along);
+        const double rest = upper - upper * mean - across * across - along * along;  // sum of squares
+        const double gap = rest > 1e-9 * upper ? above_times(h.up) / rest : 0;
+        if (round == 2) {
+            const double squares = std::max(0.0, heights - gap * gap * rest), freedom = all - 4;
+            return gap * gap > clear_gap * clear_gap * squares / freedom ? gap : 0;
         }
-        if (round < 2) continue;
-        const double freedom = static_cast<double>(h.count - 4);
-        return gap * gap > clear_gap * clear_gap * squares / freedom ? gap : 0;
+        for (std::size_t j = 0; j < h.count; ++j) {
+            const double over = h.up[j] + gap * (mean + across * h.across[j] + along * h.along[j]);
+            h.above[j] = over > gap / 2 ? 1 : 0;
+        }
     }
 }
 
 // The share of the variance of `above` that a quadratic function of the place explains.
 double explained_by_place(const Heights& h)
 {
-    Regression<6> places;
+    Regression places;
     const auto terms = [&](std::size_t j) {
         const double x = h.across[j], y = h.along[j];
         return std::array<double, 6>{1, x, y, x * x, x * y, y * y};
     };
-    for (std::size_t j = 0; j < h.count; ++j) places.add(terms(j), h.above[j] ? 1 : 0);
+    for (std::size_t j = 0; j < h.count; ++j) places.add(terms(j), h.above[j]);
     const std::array<double, 6> f = places.solve();
-    const double mean = static_cast<double>(h.upper()) / static_cast<double>(h.count);
+    const double mean = lane_sum(h.count, [&](std::size_t j) { return h.above[j]; }) / static_cast<double>(h.count);
     double left = 0;
     for (std::size_t j = 0; j < h.count; ++j) {
         const std::array<double, 6> x = terms(j);
-        double rest = h.above[j] ? 1 : 0;
+        double rest = h.above[j];
         for (std::size_t i = 0; i < x.size(); ++i) rest -= f[i] * x[i];
         left += rest * rest;
     }

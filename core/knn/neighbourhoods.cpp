@@ -42,20 +42,24 @@ std::uint64_t block_share(std::uint64_t memory_bytes) { return std::min(memory_b
 
 const NeighbourhoodUnit::Part& NeighbourhoodUnit::part_of(std::uint32_t number) const
 {
-    const auto after = std::upper_bound(parts.begin(), parts.end(), number,
+    const std::vector<Part>& all = number < points ? parts : around;
+    const auto after = std::upper_bound(all.begin(), all.end(), number,
                                         [](std::uint32_t n, const Part& part) { return n < part.first; });
     return *(after - 1);
 }
 
-std::uint32_t NeighbourhoodUnit::number_of(NodeId node, std::uint32_t index) const
+std::uint32_t NeighbourhoodUnit::add_around(const PointPlace& place)
 {
     for (const Part& part : parts) {
-        if (part.node != node) continue;
-        const auto found = std::lower_bound(part.indices.begin(), part.indices.end(), index);
-        if (found != part.indices.end() && *found == index)
+        if (part.node != place.node) continue;
+        const auto found = std::lower_bound(part.indices.begin(), part.indices.end(), place.index);
+        if (found != part.indices.end() && *found == place.index)
             return part.first + static_cast<std::uint32_t>(found - part.indices.begin());
     }
-    return no_number;
+    const std::uint32_t number =
+        around.empty() ? points : around.back().first + static_cast<std::uint32_t>(around.back().indices.size());
+    around.push_back({place.node, {}, {place.index}, number});
+    return number;
 }
 
 NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOptions& options,

@@ -32,7 +32,13 @@ enum class NeighbourBackend : std::uint8_t {
 
 inline constexpr std::size_t most_neighbours = 1024;
 
-inline constexpr std::uint32_t no_number = 0xffffffffu;  // number in a unit of a point that is not of the unit
+// A point of the cloud.
+struct PointPlace {
+    NodeId node = no_node;
+    std::uint32_t index = 0;  // in the node's chunk
+    bool operator==(const PointPlace& o) const { return node == o.node && index == o.index; }
+    bool operator<(const PointPlace& o) const { return node != o.node ? node < o.node : index < o.index; }
+};
 
 // Enough that few points of a unit lie near its border, and few enough that a unit fits into a processor's caches and
 // into the minimum memory of filters.
@@ -69,22 +75,24 @@ struct NeighbourhoodUnit {
     // Some points of a node.
     struct Part {
         NodeId node = no_node;
-        L2Cache::Handle chunk;               // with the asked columns
+        L2Cache::Handle chunk;               // with the asked columns; null for points around the unit
         std::vector<std::uint32_t> indices;  // indices of the points in the chunk, ascending
         std::uint32_t first = 0;             // number, in the unit, of the first of them; they are consecutive
     };
     std::vector<Part> parts;
     std::uint32_t points = 0;  // number of points of all parts: the numbers in the unit are 0 .. points - 1
+    // Points of other units, with the numbers from `points` on: those that Neighbourhoods::neighbours may name, in the
+    // same call of visit(). Only with NeighbourhoodOptions::numbers.
+    std::vector<Part> around;
 
     const Part& part_of(std::uint32_t number) const;
-    // The index, in its chunk, of a point.
-    std::uint32_t index_of(std::uint32_t number) const
+    PointPlace place_of(std::uint32_t number) const
     {
         const Part& part = part_of(number);
-        return part.indices[number - part.first];
+        return {part.node, part.indices[number - part.first]};
     }
-    // The number of the point of a node with an index in its chunk; no_number: it is not of the unit.
-    std::uint32_t number_of(NodeId node, std::uint32_t index) const;
+    // The number, in the unit or around it, that a point gets; one that it has already where it is of the unit.
+    std::uint32_t add_around(const PointPlace& place);
 };
 
 // Some points of a unit and their neighbours.
@@ -99,7 +107,8 @@ public:
     const double* dy(std::size_t i) const { return offsets[1].data() + i * stride; }
     const double* dz(std::size_t i) const { return offsets[2].data() + i * stride; }
     const double* squared(std::size_t i) const { return squares.data() + i * stride; }
-    // Their numbers in the unit, no_number for points of other units. Only with NeighbourhoodOptions::numbers.
+    // Their numbers in the unit, from unit.points on for points of other units. Only with
+    // NeighbourhoodOptions::numbers.
     const std::uint32_t* neighbours(std::size_t i) const { return neighbour_numbers.data() + i * stride; }
 
     std::vector<std::uint32_t> numbers;

@@ -140,7 +140,7 @@ GatheredPoints gather_unit(L2Cache& cache, const Box3i& box, double margin, cons
     Gatherer gatherer(result, info.grid.scale);
     std::vector<NodeId> nodes;
     nodes_in(tree, 0, result.loaded, nodes);
-    std::vector<std::pair<L2Cache::Handle, std::vector<std::uint32_t>>> others;
+    std::vector<L2Cache::Handle> chunks_around;
     std::vector<std::uint32_t> in, around;
     for (const NodeId node : nodes) {
         L2Cache::Handle chunk = cache.get(node, ColumnSet::only_positions());
@@ -155,9 +155,17 @@ GatheredPoints gather_unit(L2Cache& cache, const Box3i& box, double margin, cons
             part.chunk = cache.get(node, columns);
             result.unit.parts.push_back(std::move(part));
         }
-        if (!around.empty()) others.emplace_back(std::move(chunk), around);
+        if (around.empty()) continue;
+        result.unit.around.push_back({node, {}, around, 0});
+        chunks_around.push_back(std::move(chunk));
     }
-    for (const auto& [chunk, indices] : others) gatherer.add(*chunk->positions, indices);
+    std::uint32_t next = result.unit.points;
+    for (std::size_t i = 0; i < chunks_around.size(); ++i) {
+        NeighbourhoodUnit::Part& part = result.unit.around[i];
+        part.first = next;
+        next += static_cast<std::uint32_t>(part.indices.size());
+        gatherer.add(*chunks_around[i]->positions, part.indices);
+    }
     return result;
 }
 

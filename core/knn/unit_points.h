@@ -8,7 +8,7 @@
 
 namespace pcm {
 
-// Positions of a unit's points, by their number in the unit, and after those the points around its box.
+// Positions of a unit's points and of the points around its box, by their numbers in the unit.
 struct GatheredPoints {
     NeighbourhoodUnit unit;
     Box3i box;     // the unit's

@@ -62,6 +62,7 @@ void UnitWorker::run(const Box3i& box)
     if (!margin_) margin_ = first_margin(box);
     points_ = gather_unit(cache_, box, std::min(*margin_, options_.max_distance), options_.columns);
     unit_ = std::move(points_.unit);
+    if (!options_.numbers) unit_.around.clear();
     if (unit_.points == 0) return;
     visitor_.begin(unit_);
     distances_.clear();
@@ -126,10 +127,7 @@ void UnitWorker::take(const FoundNeighbours& found)
         for (std::size_t axis = 0; axis < 3; ++axis)
             points_.put_offsets(axis, number, neighbours, found.counts[i], block_.offsets[axis].data() + at);
         std::copy_n(found.squared + i * found.stride, found.counts[i], block_.squares.data() + at);
-        if (options_.numbers)
-            std::transform(neighbours, neighbours + found.counts[i],
-                           block_.neighbour_numbers.begin() + static_cast<std::ptrdiff_t>(at),
-                           [&](std::uint32_t n) { return n < unit_.points ? n : no_number; });
+        if (options_.numbers) std::copy_n(neighbours, found.counts[i], block_.neighbour_numbers.data() + at);
         add_point(number, found.counts[i]);
     }
     hand_over();
@@ -153,6 +151,7 @@ bool UnitWorker::widen()
             continue;
         GatheredPoints more = gather_unit(cache_, points_.box, margin, ColumnSet::only_positions());
         points_ = std::move(more);
+        if (options_.numbers) unit_.around = std::move(points_.unit.around);
         points_.unit = {};
         return true;
     }
@@ -167,14 +166,13 @@ void UnitWorker::search_alone(std::uint32_t number)
     const Vec3i at = points_.grid(number);
     const Vec3d place = grid.to_source(at);
     const std::size_t wanted = options_.neighbours + 1 + knn_tuning().single.spare_neighbours;
-    const auto& part = unit_.part_of(number);
-    const std::uint32_t index = unit_.index_of(number);
+    const PointPlace own = unit_.place_of(number);
     const double limit = options_.max_distance * options_.max_distance;
     search_alone_.run(place, wanted, found_);
     std::vector<Seen> sorted;
     double farthest = 0;
     for (const Neighbour& neighbour : found_) {
-        if (neighbour.node == part.node && neighbour.index == index) continue;
+        if (own == PointPlace{neighbour.node, neighbour.index}) continue;
         const auto chunk = cache_.get(neighbour.node, ColumnSet::only_positions());
         const Seen seen = seen_from(at, chunk->positions->grid(neighbour.index), grid, neighbour.node, neighbour.index);
         farthest = std::max(farthest, std::sqrt(seen.squared));
@@ -190,7 +188,7 @@ void UnitWorker::search_alone(std::uint32_t number)
         search_alone_.within(place, last + 2 * rounding_,
                              [&](const ChunkPositions& positions, NodeId node, std::uint32_t begin, std::uint32_t end) {
                                  for (std::uint32_t i = begin; i < end; ++i) {
-                                     if (node == part.node && i == index) continue;
+                                     if (own == PointPlace{node, i}) continue;
                                      const Seen seen = seen_from(at, positions.grid(i), grid, node, i);
                                      if (!(seen.squared <= limit)) continue;
                                      if (sorted.size() == options_.neighbours) {
@@ -205,13 +203,15 @@ void UnitWorker::search_alone(std::uint32_t number)
         std::sort_heap(sorted.begin(), sorted.end());
     }
     begin_block(options_.neighbours, 1);
+    const std::size_t parts_around = unit_.around.size();
     for (std::size_t j = 0; j < sorted.size(); ++j) {
         block_.squares[j] = sorted[j].squared;
         for (std::size_t axis = 0; axis < 3; ++axis) block_.offsets[axis][j] = sorted[j].offset[axis];
-        if (options_.numbers) block_.neighbour_numbers[j] = unit_.number_of(sorted[j].node, sorted[j].index);
+        if (options_.numbers) block_.neighbour_numbers[j] = unit_.add_around({sorted[j].node, sorted[j].index});
     }
     add_point(number, sorted.size());
     hand_over();
+    unit_.around.resize(parts_around);
 }
 
 void UnitWorker::begin_block(std::size_t stride, std::size_t points)

@@ -377,6 +377,8 @@ private:
                               {"rounds", fitted.rounds},
                               {"converged", fitted.converged},
                               {"left_surface", fitted.left_surface.empty() ? Json() : Json(fitted.left_surface)}};
+        json["departure"] = Json();
+        if (fitted.departure) json["departure"] = {{"rms", fitted.departure->size}, {"noise", fitted.departure->rest}};
         json["list"] = list_.empty() ? Json() : Json(list_);
         put_lines(result, fitted.primitive);
         const bool found = fitted.primitive.fit.has_shape();
@@ -446,6 +448,9 @@ Row fit_row()
                          "registration (given); rays (what may be left of errors along a scanner's rays)"},
                         {"neighbourhood", "object", "", "points, found, radius, spacing and inliers of the first fit"},
                         {"growth", "object?", "", "step, rounds, converged, left_surface"},
+                        {"departure", "object?", "source units",
+                         "for points that leave the shape together, as where it is out of round or bulged: rms, of the "
+                         "smooth surface that they keep to from the shape, and noise, of the points from that surface"},
                         {"list", "text?", "", "list that it was added to"}}),
         make<Fit>,
         {},

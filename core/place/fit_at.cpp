@@ -295,7 +295,7 @@ private:
     // The shape of a neighbourhood and its points there.
     FittedPrimitive at_places(LocalFit local) const
     {
-        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}, {}};
+        FittedPrimitive result{{}, PointSet(tree_), {}, {}, {}, 0, 0, false, 1, {}, {}, {}, {}};
         result.near = std::move(local.near);
         result.local = std::move(local.fit);
         result.notes = std::move(local.notes);

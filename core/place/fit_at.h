@@ -1,6 +1,7 @@
 // From picked places to a primitive and its points: neighbourhood, fit, growth.
 #pragma once
 
+#include "pcm/place/departure.h"
 #include "pcm/place/grow_shape.h"
 #include "pcm/place/near_points.h"
 #include "pcm/place/reached_from.h"
@@ -62,6 +63,8 @@ struct FittedPrimitive {
     std::string left_surface;
     std::vector<std::string> notes;  // "the neighbourhood was widened to 2000 points"
     std::optional<SweptPart> part;   // the part of an elbow and its pipes that its shape was fitted to
+    // How the points leave the shape together, where that is why it is doubtful (FitIssue::uneven).
+    std::optional<Departure> departure;
 };
 
 // `places`: where the shape was picked; their neighbourhoods together are fitted. `not_places`: where it does not lie.

@@ -54,19 +54,41 @@ FollowedVerdict::FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3
 void FollowedVerdict::judge(const FollowedPoints& followed, FittedPrimitive& result)
 {
     ShapeFit& fit = result.primitive.fit;
-    if (fit.verdict != FitVerdict::good || result.points.empty()) return;
+    const bool was_good = fit.verdict == FitVerdict::good;
+    if (result.points.empty() || (!was_good && fit.issue != FitIssue::other_surface)) return;
     // Straight pipes continue an elbow off the torus, and are not points of it.
     const auto own = [&](std::vector<Vec3d> points) {
         const auto is_other = [&](const Vec3d& p) { return followed.part && !followed.part->has(p); };
         points.erase(std::remove_if(points.begin(), points.end(), is_other), points.end());
         return points;
     };
-    const std::vector<Vec3d> around =
-        own(coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94)));
+    std::vector<Vec3d> around;
+    if (was_good)
+        around = own(coarse_points(followed.around, most_judged, options_.threads, part_of(progress_, 0.9, 0.94)));
     const std::vector<Vec3d> fitted =
         own(random_points(result.points, most_departing, options_.threads, part_of(progress_, 0.94, 0.94)));
-    if (options_.fit.threshold == 0) judge_noise(followed, around, fitted, result);
-    if (fit.verdict == FitVerdict::good) judge_kind(followed, around, fitted, result);
+    const bool is_automatic = options_.fit.threshold == 0;
+    if (was_good && is_automatic) judge_noise(followed, around, fitted, result);
+    if (was_good && fit.verdict == FitVerdict::good) return judge_kind(followed, around, fitted, result);
+    if (is_automatic && fit.issue == FitIssue::other_surface) name_departure(followed, fitted, result);
+}
+
+// Points that keep to one smooth surface, with the noise of those at the place, are one surface: a wall of large
+// radius leaves a plane to both sides, too.
+void FollowedVerdict::name_departure(const FollowedPoints& followed, const std::vector<Vec3d>& fitted,
+                                     FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    const Departure departure = departure_of(fit.shape, fit.threshold, fitted);
+    if (!departure.is_smooth(known_noise())) return;
+    const Departure own = without_stations(departure, followed.part, result);
+    if (own.is_smooth(known_noise())) doubt_uneven(own, result);
+}
+
+void FollowedVerdict::doubt_uneven(const Departure& departure, FittedPrimitive& result)
+{
+    result.departure = departure;
+    doubt(result.primitive.fit, FitIssue::uneven, departure.message(traits_of(result.primitive.fit.shape.kind).name));
 }
 
 void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around,
@@ -132,7 +154,7 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
         const Departure own = without_stations(departure, followed.part, result);
         const bool is_seen =
             departure.is_smooth(known_noise()) || own.share > place_tuning().departure.min_hidden_share;
-        if (is_seen && own.is_smooth(known_noise())) doubt(fit, FitIssue::uneven, own.message(name));
+        if (is_seen && own.is_smooth(known_noise())) doubt_uneven(own, result);
     }
     if (is_automatic && !other_) doubt_unsettled(followed, result);
 }

@@ -39,7 +39,8 @@ public:
                     const KnownErrors& known, StationsAround& around, const ProgressFunction& progress);
 
     // Doubts a good fit whose points may be a ring or strip of another surface, several surfaces within a wide
-    // threshold, there by chance, out of round or bulged.
+    // threshold, there by chance, out of round or bulged. Says of the last, also of a fit that is doubted as one of
+    // several surfaces, by how much they are.
     void judge(const FollowedPoints& followed, FittedPrimitive& result);
     // A shape of another of the wanted kinds, if these points are far more probable for it. It is to be followed in
     // turn, and if it cannot be, the fit is doubtful for the reason `other_doubt`.
@@ -60,6 +61,9 @@ private:
                      FittedPrimitive& result);
     void judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around, const std::vector<Vec3d>& fitted,
                     FittedPrimitive& result);
+    // Says of points that were taken for those of several surfaces by how much they leave the shape together, if so.
+    void name_departure(const FollowedPoints& followed, const std::vector<Vec3d>& fitted, FittedPrimitive& result);
+    static void doubt_uneven(const Departure& departure, FittedPrimitive& result);
     // Growth has ended with the rounds, not with the shape.
     void doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const;
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near);

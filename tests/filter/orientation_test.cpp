@@ -49,15 +49,19 @@ TEST(JoinedNeighbours, AreTheNearestOfTheUnitAndTheFirstAtAPlaceStandsForAll)
         return found;
     };
     for (std::uint32_t i = 0; i < 20; ++i) set(i, {}, {});
-    set(0, {no_number, 7, 5, no_number, 9}, {0, 1, 1, 2, 3});
-    EXPECT_EQ(of(0), (std::vector<std::uint32_t>{7, 5, 9, no_number, no_number, no_number}));
+    constexpr std::uint32_t none = JoinedNeighbours::none;
+    set(0, {20, 7, 5, 30, 9}, {0, 1, 1, 2, 3});
+    EXPECT_EQ(of(0), (std::vector<std::uint32_t>{7, 5, 9, none, none, none}));
+    EXPECT_TRUE(neighbours.surely_lists(0, 9));
+    EXPECT_FALSE(neighbours.surely_lists(0, 3));
     // 10 to 18 lie at one place, and each lists the others in an order of its own.
     set(18, {13, 17, 12, 16, 11, 15, 14, 10}, {0, 0, 0, 0, 0, 0, 0, 0});
     set(12, {18, 17, 16, 15, 14, 13, 11, 10, 3}, {0, 0, 0, 0, 0, 0, 0, 0, 4});
     set(3, {4, 18, 12, 1, 2, 5, 6, 7}, {1, 4, 4, 5, 6, 7, 8, 9});
     EXPECT_EQ(of(3), (std::vector<std::uint32_t>{4, 10, 10, 1, 2, 5}));
+    EXPECT_FALSE(neighbours.surely_lists(3, 18)) << "another point stands for it";
     neighbours.resize(2);
-    EXPECT_EQ(of(0), std::vector<std::uint32_t>(JoinedNeighbours::most, no_number));
+    EXPECT_EQ(of(0), std::vector<std::uint32_t>(JoinedNeighbours::most, none));
 }
 
 // Two level sheets, 100 apart, whose normals point up or down at random; some points have none.

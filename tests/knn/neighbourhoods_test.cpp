@@ -24,71 +24,74 @@
 namespace pcm::test {
 namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
-using Place = std::pair<NodeId, std::uint32_t>;
-
 struct Found {
     std::vector<double> squares;
     std::vector<Vec3d> offsets;
 };
-using All = std::map<Place, Found>;
+using All = std::map<PointPlace, Found>;
+// Grid positions, by node and index.
+using Positions = std::vector<std::vector<Vec3i>>;
+
+Positions positions_of(const Tree& tree)
+{
+    Positions all(tree.nodes().size());
+    for (NodeId id = 0; id < all.size(); ++id) {
+        const Chunk chunk = tree.read_chunk(id, ColumnSet::only_positions());
+        for (std::uint32_t i = 0; i < chunk.points; ++i) all[id].push_back(chunk.positions->grid(i));
+    }
+    return all;
+}
 
 class Collector final : public NeighbourhoodVisitor {
 public:
-    Collector(All& all, std::mutex& mutex, const Grid& grid) : all_(all), mutex_(mutex), grid_(grid) {}
+    Collector(All& all, std::mutex& mutex, const Grid& grid, const Positions& positions)
+        : all_(all), mutex_(mutex), grid_(grid), positions_(positions)
+    {
+    }
     void begin(const NeighbourhoodUnit& unit) override
     {
-        positions_.clear();
-        for (const auto& part : unit.parts)
-            for (const std::uint32_t i : part.indices) positions_.insert(part.chunk->positions->grid(i));
+        of_unit_.clear();
+        for (std::uint32_t i = 0; i < unit.points; ++i) of_unit_.insert(unit.place_of(i));
+        ASSERT_EQ(of_unit_.size(), unit.points);
     }
     void visit(const NeighbourhoodUnit& unit, const Neighbourhoods& some) override
     {
         const std::lock_guard lock(mutex_);
         for (std::size_t i = 0; i < some.size(); ++i) {
-            const auto& part = unit.part_of(some.number(i));
             Found found;
             for (std::size_t j = 0; j < some.count(i); ++j) {
                 found.squares.push_back(some.squared(i)[j]);
                 found.offsets.push_back({some.dx(i)[j], some.dy(i)[j], some.dz(i)[j]});
             }
             expect_right_numbers(unit, some, i);
-            const bool first = all_.emplace(Place{part.node, unit.index_of(some.number(i))}, found).second;
+            const bool first = all_.emplace(unit.place_of(some.number(i)), found).second;
             EXPECT_TRUE(first) << "a point was visited twice";
         }
     }
 
 private:
-    static Vec3i position(const NeighbourhoodUnit& unit, std::uint32_t number)
-    {
-        return unit.part_of(number).chunk->positions->grid(unit.index_of(number));
-    }
-
-    // A number is that of a point where the neighbour is; a neighbour without one is not where points of the unit are.
+    // A number is that of another point where the neighbour is; one of the unit where it is below unit.points.
     void expect_right_numbers(const NeighbourhoodUnit& unit, const Neighbourhoods& some, std::size_t i) const
     {
-        const Vec3i own = position(unit, some.number(i));
+        const auto at = [&](const PointPlace& place) { return positions_[place.node][place.index]; };
+        const PointPlace own = unit.place_of(some.number(i));
+        ASSERT_TRUE(of_unit_.count(own));
         for (std::size_t j = 0; j < some.count(i); ++j) {
             const std::array<double, 3> offset{some.dx(i)[j], some.dy(i)[j], some.dz(i)[j]};
-            Vec3i there;
-            for (std::size_t a = 0; a < 3; ++a)
-                there[a] = own[a] + static_cast<std::int64_t>(std::llround(offset[a] / grid_.scale[a]));
             const std::uint32_t number = some.neighbours(i)[j];
-            if (number == no_number) {
-                if (positions_.count(there)) ADD_FAILURE() << "a neighbour in the unit without its number";
-                continue;
-            }
-            ASSERT_LT(number, unit.points);
-            ASSERT_NE(number, some.number(i));
-            const Vec3i at = position(unit, number);
+            const PointPlace there = unit.place_of(number);
+            ASSERT_EQ(of_unit_.count(there), number < unit.points);
+            ASSERT_FALSE(there == own);
             for (std::size_t a = 0; a < 3; ++a)
-                ASSERT_EQ(static_cast<double>(at[a] - own[a]) * grid_.scale[a], offset[a]);
+                ASSERT_EQ(static_cast<double>(at(there)[a] - at(own)[a]) * grid_.scale[a], offset[a]);
         }
     }
 
     All& all_;
     std::mutex& mutex_;
     const Grid& grid_;
-    std::set<Vec3i> positions_;
+    const Positions& positions_;
+    std::set<PointPlace> of_unit_;
 };
 
 All all_of(L2Cache& cache, NeighbourhoodOptions options, NeighbourhoodReport* report = nullptr)
@@ -96,17 +99,18 @@ All all_of(L2Cache& cache, NeighbourhoodOptions options, NeighbourhoodReport* re
     All all;
     options.numbers = true;
     const Grid& grid = cache.tree().info().grid;
+    const Positions positions = positions_of(cache.tree());
     std::mutex mutex;
     const Stopwatch watch;
-    const auto made =
-        for_each_neighbourhood(cache, options, [&] { return std::make_unique<Collector>(all, mutex, grid); });
+    const auto made = for_each_neighbourhood(cache, options,
+                                             [&] { return std::make_unique<Collector>(all, mutex, grid, positions); });
     if (report) *report = made;
     expect_outcome(made.outcome, cache.tree().info().points, all.size(), watch);
     return all;
 }
 
 struct Point {
-    Place place;
+    PointPlace place;
     Vec3i grid;
     std::uint16_t level;
 };
@@ -147,8 +151,9 @@ void expect_near(const std::shared_ptr<const Tree>& tree, const All& all, const 
         const auto found = all.find(point.place);
         if (found == all.end()) continue;
         search.run(grid.to_source(point.grid), options.neighbours + 1, near);
-        const auto self = std::find_if(near.begin(), near.end(),
-                                       [&](const Neighbour& n) { return Place(n.node, n.index) == point.place; });
+        const auto self = std::find_if(near.begin(), near.end(), [&](const Neighbour& n) {
+            return PointPlace{n.node, n.index} == point.place;
+        });
         if (self != near.end()) near.erase(self);
         near.resize(std::min(near.size(), options.neighbours));
         ASSERT_LE(found->second.squares.size(), near.size());

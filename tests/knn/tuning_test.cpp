@@ -20,8 +20,8 @@
 namespace pcm::test {
 namespace {
 
-// Node and index of a point -> the squared distances to its neighbours.
-using Squares = std::map<std::pair<NodeId, std::uint32_t>, std::vector<double>>;
+// The squared distances to the neighbours of each point.
+using Squares = std::map<PointPlace, std::vector<double>>;
 
 class KeptSquares final : public NeighbourhoodVisitor {
 public:
@@ -30,8 +30,7 @@ public:
     {
         const std::lock_guard lock(mutex_);
         for (std::size_t i = 0; i < some.size(); ++i)
-            all_[{unit.part_of(some.number(i)).node, unit.index_of(some.number(i))}].assign(
-                some.squared(i), some.squared(i) + some.count(i));
+            all_[unit.place_of(some.number(i))].assign(some.squared(i), some.squared(i) + some.count(i));
     }
 
 private:

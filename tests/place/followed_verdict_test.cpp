@@ -10,6 +10,9 @@ namespace {
 using namespace pcm;
 using namespace pcm::test;
 
+// Points of one plane or of two, and of a wall of large radius, all within the threshold of a plane between them.
+enum class Wall { two_faces, round };
+
 // A column of 200 mm, round or square, and the verdict about a cylinder along it.
 class FollowedVerdictTest : public testing::Test {
 protected:
@@ -29,17 +32,47 @@ protected:
                                   : Vec3d{(radius + away) * std::cos(along), (radius + away) * std::sin(along), z},
                               {}});
         }
-        tree_ = build_surface_tree(folder_.path(), points);
-        const auto cloud = PointCloud::open(tree_->folder());
-        FittedPrimitive result{
-            {}, set_where(tree_, [](const Vec3d&) { return true; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {}};
-        ShapeFit& fit = result.primitive.fit;
+        ShapeFit fit;
         fit.shape.kind = ShapeKind::cylinder;
         fit.shape.axis = {0, 0, 1};
         fit.shape.radius = radius;
-        fit.verdict = FitVerdict::good;
         fit.noise = 0.013;
-        fit.threshold = result.local.threshold = agreement > 1 ? 0.031 : 0.045;
+        fit.threshold = agreement > 1 ? 0.031 : 0.045;
+        return judged(points, fit, 0.01, agreement, converged);
+    }
+
+    // A piece of 8 m of a wall of 1000 m radius, or the two faces of a plate, each with half of the points. `before`:
+    // the issue of the fit at the place.
+    FittedPrimitive judged(Wall wall, FitIssue before)
+    {
+        constexpr double noise = 0.0015;
+        Dice dice(8);
+        std::vector<SurfacePoint> points;
+        for (int i = 0; i < 6000; ++i) {
+            const double x = dice.between(-4, 4), z = dice.between(0, 2);
+            const double y = wall == Wall::round ? x * x / 2000 - 0.0027 : i % 2 ? 0.003 : -0.003;
+            points.push_back({{x, y + noise * dice.normal(), z}, {}});
+        }
+        ShapeFit fit;
+        fit.shape.kind = ShapeKind::plane;
+        fit.shape.axis = {0, 1, 0};
+        fit.noise = 0.003;
+        fit.threshold = 0.009;
+        if (before != FitIssue::none) doubt(fit, before, "as it was");
+        return judged(points, fit, noise, 1, true);
+    }
+
+    // The verdict, where `fit` is good, or is doubted already.
+    FittedPrimitive judged(const std::vector<SurfacePoint>& points, const ShapeFit& fit, double close_noise,
+                           double agreement, bool converged)
+    {
+        tree_ = build_surface_tree(folder_.path(), points);
+        const auto cloud = PointCloud::open(tree_->folder());
+        FittedPrimitive result{
+            {}, set_where(tree_, [](const Vec3d&) { return true; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {}, {}};
+        result.primitive.fit = fit;
+        if (fit.issue == FitIssue::none) result.primitive.fit.verdict = FitVerdict::good;
+        result.local.threshold = fit.threshold;
         result.converged = converged;
         result.rounds = 8;
         // What is around it says nothing here.
@@ -48,7 +81,7 @@ protected:
         const FitAtOptions options;
         const ProgressFunction progress;
         StationsAround stations(*cloud->tree(), places_.front());
-        FollowedVerdict verdict(*cloud, places_, options, {0.01, 0.01, 0}, stations, progress);
+        FollowedVerdict verdict(*cloud, places_, options, {close_noise, close_noise, 0}, stations, progress);
         verdict.judge({around, fit.noise, agreement, part}, result);
         return result;
     }
@@ -71,6 +104,32 @@ TEST_F(FollowedVerdictTest, AsRoughACylinderIsOne)
     const FittedPrimitive column = judged(false, 0.012);
     EXPECT_EQ(column.primitive.fit.message.find("to both sides"), std::string::npos) << column.primitive.fit.message;
     EXPECT_EQ(column.primitive.fit.verdict, FitVerdict::good) << column.primitive.fit.message;
+}
+
+// A plane through a wall of large radius: points leave it to both sides, but keep to one smooth surface.
+TEST_F(FollowedVerdictTest, AWallOfLargeRadiusIsBulgedByItsRms)
+{
+    for (const FitIssue before : {FitIssue::none, FitIssue::other_surface}) {
+        const FittedPrimitive wall = judged(Wall::round, before);
+        EXPECT_EQ(wall.primitive.fit.verdict, FitVerdict::doubtful);
+        EXPECT_EQ(wall.primitive.fit.issue, FitIssue::uneven) << wall.primitive.fit.message;
+        ASSERT_TRUE(wall.departure);
+        EXPECT_NEAR(wall.departure->size, 0.0024, 0.0002);  // rms of x^2 / 2000 about its mean
+        EXPECT_NEAR(wall.departure->rest, 0.0015, 0.0002);
+        EXPECT_NE(wall.primitive.fit.message.find("together by 0.002"), std::string::npos)
+            << wall.primitive.fit.message;
+    }
+    const FittedPrimitive refused = judged(Wall::round, FitIssue::no_consensus);
+    EXPECT_EQ(refused.primitive.fit.message, "as it was");
+    EXPECT_FALSE(refused.departure);
+}
+
+TEST_F(FollowedVerdictTest, TwoFacesAreNotBulged)
+{
+    const FittedPrimitive plate = judged(Wall::two_faces, FitIssue::none);
+    EXPECT_EQ(plate.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(plate.primitive.fit.issue, FitIssue::other_surface) << plate.primitive.fit.message;
+    EXPECT_FALSE(plate.departure);
 }
 
 // An oval that is followed bit by bit never settles.
