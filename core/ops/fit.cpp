@@ -442,7 +442,9 @@ Row fit_row()
         "file on request. Fits that the points do not determine are refused or reported as doubtful.",
         menu::measure | menu::points,
         nullptr,
-        with_done_keys({{"primitive", "object", "", "as in a list of primitives; or kind, verdict, issue and message"},
+        with_done_keys({{"primitive", "object", "",
+                         "as in a list of primitives, with sigma.position along the direction in which the position is "
+                         "least certain; or kind, verdict, issue and message"},
                         {"sigma_contains", "list?", "",
                          "errors that primitive.sigma contains: noise; stations (their spread, found) or "
                          "registration (given); rays (what may be left of errors along a scanner's rays)"},
