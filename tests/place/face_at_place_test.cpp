@@ -115,6 +115,47 @@ TEST_F(FaceAtPlace, NotAmongOthers)
     EXPECT_FALSE(fit_face(*cloud_, face_middle, all_kinds()));
 }
 
+struct Layer {
+    double height;
+    int points;
+};
+
+std::vector<SurfacePoint> layers_of(const std::vector<Layer>& layers, Dice& dice)
+{
+    std::vector<SurfacePoint> points;
+    for (const Layer& layer : layers)
+        for (int i = 0; i < layer.points; ++i)
+            points.push_back(point_on(face_at(layer.height), 0.3, 0, face_noise, dice));
+    return points;
+}
+
+// A third face: a sixth of the points may be on it, two fifths may not.
+TEST_F(FaceAtPlace, IsFoundWithFewPointsOnNeitherFaceAndNotWithMany)
+{
+    build(layers_of({{0, 3000}, {-0.016, 10000}, {0.02, 2300}}, dice_));
+    EXPECT_TRUE(fit_face(*cloud_, face_middle, all_kinds()));
+    build(layers_of({{0, 3000}, {-0.016, 6500}, {0.02, 6000}}, dice_));
+    EXPECT_FALSE(fit_face(*cloud_, face_middle, all_kinds()));
+}
+
+// A tenth of the nearest points is the least.
+TEST_F(FaceAtPlace, HasAShareOfThePoints)
+{
+    build(layers_of({{0, 2000}, {-0.016, 14000}}, dice_));
+    EXPECT_TRUE(fit_face(*cloud_, face_middle, all_kinds()));
+    build(layers_of({{0, 1100}, {-0.016, 15000}}, dice_));
+    EXPECT_FALSE(fit_face(*cloud_, face_middle, all_kinds()));
+}
+
+// Faces nearer to each other than 1.2 thresholds are one.
+TEST_F(FaceAtPlace, IsFartherThanTheNoise)
+{
+    for (const double thickness : {0.002, 0.003}) {
+        build(two_faces(thickness, dice_));
+        EXPECT_FALSE(fit_face(*cloud_, face_middle, all_kinds())) << thickness;
+    }
+}
+
 TEST_F(FaceAtPlace, WhatIsGivenIsTaken)
 {
     build(two_faces(0.016, dice_));
