@@ -29,7 +29,7 @@ set(reachable_headers
   bpc/chunk.h bpc/chunk_identity.h bpc/chunk_index.h bpc/cloud_block.h bpc/commit_record.h cache/chunk_store.h
   cache/load_times.h cloud/matrix.h cloud/nearest_float.h cloud/polygon.h io/crs/coordinate_system.h view/point_shapes.h view/point_sizes.h filter/filter_report.h filter/normal_orientation.h
   filter/point_values.h filter/result_tree.h filter/voxel_lattice.h knn/held_chunks.h knn/point_blocks.h knn/point_search.h
-  place/grow_shape.h place/near_points.h place/swept_part.h shapes/shape_kinds.h shapes/shape_traits.h shapes/station_facts.h cloud/numbers.h
+  place/departure.h place/grow_shape.h place/near_points.h place/swept_part.h shapes/shape_kinds.h shapes/shape_traits.h shapes/station_facts.h cloud/numbers.h
   io/text/text_layout.h system/byte_source.h system/file.h system/page_allocator.h
   system/tree_folder.h lists/undo_list.h tree/chunk_size.h tree/node.h tree/node_table.h tree/selected_nodes.h tree/source_rounding.h threads/task_pool.h)
 set(public_gl_headers gl/draw/renderer.h gl/style/splat_style.h gl/compute/gpu_cursor.h gl/compute/gpu_radii.h gl/l1/l1_cache.h)

@@ -71,8 +71,8 @@ const std::vector<ResultKey>& head_keys()
         {"cpu_seconds", "number", "s", "time of all processors"},
         {"points_read", "count", "points", "points that were decoded, again for each time"},
         {"bytes_read", "count", "bytes", "bytes read from files, temporary ones among them"},
-        {"requests", "count", "requests", "requests to servers, where there were some; those that failed too"},
-        {"bytes_received", "count", "bytes", "bytes received from servers, where there were requests"},
+        {"requests", "count", "requests", "requests to servers, those that failed included"},
+        {"bytes_received", "count", "bytes", "bytes received from servers"},
         {"peak_memory", "count", "bytes", "largest memory of the process since its start"},
         {"warnings", "list", "", "what failed after the result was in place"},
         {"notes", "list", "", "what one should know of the answer"},
@@ -93,10 +93,8 @@ void put_traded(Json& json, const Result& result)
     json["cpu_seconds"] = result.work.cpu_seconds;
     json["points_read"] = result.work.points_read;
     json["bytes_read"] = result.work.bytes_read;
-    if (result.work.requests > 0) {
-        json["requests"] = result.work.requests;
-        json["bytes_received"] = result.work.bytes_received;
-    }
+    json["requests"] = result.work.requests;
+    json["bytes_received"] = result.work.bytes_received;
     json["peak_memory"] = peak_memory_bytes();
 }
 

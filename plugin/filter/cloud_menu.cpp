@@ -32,7 +32,7 @@ const std::vector<Group>& groups()
     static const std::vector<Group> table{
         {"Open and Build",
          {{"Open a Cloud...", "Import Mesh..."},
-          {"Open a Tree on a Server...", "Open Point Cloud Tree by Address"},
+          {"Open a Cloud on a Server...", "Open Point Cloud Tree by Address"},
           {"Build a Cloud of Files...", "Build Point Cloud Tree"},
           {"Append Files to a Cloud...", "Append to Point Cloud Tree"},
           {"Merge Clouds...", "Merge Point Cloud Trees"}}},

@@ -130,7 +130,7 @@ class Looks(MeshLabTest):
         entries = entries[:help_begins]
         groups = list(dict.fromkeys(entry.split(" > ")[0] for entry in entries))
         self.assertEqual(groups, ["Open and Build", "Look", "Select", "Clean and Thin", "Move and Align", "Measure", "Fit", "Export"])
-        self.assertEqual(len(entries), 34)
+        self.assertEqual(len(entries), 35)
         self.assertFalse([entry for entry in entries if "tree" in entry.lower()])
         self.assertIn("Look > Clip Box", entries)
         self.assertIn("Export > Export the Cloud...", entries)

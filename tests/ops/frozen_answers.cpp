@@ -16,8 +16,9 @@ constexpr std::size_t longest_list = 12, most_lines = 10;
 
 bool is_of_the_run(const std::string& key)
 {
-    static const std::set<std::string> keys{"version",       "points_read",  "bytes_read",    "peak_memory",
-                                            "scratch_bytes", "creation_day", "creation_year", "load_times"};
+    static const std::set<std::string> keys{"version",        "points_read", "bytes_read",    "requests",
+                                            "bytes_received", "peak_memory", "scratch_bytes", "creation_day",
+                                            "creation_year",  "load_times"};
     return keys.count(key) > 0 || key.find("seconds") != std::string::npos;
 }
 
