@@ -1,10 +1,11 @@
 #include "pcm/cli/manual.h"
 
+#include "pcm/system/environment.h"
+
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <system_error>
 
@@ -26,11 +27,7 @@ fs::path first_page()
     return {};
 }
 
-bool is_set(const char* name)
-{
-    const char* const value = std::getenv(name);
-    return value && *value;
-}
+bool is_set(const char* name) { return !environment(name).empty(); }
 
 // Does not wait for the browser, which may be this process's child for hours.
 void open_in_browser(const fs::path& page)

@@ -2,19 +2,12 @@
 #pragma once
 
 #include "pcm/fit/block_loops.h"
+#include "pcm/system/vector_bytes.h"
 
 #include <math.h>
 
 namespace pcm {
 namespace {
-
-#if defined(__AVX512F__)
-constexpr std::size_t vector_bytes = 64;
-#elif defined(__AVX2__)
-constexpr std::size_t vector_bytes = 32;
-#else
-constexpr std::size_t vector_bytes = 16;
-#endif
 
 // Sums are kept in eight lanes, which vectors add at once, always in this order.
 constexpr std::size_t lanes = 8;

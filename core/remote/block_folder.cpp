@@ -1,6 +1,7 @@
 #include "pcm/remote/block_folder.h"
 
 #include "pcm/bpc/checksum.h"
+#include "pcm/system/environment.h"
 #include "pcm/system/error.h"
 #include "pcm/system/file.h"
 
@@ -29,12 +30,6 @@ struct Head {
     char magic[8];
     std::uint64_t checksum, key_bytes, bytes;
 };
-
-std::string environment(const char* name)
-{
-    const char* const value = std::getenv(name);
-    return value ? value : "";
-}
 
 fs::path folder_of_user()
 {

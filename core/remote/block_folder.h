@@ -1,9 +1,9 @@
 // Blocks of files behind addresses, kept on this machine's disk for the next time: a bounded folder that all processes
-// of a user share.
+// of one user share.
 //
 // A block is a file that names what it is of and has a checksum; what is not as it should be counts as absent. Files
 // are put in place whole, so that any number of processes may read, write and remove at once. Nothing throws: a cache
-// that does not work is none.
+// that does not work counts as empty.
 #pragma once
 
 #include "pcm/remote/remote_object.h"

@@ -12,11 +12,11 @@
 
 namespace pcm {
 
-// Nothing is asked of the server before the first read. Blocks that lie side by side come in one request, all requests
-// of a read at once. Each request takes a whole round trip: a file's beginning comes with blocks_of_beginning, since an
-// index and the coarse levels are there, and reads that continue where the one before ended bring twice as many blocks
-// each time, up to most_blocks_of_request. Where the server cannot be reached at the first
-// read, what an earlier process left on disk is shown, and everything else throws Error(io).
+// Nothing is asked of the server before the first read. Blocks that lie side by side come in one request, and the
+// requests of a read are sent together. Each takes a whole round trip: a file's beginning comes with
+// blocks_of_beginning, since an index and the coarse levels lie there, and reads that continue where the one before
+// ended bring twice as many blocks each time, up to most_blocks_of_request. Where the server cannot be reached at the
+// first read, what an earlier process left on disk is shown, and everything else throws Error(io).
 class RemoteFile final : public ByteSource {
 public:
     static constexpr std::uint64_t block_bytes = std::uint64_t{1} << 20;

@@ -1,5 +1,5 @@
-// One file behind an address: ranges of its bytes, asked for again where a network fails, and never bytes of two files
-// that had the name one after the other.
+// One file behind an address: ranges of its bytes, asked for again where a network fails, and never bytes of a file
+// and of another that has replaced it.
 #pragma once
 
 #include "pcm/remote/request_target.h"

@@ -1,8 +1,8 @@
 #include "pcm/remote/request_target.h"
 
+#include "pcm/system/environment.h"
 #include "pcm/system/error.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -13,12 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 
 using Settings = std::map<std::string, std::string>;
-
-std::string environment(const char* name)
-{
-    const char* const value = std::getenv(name);
-    return value ? value : "";
-}
 
 std::string first_of(std::initializer_list<std::string> values)
 {

@@ -8,7 +8,7 @@
 namespace pcm {
 
 // Error bound of squared distances in float, in spacings: coordinates are below 36 cells (a block of 32, and a bucket
-// of at most 4 more), each less than 0.9 wide, so their errors are below 2e-6 and those of their differences below
+// of at most 4 more), each less than 0.9 wide, so their errors are below 2e-6, and the errors of differences below
 // 4e-6; there are three differences, at most about 1 where it matters.
 inline constexpr float distance_error = 5e-5f;
 inline constexpr float surely_inside = 1 - distance_error, surely_outside = 1 + distance_error;

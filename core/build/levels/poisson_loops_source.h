@@ -2,18 +2,12 @@
 #pragma once
 
 #include "pcm/build/levels/poisson_loops.h"
+#include "pcm/system/vector_bytes.h"
 
 namespace pcm {
 
 namespace {
 
-#if defined(__AVX512F__)
-constexpr std::size_t vector_bytes = 64;
-#elif defined(__AVX2__)
-constexpr std::size_t vector_bytes = 32;
-#else
-constexpr std::size_t vector_bytes = 16;
-#endif
 constexpr std::size_t width = vector_bytes / sizeof(float);
 static_assert(near_padding % width == 0);
 

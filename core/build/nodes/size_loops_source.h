@@ -2,20 +2,13 @@
 #pragma once
 
 #include "pcm/build/nodes/size_loops.h"
+#include "pcm/system/vector_bytes.h"
 
 #include <cstdint>
 
 namespace pcm {
 
 namespace {
-
-#if defined(__AVX512F__)
-constexpr std::size_t vector_bytes = 64;
-#elif defined(__AVX2__)
-constexpr std::size_t vector_bytes = 32;
-#else
-constexpr std::size_t vector_bytes = 16;
-#endif
 
 template <class Real>
 struct LanesOf;
