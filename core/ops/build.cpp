@@ -1,6 +1,7 @@
 // A tree is built from files.
 #include "pcm/build/build_then.h"
 #include "pcm/ops/shared/attribute_report.h"
+#include "pcm/ops/shared/bucket_output.h"
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
@@ -25,7 +26,9 @@ public:
             .letter('o')
             .as(ValueKind::output_tree)
             .label("Output folder")
-            .help("Tree folder to write")
+            .help(
+                "Tree folder to write; or where in a bucket, s3://BUCKET/NAME.pct: it is built next to the first "
+                "input, and sent")
             .without("the first input's name with .pct");
         work_.memory = options_.memory_bytes;
         work_.declare(arguments_, least_build_memory);
@@ -65,12 +68,16 @@ public:
 
     Result answer(const Context& context) override
     {
-        const std::filesystem::path output = place();
+        const std::string output = place().string();
+        const BucketOutput bucket(output, inputs_, options_.overwrite);
+        options_.overwrite = bucket.may_replace();
+        const ProgressFunction built = part_of(context.progress, 0, 0.8), sent = part_of(context.progress, 0.8, 1);
+        const ProgressFunction& progress = bucket.is_address() ? built : context.progress;
         options_.memory_bytes = work_.memory;
         options_.threads = work_.threads;
         options_.read = reading_.get(work_.threads);
         options_.sampling = fast_ ? Sampling::grid : Sampling::poisson;
-        options_.progress = normals_ ? part_of(context.progress, 0, 0.5) : context.progress;
+        options_.progress = normals_ ? part_of(progress, 0, 0.5) : progress;
         WantedValues wanted;
         wanted.normal = wanted.radius = wanted.confidence = true;
         wanted.radius_neighbours = usual_radius_neighbours;
@@ -78,15 +85,16 @@ public:
         WorkOnTree then;
         if (normals_)
             then = [&](const std::filesystem::path& tree, BuildReport& built) {
-                computed = compute_normals(tree, wanted, context.progress);
+                computed = compute_normals(tree, wanted, progress);
                 std::vector<std::string>& warnings = computed.outcome.warnings;
                 built.outcome.warnings.insert(built.outcome.warnings.end(), warnings.begin(), warnings.end());
                 warnings.clear();
             };
-        const BuildReport report = build_tree_then({inputs_.begin(), inputs_.end()}, output, options_, then);
+        const BuildReport report = build_tree_then({inputs_.begin(), inputs_.end()}, bucket.place(), options_, then);
+        bucket.send(sent);
         Result result;
         result.input = inputs_;
-        result.output = output.string();
+        result.output = output;
         result.makes = open_ ? Makes::cloud : Makes::file;
         describe(result, report);
         result.values["normals"] = nullptr;

@@ -2,6 +2,7 @@
 #include "pcm/convert/convert.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/ops/shared/bucket_output.h"
 #include "pcm/ops/shared/level_arguments.h"
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/region_arguments.h"
@@ -9,14 +10,22 @@
 #include "pcm/ops/table.h"
 #include "pcm/query/nearest.h"
 #include "pcm/system/error.h"
+#include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
 #include "pcm/system/tree_folder.h"
+#include "pcm/system/url.h"
 #include "pcm/tree/tree.h"
 
 #include <algorithm>
+#include <chrono>
 
 namespace pcm::ops {
 namespace {
+
+std::vector<std::filesystem::path> paths_of(const std::vector<std::string>& texts)
+{
+    return {texts.begin(), texts.end()};
+}
 
 Vec3d vector_of(const std::vector<double>& v) { return {v[0], v[1], v[2]}; }
 
@@ -37,7 +46,7 @@ public:
             .letter('o')
             .label("Output")
             .help("What is written; its extension sets the format: " + std::string(tree_extension) + ", " +
-                  writable_text())
+                  writable_text() + "; a tree may be in a bucket, s3://BUCKET/NAME.pct")
             .without("the last path");
         declare_choice();
         declare_grid();
@@ -70,7 +79,9 @@ public:
         if (!colour_bits_.empty()) options_.write.colour_bits = colour_bits_ == "8" ? 8 : 16;
         options_.progress = context.progress;
         const double left_out = choose_level(result.input);
-        const ConvertReport report = pcm::convert({result.input.begin(), result.input.end()}, result.output, options_);
+        const ConvertReport report = is_url(result.output)
+                                         ? convert_to_bucket(result, context.progress)
+                                         : pcm::convert(paths_of(result.input), result.output, options_);
         result.accuracy = without_finer_levels(left_out, report.outcome.error);
         describe(result, report);
         return result;
@@ -174,6 +185,34 @@ private:
         } else if (!scale_.empty()) {
             options_.scale = vector_of(scale_);
         }
+    }
+
+    // A whole tree of this machine is sent as it is; anything else becomes a tree here first.
+    ConvertReport convert_to_bucket(const Result& result, const ProgressFunction& progress)
+    {
+        const BucketOutput bucket(result.output, result.input, options_.overwrite);
+        const std::string& input = result.input[0];
+        if (result.input.size() == 1 && !is_url(input) && is_tree_folder(tree_folder_of(input)) && takes_everything()) {
+            ConvertReport report;
+            const auto start = std::chrono::steady_clock::now();
+            report.outcome.points_in = report.outcome.points_out = Tree::open(input)->info().points;
+            report.bytes = bucket.send(input, progress);
+            report.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            report.outcome.error_meaning = "largest position error, source units";
+            return report;
+        }
+        options_.progress = part_of(progress, 0, 0.8);
+        options_.overwrite = bucket.may_replace();
+        const ConvertReport report = pcm::convert(paths_of(result.input), bucket.place(), options_);
+        bucket.send(part_of(progress, 0.8, 1));
+        return report;
+    }
+
+    bool takes_everything() const
+    {
+        const CloudOptions& cloud = options_.cloud;
+        return !cloud.level && !cloud.max_points && !cloud.selection.chooses_points() &&
+               !cloud.selection.chooses_attributes() && options_.chunk_points == default_chunk_points;
     }
 
     // Sets the level. Returns the largest spacing of the trees at it (query/nearest.h); 0: all points are taken.

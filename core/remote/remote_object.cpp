@@ -1,51 +1,15 @@
 #include "pcm/remote/remote_object.h"
 
-#include "pcm/remote/curl/curl_module.h"
+#include "pcm/remote/transfers.h"
 #include "pcm/system/error.h"
-#include "pcm/system/shared_module.h"
-#include "pcm/system/work_done.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <random>
-#include <thread>
 
 namespace pcm {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-constexpr const char* module_file = "libpcm_curl.so";
 constexpr int most_redirects = 5;
-constexpr double first_wait = 0.2, longest_wait = 5;  // seconds between two tries
-constexpr const char* unreachable_text = "the server cannot be reached: ";
-
-struct Session {
-    const TransferFunctions* functions = nullptr;
-    void* session = nullptr;
-    std::string missing;
-};
-
-// One for the process; it stays until the process ends, since its connections serve all trees.
-const Session& session()
-{
-    static const Session opened = [] {
-        const SharedModule module = load_shared_module(module_file, curl_module_symbol, curl_module_version);
-        Session made{static_cast<const TransferFunctions*>(module.functions), nullptr, module.missing};
-        if (!made.functions) return made;
-        TransferOptions options{};
-        options.connect_seconds = 5;
-        options.stall_seconds = 10;
-        options.connections = 16;
-        options.certificates = std::getenv("SSL_CERT_FILE");
-        made.session = made.functions->open(&options);
-        if (!made.session) made.missing = "libcurl cannot be started";
-        return made;
-    }();
-    return opened;
-}
 
 // "bytes 0-9/200", or "bytes */200" for a range beyond the end.
 struct StatedRange {
@@ -70,8 +34,6 @@ std::optional<StatedRange> parse_range(const char* text)
     return range;
 }
 
-bool is_busy(int status) { return status == 408 || status == 429 || (status >= 500 && status != 501 && status != 505); }
-
 std::string server_of(const std::string& url) { return url.substr(0, url.find('/', url.find("://") + 3)); }
 
 }  // namespace
@@ -95,9 +57,7 @@ bool is_unreachable(const Error& error)
 RemoteObject::RemoteObject(const std::filesystem::path& address)
     : address_(address), target_(target_of(Url::parse(address))), url_(target_.url)
 {
-    if (!session().session)
-        throw Error(ErrorCode::unsupported, address, "addresses cannot be opened here: " + session().missing,
-                    std::string("install ") + module_file + " (built where libcurl4-openssl-dev is installed)");
+    require_transfers(address);
 }
 
 std::optional<RemoteVersion> RemoteObject::known() const
@@ -224,13 +184,7 @@ TransferRequest RemoteObject::request_of(const Try& one, bool new_connection) co
         request.to = one.range->to;
     }
     if (!one.tag.empty()) request.if_match = one.tag.c_str();
-    request.region = target_.region.c_str();
-    if (target_.credentials) {
-        request.key_id = target_.credentials->key_id.c_str();
-        request.secret = target_.credentials->secret.c_str();
-        if (!target_.credentials->session_token.empty())
-            request.session_token = target_.credentials->session_token.c_str();
-    }
+    sign(request, target_);
     request.new_connection = new_connection;
     return request;
 }
@@ -246,11 +200,9 @@ const RemoteObject::Try* RemoteObject::perform_once(std::vector<Try>& tries, boo
         open.push_back(&one);
         requests.push_back(request_of(one, new_connections));
     }
-    std::vector<TransferAnswer> answers(open.size());
-    session().functions->perform(session().session, requests.data(), answers.data(), open.size());
+    const std::vector<TransferAnswer> answers = perform_transfers(requests);
     const Try* failed = nullptr;
     for (std::size_t i = 0; i < open.size(); ++i) {
-        count_request(answers[i].got);
         open[i]->answer = answers[i];
         open[i]->done = accept(*open[i]);
         if (!open[i]->failure.empty() && (!failed || answers[i].retry_after > failed->answer.retry_after))
@@ -261,24 +213,18 @@ const RemoteObject::Try* RemoteObject::perform_once(std::vector<Try>& tries, boo
 
 void RemoteObject::perform(std::vector<Try>& tries) const
 {
-    thread_local std::minstd_rand random{std::random_device{}()};
-    const auto start = Clock::now();
-    double wait = first_wait;
+    Patience patience;
     for (bool again = false;;) {
         const Try* const failed = perform_once(tries, again);
         if (std::all_of(tries.begin(), tries.end(), [](const Try& one) { return one.done; })) return;
         again = failed != nullptr;
         if (!again) continue;  // sent on by the server
-        const double pause =
-            std::max(failed->answer.retry_after, wait * std::uniform_real_distribution<>(0.5, 1.0)(random));
         const bool silent = failed->answer.status == 0;
         const double limit = silent && gone_ ? 0 : answered_ ? most_seconds : most_seconds_of_first;
-        if (!(std::chrono::duration<double>(Clock::now() - start).count() + pause < limit)) {
+        if (!patience.wait(failed->answer.retry_after, limit)) {
             gone_ = silent;
             throw Error(ErrorCode::io, address_, failed->failure, "try again later");
         }
-        std::this_thread::sleep_for(std::chrono::duration<double>(pause));
-        wait = std::min(2 * wait, longest_wait);
     }
 }
 

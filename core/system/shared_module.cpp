@@ -7,7 +7,7 @@
 namespace pcm {
 namespace {
 
-// The folders of this code and of the program, those where an install of it has its libraries, and where the system
+// The folders of this code and of the program, those where an install of it has its modules, and where the system
 // looks.
 std::vector<std::filesystem::path> places(const std::string& name)
 {
@@ -20,9 +20,9 @@ std::vector<std::filesystem::path> places(const std::string& name)
         std::error_code ignored;
         const auto folder = std::filesystem::weakly_canonical(code, ignored).parent_path();
         all.push_back(folder / name);
-        all.push_back(folder / PCM_LIBRARY_FROM_PROGRAM / name);
+        all.push_back(folder / PCM_MODULES_FROM_PROGRAM / name);
     }
-    all.emplace_back(std::filesystem::path(PCM_LIBRARY_FOLDER) / name);
+    all.emplace_back(std::filesystem::path(PCM_MODULES) / name);
     all.emplace_back(name);
     return all;
 }

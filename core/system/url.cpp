@@ -30,7 +30,8 @@ bool is_in_host(char c)
 void refuse_to_write(const std::filesystem::path& path)
 {
     if (is_url(path))
-        throw Error(ErrorCode::unsupported, path, "nothing is written to an address; a tree there can only be read",
+        throw Error(ErrorCode::unsupported, path,
+                    "nothing is written to an address, except trees to buckets (s3://) by build and convert",
                     "write to a path of this machine ('pcmlab convert ADDRESS COPY.pct' copies a tree to one)");
 }
 

@@ -17,9 +17,9 @@ import sys
 import unittest
 
 # Backends that packaging/debian/rules leaves out, as Debian would have them as packages of their own.
-LEFT_OUT = {"usr/lib/libpcm_flann.so", "usr/lib/libpcm_pcl.so", "usr/lib/libpcm_step.so", "usr/lib/libpcm_curl.so"}
+LEFT_OUT = {"usr/lib/pcmlab/libpcm_flann.so", "usr/lib/pcmlab/libpcm_pcl.so", "usr/lib/pcmlab/libpcm_step.so"}
 # Which package has which component.
-PACKAGES = {"command": "pcmlab", "manual": "pcmlab", "meshlab": "meshlab-plugin-pcmlab", "library": "libpcmlab-dev",
+PACKAGES = {"command": "pcmlab", "modules": "pcmlab", "manual": "pcmlab", "meshlab": "meshlab-plugin-pcmlab", "library": "libpcmlab-dev",
             "python": "python3-pcmlab"}
 ARGUMENTS = None
 
@@ -97,8 +97,8 @@ class Packages(unittest.TestCase):
         rules = (ARGUMENTS.source / "packaging" / "debian" / "rules").read_text()
         named = set(re.findall(r"\w+", re.search(r"^components := (.*)$", rules, re.MULTILINE)[1]))
         self.assertLessEqual(self.components, named)
-        for option, module in (("FLANN", "flann"), ("PCL", "pcl")):
-            self.assertIn(f"usr/lib/libpcm_{module}.so", LEFT_OUT)
+        for option, module in (("FLANN", "flann"), ("PCL", "pcl"), ("STEP", "step")):
+            self.assertIn(f"usr/lib/pcmlab/libpcm_{module}.so", LEFT_OUT)
             self.assertIn(f"-DPCM_WITH_{option}=OFF", rules)
 
     def test_what_lists_and_files_do_not_share_is_found(self):

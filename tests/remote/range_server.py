@@ -1,4 +1,4 @@
-"""A server of files with ranges and entity tags on this machine: with a delay, over TLS, and with signed requests, as S3 has them."""
+"""A server of files with ranges and entity tags on this machine: with a delay, over TLS, and with signed requests that also write, as S3 has them."""
 
 import datetime
 import hashlib
@@ -38,8 +38,10 @@ def refusal_of(request, keys, region):
     if not wanted <= set(signed.split(";")):
         return f"not signed: {wanted - set(signed.split(';'))}"
     headers = "".join(f"{name}:{' '.join(request.headers.get(name, '').split())}\n" for name in signed.split(";"))
-    path = urllib.parse.quote(urllib.parse.unquote(request.path), safe="/-._~")
-    canonical = "\n".join([request.command, path, "", headers, signed, request.headers.get("X-Amz-Content-Sha256", "")])
+    path, _, query = request.path.partition("?")
+    path = urllib.parse.quote(urllib.parse.unquote(path), safe="/-._~")
+    query = "&".join(sorted(query.split("&")))
+    canonical = "\n".join([request.command, path, query, headers, signed, request.headers.get("X-Amz-Content-Sha256", "")])
     text = "\n".join(["AWS4-HMAC-SHA256", when, f"{day}/{region}/s3/aws4_request", hashlib.sha256(canonical.encode()).hexdigest()])
     right = hmac.new(signing_key(keys[key_id], day, region), text.encode(), hashlib.sha256).hexdigest()
     return None if hmac.compare_digest(right, signature) else "a wrong signature"
@@ -60,6 +62,43 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.end_headers()
         if self.command != "HEAD":
             self.wfile.write(body)
+
+    def do_PUT(self):
+        self.change()
+
+    def do_POST(self):
+        self.change()
+
+    def do_DELETE(self):
+        self.change()
+
+    def change(self):
+        """What S3 does with a request that writes, unless the server's `trouble` makes something else of it."""
+        serving = self.server.serving
+        body = self.rfile.read(int(self.headers.get("Content-Length", 0)))
+        path, _, query = self.path.partition("?")
+        query = dict(urllib.parse.parse_qsl(query, keep_blank_values=True))
+        serving.requests.append((self.command, self.path, len(body)))
+        why = refusal_of(self, serving.keys or {}, serving.region)
+        if why is None and hashlib.sha256(body).hexdigest() != self.headers.get("X-Amz-Content-Sha256"):
+            why = "another content than the signed one"
+        if why is not None:
+            serving.refusals.append(why)
+            self.answer(403, {}, b"<Error><Code>AccessDenied</Code><Message>You may not &quot;write&quot; here</Message></Error>")
+            return
+        trouble = serving.trouble(self.command, path, query) if serving.trouble else None
+        if trouble == "busy":
+            self.answer(503, {}, b"<Error><Code>SlowDown</Code></Error>")
+        elif trouble == "late error":  # S3 has begun to answer that all is well
+            self.answer(200, {}, b"<?xml?>\n  <Error><Code>InternalError</Code></Error>")
+        elif trouble == "cut":
+            self.close_connection = True
+        else:
+            status, headers, answer = serving.bucket.carry_out(self.command, urllib.parse.unquote(path).lstrip("/"), query, body)
+            if trouble == "lost answer":
+                self.close_connection = True
+            else:
+                self.answer(status, headers, answer)
 
     def do_HEAD(self):
         self.do_GET()
@@ -97,6 +136,51 @@ class Handler(http.server.BaseHTTPRequestHandler):
         self.answer(206, {**headers, "Content-Range": f"bytes {first}-{last}/{status.st_size}"}, body)
 
 
+class Bucket:
+    """Files of a folder as S3 writes them, at once or in parts."""
+
+    def __init__(self, folder):
+        self.folder, self.uploads, self.made = folder, {}, 0
+        self.lock = threading.Lock()
+
+    def carry_out(self, method, name, query, body):
+        with self.lock:
+            return self.carry_out_alone(method, name, query, body)
+
+    def carry_out_alone(self, method, name, query, body):
+        file = self.folder / name
+        if not (self.folder / pathlib.Path(name).parts[0]).is_dir():
+            return 404, {}, b"<Error><Code>NoSuchBucket</Code></Error>"
+        if method == "POST" and "uploads" in query:
+            self.made += 1
+            self.uploads[f"id+/{self.made}=="] = {}
+            return 200, {}, f"<InitiateMultipartUploadResult><UploadId>id+/{self.made}==</UploadId></InitiateMultipartUploadResult>".encode()
+        if "uploadId" in query and query["uploadId"] not in self.uploads:
+            return 404, {}, b"<Error><Code>NoSuchUpload</Code></Error>"
+        if method == "DELETE" and "uploadId" in query:
+            del self.uploads[query["uploadId"]]
+            return 204, {}, b""
+        if method == "DELETE":
+            file.unlink(missing_ok=True)
+            return 204, {}, b""
+        tag = f'"{hashlib.md5(body).hexdigest()}"'
+        if "partNumber" in query:
+            self.uploads[query["uploadId"]][int(query["partNumber"])] = (tag, body)
+            return 200, {"ETag": tag}, b""
+        if method == "POST":
+            parts = self.uploads[query["uploadId"]]
+            named = re.findall(r"<PartNumber>(\d+)</PartNumber><ETag>([^<]*)</ETag>", body.decode())
+            if [(int(number), tag.replace("&quot;", '"')) for number, tag in named] != [(number, parts[number][0]) for number in sorted(parts)]:
+                return 400, {}, b"<Error><Code>InvalidPart</Code></Error>"
+            body = b"".join(parts[number][1] for number in sorted(parts))
+            if any(len(parts[number][1]) < 5 << 20 for number in sorted(parts)[:-1]):
+                return 400, {}, b"<Error><Code>EntityTooSmall</Code></Error>"
+            del self.uploads[query["uploadId"]]
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_bytes(body)
+        return 200, {"ETag": tag}, b""
+
+
 class Listener(http.server.ThreadingHTTPServer):
     daemon_threads = True
     request_queue_size = 64
@@ -108,6 +192,7 @@ class RangeServer:
     def __init__(self, folder, delay=0, keys=None, region="us-east-1", certificate=None):
         self.folder, self.delay, self.keys, self.region = pathlib.Path(folder), delay, keys, region
         self.requests, self.refusals = [], []
+        self.bucket, self.trouble = Bucket(self.folder), None
         self.listener = Listener(("127.0.0.1", 0), Handler)
         self.listener.serving = self
         self.scheme = "https" if certificate else "http"

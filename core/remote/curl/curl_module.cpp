@@ -2,6 +2,7 @@
 #include "pcm/remote/curl/curl_module.h"
 
 #include <curl/curl.h>
+#include <openssl/sha.h>
 
 #include <strings.h>
 #include <algorithm>
@@ -40,16 +41,32 @@ struct Transfer {
     }
 };
 
+// In hexadecimal digits.
+std::string sha256(const void* content, std::uint64_t bytes)
+{
+    std::array<unsigned char, SHA256_DIGEST_LENGTH> digest{};
+    SHA256(static_cast<const unsigned char*>(content), static_cast<std::size_t>(bytes), digest.data());
+    std::string text;
+    for (const unsigned char byte : digest) {
+        std::array<char, 3> two{};
+        std::snprintf(two.data(), two.size(), "%02x", byte);
+        text += two.data();
+    }
+    return text;
+}
+
 std::size_t take_body(char* bytes, std::size_t, std::size_t size, void* to)
 {
     auto& transfer = *static_cast<Transfer*>(to);
     TransferAnswer& answer = *transfer.answer;
     long status = 0;
     curl_easy_getinfo(transfer.handle, CURLINFO_RESPONSE_CODE, &status);
-    if (status != 206) return size;  // a page about an error; how much of one is read is limited below
+    const bool sent = transfer.request->method;
+    if (status != 206 && !sent) return size;  // a page about an error; how much of one is read is limited below
     const auto room = static_cast<std::size_t>(transfer.request->bytes - answer.got);
-    std::memcpy(static_cast<char*>(transfer.request->to) + answer.got, bytes, std::min(room, size));
+    if (room > 0) std::memcpy(static_cast<char*>(transfer.request->to) + answer.got, bytes, std::min(room, size));
     answer.got += std::min(room, size);
+    if (sent) return size;
     answer.more_than_asked = size > room;
     return answer.more_than_asked ? 0 : size;
 }
@@ -145,6 +162,7 @@ public:
 
 private:
     bool prepare(Transfer& transfer) const;
+    void send_content(Transfer& transfer) const;
     void sign(Transfer& transfer) const;
     void drive();
     void start_waiting();
@@ -189,7 +207,9 @@ bool Session::prepare(Transfer& transfer) const
     curl_easy_setopt(handle, CURLOPT_XFERINFODATA, &transfer);
     curl_easy_setopt(handle, CURLOPT_NOPROGRESS, 0L);
     if (!certificates_.empty()) curl_easy_setopt(handle, CURLOPT_CAINFO, certificates_.c_str());
-    if (request.bytes == 0) {
+    if (request.method) {
+        send_content(transfer);
+    } else if (request.bytes == 0) {
         curl_easy_setopt(handle, CURLOPT_NOBODY, 1L);
     } else {
         const std::string range =
@@ -203,6 +223,21 @@ bool Session::prepare(Transfer& transfer) const
     return true;
 }
 
+void Session::send_content(Transfer& transfer) const
+{
+    constexpr double more_patience = 6;  // a server puts parts together before it answers
+    const TransferRequest& request = *transfer.request;
+    curl_easy_setopt(transfer.handle, CURLOPT_CUSTOMREQUEST, request.method);
+    curl_easy_setopt(transfer.handle, CURLOPT_LOW_SPEED_TIME,
+                     static_cast<long>(more_patience * options_.stall_seconds));
+    if (std::strcmp(request.method, "DELETE") == 0) return;
+    curl_easy_setopt(transfer.handle, CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(request.content_bytes));
+    curl_easy_setopt(transfer.handle, CURLOPT_POSTFIELDS, request.content_bytes > 0 ? request.content : "");
+    transfer.headers = curl_slist_append(transfer.headers, "Content-Type: application/octet-stream");
+    constexpr long permission_ms = 200;  // the longest wait for the server's permission to send a large content
+    curl_easy_setopt(transfer.handle, CURLOPT_EXPECT_100_TIMEOUT_MS, permission_ms);
+}
+
 void Session::sign(Transfer& transfer) const
 {
     const TransferRequest& request = *transfer.request;
@@ -213,9 +248,9 @@ void Session::sign(Transfer& transfer) const
     if (request.session_token)
         transfer.headers = curl_slist_append(transfer.headers,
                                              (std::string("X-Amz-Security-Token: ") + request.session_token).c_str());
-    // The checksum of an empty body, which S3 wants stated.
+    // The checksum of what is sent, which S3 wants stated.
     transfer.headers = curl_slist_append(
-        transfer.headers, "X-Amz-Content-Sha256: e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
+        transfer.headers, ("X-Amz-Content-Sha256: " + sha256(request.content, request.content_bytes)).c_str());
 }
 
 void Session::start_waiting()

@@ -15,6 +15,11 @@ struct TransferRequest {
     std::uint64_t offset, bytes;  // the range that is asked for; of no bytes: the answer's head alone (HEAD)
     void* to;                     // room for `bytes`
     const char* if_match;         // entity tag, quotes included
+    // Where there is a method (PUT, POST, DELETE) the `content` is sent with it, no range is asked for, and `to` takes
+    // what it has room for of the answer, whatever its status.
+    const char* method;
+    const void* content;
+    std::uint64_t content_bytes;
     // For a signed request, as S3 asks for it (AWS signature version 4).
     const char *region, *key_id, *secret, *session_token;
     bool new_connection;  // not one that was used before
@@ -50,7 +55,7 @@ struct TransferFunctions {
     void (*perform)(void* session, const TransferRequest* requests, TransferAnswer* answers, std::size_t count);
 };
 
-inline constexpr std::uint32_t curl_module_version = 1;
+inline constexpr std::uint32_t curl_module_version = 2;
 
 // The one symbol of the shared object: see system/shared_module.h.
 inline constexpr const char* curl_module_symbol = "pcm_transfer_functions";
