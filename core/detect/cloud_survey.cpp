@@ -104,12 +104,15 @@ double quantile(std::vector<double>& values, double share)
 
 }  // namespace
 
-CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& places,
+CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& places, Repeated repeated,
                          const std::function<void()>& check)
 {
     std::vector<double> spacings, noises;
     SampleSettings settings;
     settings.level = points.tree().info().levels;
+    // A cell of the grid's finest step has one position.
+    const Vec3d& step_of_grid = points.tree().info().grid.scale;
+    if (repeated == Repeated::once) settings.cell = *std::min_element(step_of_grid.begin(), step_of_grid.end());
     const std::size_t patches_per_place =
         std::min(most_patches, all_patches / std::max<std::size_t>(1, places.size()) + 1);
     for (const Box3i& place : places) {
@@ -133,7 +136,7 @@ CloudSurvey survey_cloud(const ChosenPoints& points, const std::vector<Box3i>& p
 }
 
 CloudPart quiet_part(const ChosenPoints& points, const std::vector<Box3i>& regions, const std::vector<Box3i>& groups,
-                     const CloudSurvey& whole, const std::function<void()>& check)
+                     const CloudSurvey& whole, Repeated repeated, const std::function<void()>& check)
 {
     if (regions.empty()) return {};
     const SurveyTuning& tuned = detect_tuning().survey;
@@ -144,9 +147,9 @@ CloudPart quiet_part(const ChosenPoints& points, const std::vector<Box3i>& regio
     for (std::size_t i = 0; i < places_per_region; ++i) {
         for (std::size_t r = 0; r < regions.size(); ++r) {
             if (least[r] < most) continue;
-            CloudSurvey found = survey_cloud(points, {dense_place(points.tree(), regions[r], i)}, check);
+            CloudSurvey found = survey_cloud(points, {dense_place(points.tree(), regions[r], i)}, repeated, check);
             // Numbers of points of places are estimates: it may be empty.
-            if (i == 0 && !(found.spacing > 0)) found = survey_cloud(points, {regions[r]}, check);
+            if (i == 0 && !(found.spacing > 0)) found = survey_cloud(points, {regions[r]}, repeated, check);
             if (found.least_noise > 0) least[r] = std::min(least[r], found.least_noise);
             is_dense[r] = is_dense[r] || (found.spacing > 0 && found.spacing < dense);
         }

@@ -131,7 +131,7 @@ public:
     {
         if (!survey() || !is_automatic()) return {};
         return quiet_part(points_, units_.with_points(region_points), units_.with_points(4 * region_points), survey_,
-                          [&] { watch_.report("Looking at the cloud", 0.01); });
+                          repeated_, [&] { watch_.report("Looking at the cloud", 0.01); });
     }
 
     // After quiet(), or for a part.
@@ -182,8 +182,7 @@ private:
         std::vector<Box3i> places;
         const std::size_t count = std::min(all.size(), survey_places);
         for (std::size_t i = 0; i < count; ++i) places.push_back(all[(2 * i + 1) * all.size() / (2 * count)]);
-        const CloudSurvey& found = survey_ =
-            survey_cloud(points_, places, [&] { watch_.report("Looking at the cloud", 0.01); });
+        const CloudSurvey& found = survey_ = survey_of(places);
         report_.spacing = found.spacing;
         report_.noise = found.noise;
         if (!(found.spacing > 0)) {
@@ -206,6 +205,16 @@ private:
                         "subsample)");
         if (options_.step > 0) report_.sample = std::min(report_.sample, options_.step / 2);
         return true;
+    }
+
+    // The spacing of points that are repeated several times is 0.
+    CloudSurvey survey_of(const std::vector<Box3i>& places)
+    {
+        const auto check = [&] { watch_.report("Looking at the cloud", 0.01); };
+        const CloudSurvey found = survey_cloud(points_, places, repeated_, check);
+        if (found.spacing > 0) return found;
+        repeated_ = Repeated::once;
+        return survey_cloud(points_, places, repeated_, check);
     }
 
     std::vector<Resolution> resolutions() const
@@ -395,6 +404,7 @@ private:
     double progress_ = 0.02;
     std::vector<Hypothesis> hypotheses_;
     CloudSurvey survey_;
+    Repeated repeated_ = Repeated::counted;
     DetectReport report_;
     std::vector<bool> contested_;
 };

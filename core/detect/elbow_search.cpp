@@ -34,30 +34,72 @@ struct Corner {
     AxesMeeting meeting;
 };
 
-// Arc of a tube that touches two lines from `at`; `tangent` long up to where it touches them.
+// Arc of a tube that touches two lines from `at`.
 struct BendFrame {
-    Vec3d at{}, out_a{}, out_b{}, inwards{}, axis{};
+    Vec3d at{}, inwards{}, axis{};
     double turn = 0;
-
-    Shape torus(double tangent, double tube) const
-    {
-        Shape shape{ShapeKind::torus, {}, axis, tangent / std::tan(turn / 2), tube};
-        shape.point = at + (shape.radius / std::cos(turn / 2)) * inwards;
-        return shape;
-    }
 };
 
 BendFrame frame_of(const TubeEnd& a, const TubeEnd& b, const AxesMeeting& meeting)
 {
     BendFrame frame;
     frame.at = 0.5 * ((a.place + meeting.to_a * a.out) + (b.place + meeting.to_b * b.out));
-    frame.out_a = a.out;
-    frame.out_b = b.out;
     frame.inwards = normalised(-1 * (a.out + b.out));
     frame.axis = normalised(cross(a.out, -1 * b.out));
     frame.turn = meeting.turn;
     return frame;
 }
+
+// Points near a corner, and which of them are on the middle half of an arc that touches both lines `tangent` away from
+// it. All such arcs have one plane and one line of symmetry.
+class BendPoints {
+public:
+    BendPoints(const BendFrame& frame, const std::vector<Vec3d>& points, double tube, double threshold)
+        : half_(std::tan(frame.turn / 2)),
+          secant_(1 / std::cos(frame.turn / 2)),
+          least_cosine_(std::cos(frame.turn / 4)),
+          tube_(tube),
+          threshold_(threshold)
+    {
+        const Vec3d across = cross(frame.axis, frame.inwards);
+        for (const Vec3d& p : points) {
+            const Vec3d d = p - frame.at;
+            const double height = dot(d, frame.axis);
+            if (std::fabs(height) <= tube + threshold)
+                points_.push_back({p, -dot(d, frame.inwards), dot(d, across), height});
+        }
+    }
+
+    std::size_t count(double tangent) const
+    {
+        const auto is_there = [&](const Placed& p) { return is_on(p, tangent / half_); };
+        return static_cast<std::size_t>(std::count_if(points_.begin(), points_.end(), is_there));
+    }
+    std::vector<Vec3d> on_arc(double tangent) const
+    {
+        std::vector<Vec3d> found;
+        for (const Placed& p : points_)
+            if (is_on(p, tangent / half_)) found.push_back(p.position);
+        return found;
+    }
+
+private:
+    struct Placed {
+        Vec3d position{};
+        double outwards = 0, across = 0, height = 0;  // from the corner
+    };
+    bool is_on(const Placed& p, double bend) const
+    {
+        const double out = p.outwards + bend * secant_;  // from the arc's centre
+        const double away = std::sqrt(out * out + p.across * p.across);
+        if (!(out > least_cosine_ * away)) return false;
+        const double from_circle = away - bend;
+        return std::fabs(std::sqrt(from_circle * from_circle + p.height * p.height) - tube_) <= threshold_;
+    }
+
+    double half_, secant_, least_cosine_, tube_, threshold_;
+    std::vector<Placed> points_;
+};
 
 class ElbowSearch {
 public:
@@ -134,19 +176,6 @@ private:
         return points_near(cloud_, frame.at, near).points.sources();
     }
 
-    // Points on the middle half of the arc.
-    static std::vector<Vec3d> on_arc(const BendFrame& frame, const Shape& torus, double threshold,
-                                     const std::vector<Vec3d>& points)
-    {
-        std::vector<Vec3d> found;
-        for (const Vec3d& p : points) {
-            const Vec3d d = p - torus.point, along = d - dot(d, torus.axis) * torus.axis;
-            if (!(dot(along, -1 * frame.inwards) > std::cos(frame.turn / 4) * length(along))) continue;
-            if (distance_to(torus, p) <= threshold) found.push_back(p);
-        }
-        return found;
-    }
-
     // The tangent, between what both ends leave open and what cylinders can have of a bend, with most points.
     std::vector<Vec3d> arc_points(const Corner& corner, const BendFrame& frame, double threshold) const
     {
@@ -154,14 +183,16 @@ private:
         const double nearest = std::min(corner.meeting.to_a, corner.meeting.to_b);
         const double least = std::max(nearest - radius, tuned_.corners.min_bend * radius * half);
         const double most = std::max(nearest + detect_tuning().elbows.max_reach * radius, least);
-        const std::vector<Vec3d> points = points_around(frame, most + 2 * radius);
-        std::vector<Vec3d> best;
+        const BendPoints points(frame, points_around(frame, most + 2 * radius), radius, threshold);
+        double best = least;
+        std::size_t most_on = 0;
         for (std::size_t i = 0; i <= tangent_steps; ++i) {
             const double tangent = least + (most - least) * static_cast<double>(i) / static_cast<double>(tangent_steps);
-            std::vector<Vec3d> found = on_arc(frame, frame.torus(tangent, radius), threshold, points);
-            if (found.size() > best.size()) best = std::move(found);
+            const std::size_t count = points.count(tangent);
+            if (count > most_on) best = tangent;
+            most_on = std::max(most_on, count);
         }
-        return best;
+        return points.on_arc(best);
     }
 
     // Fits from points of the arc's middle on different sides of the tube, until one joins both pipes.

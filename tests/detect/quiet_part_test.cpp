@@ -47,8 +47,9 @@ protected:
     CloudPart part_of_tree() const
     {
         const ChosenPoints points(tree_, {});
-        const CloudSurvey whole = survey_cloud(points, plan_units(*tree_, 20000), [] {});
-        return quiet_part(points, plan_units(*tree_, 40000), plan_units(*tree_, 160000), whole, [] {});
+        const CloudSurvey whole = survey_cloud(points, plan_units(*tree_, 20000), Repeated::counted, [] {});
+        return quiet_part(points, plan_units(*tree_, 40000), plan_units(*tree_, 160000), whole, Repeated::counted,
+                          [] {});
     }
     Vec3i grid_of(const Vec3d& p) const
     {

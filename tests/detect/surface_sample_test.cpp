@@ -207,13 +207,13 @@ TEST_F(SurfaceSamples, TheSurveyFindsSpacingAndNoise)
 {
     const ChosenPoints chosen(tree_, {});
     int checks = 0;
-    const CloudSurvey survey = survey_cloud(chosen, {tree_->info().box}, [&] { ++checks; });
+    const CloudSurvey survey = survey_cloud(chosen, {tree_->info().box}, Repeated::counted, [&] { ++checks; });
     EXPECT_EQ(checks, 1);
     const double spacing = std::sqrt(1 / (pi * 500));  // within which a point has another one on average
     EXPECT_NEAR(survey.spacing, 1.67 * spacing, 0.1 * spacing);
     EXPECT_GT(survey.noise, 0.002);  // the larger part of it
     EXPECT_LT(survey.noise, 0.004);
-    EXPECT_EQ(survey_cloud(chosen, {}, [] {}).spacing, 0);
+    EXPECT_EQ(survey_cloud(chosen, {}, Repeated::counted, [] {}).spacing, 0);
 }
 
 TEST_F(SurfaceSamples, TheSurveyFindsNoiseThatIsWiderThanTheSpacing)
@@ -223,7 +223,7 @@ TEST_F(SurfaceSamples, TheSurveyFindsNoiseThatIsWiderThanTheSpacing)
     for (int i = 0; i < 20000; ++i)
         points.push_back({{dice.between(0, 0.5), dice.between(0, 0.5), 0.01 * dice.normal()}, {}});
     tree_ = build_surface_tree(folder_.path(), points);
-    const CloudSurvey survey = survey_cloud(ChosenPoints(tree_, {}), {tree_->info().box}, [] {});
+    const CloudSurvey survey = survey_cloud(ChosenPoints(tree_, {}), {tree_->info().box}, Repeated::counted, [] {});
     EXPECT_GT(survey.noise, 0.009);
     EXPECT_LT(survey.noise, 0.016);
 }
@@ -238,7 +238,7 @@ TEST_F(SurfaceSamples, TheSurveyFindsTheNoiseOfSurfacesAmongClutter)
     for (int i = 0; i < 5400; ++i)
         points.push_back({{dice.between(0, 1), dice.between(0, 1), dice.between(0.3, 1.3)}, {}});
     tree_ = build_surface_tree(folder_.path(), points);
-    const CloudSurvey survey = survey_cloud(ChosenPoints(tree_, {}), {tree_->info().box}, [] {});
+    const CloudSurvey survey = survey_cloud(ChosenPoints(tree_, {}), {tree_->info().box}, Repeated::counted, [] {});
     EXPECT_GT(survey.noise, 0.002);
     EXPECT_LT(survey.noise, 0.005);
 }
