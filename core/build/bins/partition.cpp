@@ -23,7 +23,7 @@ namespace {
 class Partition {
 public:
     Partition(PointReader& cloud, Workspace& work, Ingested& found, const TreeInfo* like)
-        : cloud_(cloud), work_(work), found_(found), like_(like), threads_(work.threads), memory_(work.memory_bytes)
+        : cloud_(cloud), work_(work), found_(found), like_(like), threads_(work.threads)
     {
         found_.schema = cloud_.info().schema;
         found_.position_type = cloud_.info().position_type;
@@ -132,7 +132,7 @@ private:
         std::vector<Observed> observed(threads_);
         std::vector<std::unique_ptr<Scratch::Writer>> writers;
         for (unsigned t = 0; t < threads_; ++t)
-            writers.push_back(std::make_unique<Scratch::Writer>(*to.scratch, 0, bins, memory_ / 4 / threads_));
+            writers.push_back(std::make_unique<Scratch::Writer>(*to.scratch, 0, bins, work_.writer_bytes()));
         stream<Batch>(
             0.4, [](const Batch&) {},
             [&](unsigned t, const Batch& batch, std::vector<std::byte>& rows) {
@@ -354,7 +354,6 @@ private:
     const TreeInfo* const like_;
     AxisShift finer_{0, 0, 0};
     const unsigned threads_;
-    const std::uint64_t memory_;
 };
 
 }  // namespace
