@@ -24,6 +24,9 @@ namespace pcm {
 
 struct RecordBatch;
 
+// Thrown by a reader that was to keep integers (PointReader::keep_integers()) and has come to a point that cannot.
+struct IntegersLost {};
+
 // What was left out because of ReadOptions::skip_bad_lines and skip_bad_files, up to now.
 struct Skipped {
     std::uint64_t lines = 0;
@@ -39,6 +42,7 @@ struct FileInfo {
     ScalarType position_type = ScalarType::f64;  // i32 for gridded sources, otherwise f32 or f64
     std::optional<Grid> grid;                    // present when positions are integers on a grid
     std::optional<Grid> near_grid;               // grid of the integers that doubles were computed from, up to rounding
+    double move_error = 0;                       // largest change of a coordinate so far by keep_integers()
     std::optional<Box3d> promised_box;           // from the header, not checked
     std::uint64_t points_left_out = 0;           // number so far beyond ReadOptions::largest_coordinate
     std::vector<Metadata> metadata;
@@ -70,6 +74,14 @@ public:
     virtual bool seekable() const { return false; }
     // The next read() starts at point `index`, counted from 0 in file order. Only when seekable().
     virtual void seek(std::uint64_t index);
+
+    // Whether positions, which come as doubles from integers on info().near_grid, can also come as integers on it, as
+    // far as the headers of files show.
+    virtual bool can_keep_integers() const { return false; }
+    // Begins again at the first point, and gives integers on info().near_grid, which becomes info().grid; or doubles
+    // again. read() and read_records() then throw IntegersLost for a point whose integers need more than 32
+    // bits, and info().move_error is set. Only where integers can be kept.
+    virtual void keep_integers(bool) {}
 
     // For progress: 0..1 of the file's bytes that read() has consumed.
     virtual double fraction_read() const = 0;

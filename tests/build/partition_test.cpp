@@ -4,6 +4,7 @@
 #include "pcm/build/bins/partition.h"
 
 #include "pcm/build/bins/divide_bins.h"
+#include "pcm/io/pipe/merged_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/tree/tree.h"
 #include "tests/build/schema_of.h"
@@ -63,17 +64,22 @@ void read_bins(const Bins<Coord>& bins, std::size_t row_bytes, bool piles, Parti
     }
 }
 
-Partitioned partition_of(const MemoryCloud& cloud, bool seekable, unsigned threads, bool piles = false,
-                         const TreeInfo* like = nullptr)
+Partitioned partition_of(PointReader& reader, unsigned threads, bool piles = false, const TreeInfo* like = nullptr)
 {
     const test::TemporaryFolder folder;
     Workspace work(folder.path(), std::uint64_t(4) << 20, 500, threads, no_progress);
-    MemoryReader reader(cloud, seekable);
     Partitioned result;
     const AnyBins bins = partition(reader, work, result.found, like);
-    result.bin_points = work.bin_points(cloud.points.size);
+    result.bin_points = work.bin_points(reader.info().points);
     std::visit([&](const auto& of) { read_bins(of, result.found.layout.bytes, piles, result); }, bins);
     return result;
+}
+
+Partitioned partition_of(const MemoryCloud& cloud, bool seekable, unsigned threads, bool piles = false,
+                         const TreeInfo* like = nullptr)
+{
+    MemoryReader reader(cloud, seekable);
+    return partition_of(reader, threads, piles, like);
 }
 
 // What partition() promises, counted on the cloud itself. `kept`: the points with finite positions.
@@ -293,6 +299,36 @@ TEST(Partition, KnowsTheTypeAndTheDecimalsOfTheSource)
             for (std::size_t a = 0; a < 3; ++a) exact.points.xyz[a][i] = std::nearbyint(exact.points.xyz[a][i] * 2) / 2;
         EXPECT_EQ(partition_of(exact, false, 2).found.decimals, none);
     }
+}
+
+// Tiles with offsets of their own: the same points, with the same error, as by way of doubles.
+TEST(Partition, KeepsTheIntegersOfTiles)
+{
+    std::vector<MemoryCloud> tiles;
+    for (const Vec3d& offset : {Vec3d{100, 200, 0}, Vec3d{100.37, -12345.678, 1}, Vec3d{100000, 1e5, -0.001}}) {
+        tiles.push_back(test::random_cloud(schema, Grid{millimetres.scale, offset}, 3000, 11 + tiles.size()));
+        Box3d& box = tiles.back().info.promised_box.emplace();
+        for (auto& column : tiles.back().points.grid_xyz)
+            for (std::int32_t& q : column) q /= 2;
+        box.min = offset + Vec3d{-1.1e6, -1.1e6, -1.1e6};
+        box.max = offset + Vec3d{1.1e6, 1.1e6, 1.1e6};
+    }
+    std::vector<MergedReader::Source> sources;
+    for (const MemoryCloud& tile : tiles)
+        sources.push_back({"tile", [&tile] { return std::make_unique<MemoryReader>(tile, false); }});
+    MergedReader straight(sources), other(sources);
+    ASSERT_TRUE(straight.can_keep_integers());
+    const MemoryCloud doubles = test::read_all(other);
+    ASSERT_FALSE(doubles.points.gridded);
+    const Partitioned found = partition_of(straight, 2), expected = partition_of(doubles, false, 2);
+    EXPECT_EQ(found.found.grid, millimetres);
+    EXPECT_EQ(expected.found.grid, millimetres);
+    EXPECT_EQ(found.found.observed.points, 9000u);
+    EXPECT_EQ(found.found.observed.hash, expected.found.observed.hash);
+    EXPECT_EQ(found.found.observed.extremes, expected.found.observed.extremes);
+    EXPECT_EQ(found.found.observed.position_error, expected.found.observed.position_error);
+    EXPECT_GT(found.found.observed.position_error, 0);
+    EXPECT_EQ(found.found.position_type, ScalarType::i32);
 }
 
 // All points are rounded down, or all up: the error is the same.

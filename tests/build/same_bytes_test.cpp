@@ -80,7 +80,7 @@ TEST(SameBytes, OfADenseClump)
     expect_same_bytes_of_files(folder.path(), {folder / "in.las"});
 }
 
-// With one offset for all their integers are kept; with offsets of their own all goes through doubles.
+// Integers are kept, whether the offset is one for all or each tile has its own.
 TEST(SameBytes, OfTiles)
 {
     for (const double apart : {0.0, 0.5}) {
@@ -107,6 +107,19 @@ TEST(SameBytes, OfDoubles)
     for (const LasRecord& p : with_a_clump()) points.push_back({p.x / 7.0, p.y / 11.0, p.z / 13.0});
     write_ply(folder / "in.ply", points);
     expect_same_bytes_of_files(folder.path(), {folder / "in.ply"});
+}
+
+// Points too far from each other for integers of 32 bits on one grid, which headers do not show: all goes through
+// doubles.
+TEST(SameBytes, OfTilesWithWrongHeaders)
+{
+    const TemporaryFolder folder;
+    const auto points = cloud(Shape::full_range);
+    write_las(folder / "a.las", points, Grid{{0.01, 0.01, 0.01}, {0, 0, 0}});
+    write_las(folder / "b.las", points, Grid{{0.01, 0.01, 0.01}, {5000, 0, 0}});
+    expect_same_bytes_of_files(folder.path(), {folder / "a.las", folder / "b.las"});
+    EXPECT_TRUE(Tree::open(folder / "out.pct")->info().wide);
+    EXPECT_EQ(Tree::open(folder / "out.pct")->info().points, 2 * points.size());
 }
 
 // As LAZ is: on a grid, and read in order.

@@ -22,7 +22,7 @@ void distribute(Workspace& work, std::size_t pieces, const Read& read, const Don
     Crew crew(signal);
     for (unsigned t = 0; t < work.threads; ++t)
         crew.add([&, t] {
-            Scratch::Writer writer(to, first, bins, work.memory_bytes / 4 / work.threads);
+            Scratch::Writer writer(to, first, bins, work.writer_bytes());
             std::vector<std::byte> rows;
             for (std::size_t piece; !signal.stopped && (piece = next++) < pieces;) {
                 rows.clear();

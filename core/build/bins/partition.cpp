@@ -23,20 +23,43 @@ namespace {
 class Partition {
 public:
     Partition(PointReader& cloud, Workspace& work, Ingested& found, const TreeInfo* like)
-        : cloud_(cloud), work_(work), found_(found), like_(like), threads_(work.threads), memory_(work.memory_bytes)
+        : cloud_(cloud), work_(work), found_(found), like_(like), threads_(work.threads)
     {
-        found_.schema = cloud_.info().schema;
-        found_.position_type = cloud_.info().position_type;
+        begin();
     }
 
     AnyBins run()
     {
-        if (!cloud_.info().grid) return of_doubles();
+        if (cloud_.can_keep_integers() && !like_) {
+            cloud_.keep_integers(true);
+            try {
+                AnyBins bins = of_integers();
+                found_.observed.position_error = cloud_.info().move_error;
+                return bins;
+            } catch (const IntegersLost&) {  // a header is wrong
+                cloud_.keep_integers(false);
+                begin();
+            }
+        }
+        return cloud_.info().grid ? of_integers() : of_doubles();
+    }
+
+private:
+    // Also after what was read is given up.
+    void begin()
+    {
+        found_ = Ingested();
+        found_.schema = cloud_.info().schema;
+        found_.position_type = cloud_.info().position_type;
+    }
+
+    AnyBins of_integers()
+    {
+        found_.position_type = cloud_.info().position_type;
         if (cloud_.info().points_known && (cloud_.seekable() || fits_one_bin())) return of_grid();
         return of_grid_spool();
     }
 
-private:
     bool fits_one_bin()
     {
         const std::uint64_t points = cloud_.info().points;
@@ -132,7 +155,7 @@ private:
         std::vector<Observed> observed(threads_);
         std::vector<std::unique_ptr<Scratch::Writer>> writers;
         for (unsigned t = 0; t < threads_; ++t)
-            writers.push_back(std::make_unique<Scratch::Writer>(*to.scratch, 0, bins, memory_ / 4 / threads_));
+            writers.push_back(std::make_unique<Scratch::Writer>(*to.scratch, 0, bins, work_.writer_bytes()));
         stream<Batch>(
             0.4, [](const Batch&) {},
             [&](unsigned t, const Batch& batch, std::vector<std::byte>& rows) {
@@ -354,7 +377,6 @@ private:
     const TreeInfo* const like_;
     AxisShift finer_{0, 0, 0};
     const unsigned threads_;
-    const std::uint64_t memory_;
 };
 
 }  // namespace

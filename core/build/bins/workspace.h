@@ -39,6 +39,9 @@ struct Workspace {
     {
         return std::max(points >> most_bins_bits, 4 * std::uint64_t(chunk_points));
     }
+    // Size of the rows that a thread gathers on their way to bins, bytes. With what is being read and packed, all
+    // threads together stay below a quarter of the memory and some 20 MiB.
+    std::uint64_t writer_bytes() const { return memory_bytes / 32 * 7 / threads; }
     // How many of the threads work on bins of the size that a cloud of `points` has: as many as fit in half of the
     // memory, but one at least.
     unsigned bin_threads(const RowLayout& layout, std::uint64_t points) const

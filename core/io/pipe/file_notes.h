@@ -1,8 +1,10 @@
 // Notes about many files in a few lines.
 #pragma once
 
+#include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -51,6 +53,14 @@ public:
         if (count > names.size()) text += " and " + grouped(count - names.size()) + " more";
         return text;
     }
+    // "LAS (3); PLY (1)"
+    static std::string list_of(const std::map<std::string, std::size_t>& counted)
+    {
+        std::string text;
+        for (const auto& [name, count] : counted)
+            text += (text.empty() ? "" : "; ") + name + " (" + grouped(count) + ")";
+        return text;
+    }
     std::vector<std::string> take()
     {
         std::vector<std::string> all;
@@ -73,5 +83,16 @@ private:
     std::uint64_t unnamed_ = 0;
     std::vector<std::string> general_;
 };
+
+// Note about inputs without which the others were read; there is at least one.
+inline std::string note_of_left_out(const std::vector<Error>& errors)
+{
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < std::min(errors.size(), FileNotes::named_files); ++i)
+        names.push_back(FileNotes::name_of(errors[i].path()));
+    const std::string count = grouped(errors.size()) + (errors.size() == 1 ? " input" : " inputs");
+    return count + " cannot be read and" + (errors.size() == 1 ? " is" : " are") +
+           " left out: " + FileNotes::list_of(names, errors.size()) + "; the first because " + errors[0].what();
+}
 
 }  // namespace pcm

@@ -2,6 +2,7 @@
 
 #include "pcm/io/pipe/batch_shape.h"
 #include "pcm/io/pipe/file_notes.h"
+#include "pcm/io/pipe/grid_move.h"
 #include "pcm/io/pipe/grid_steps.h"
 #include "pcm/io/pipe/system_check.h"
 #include "pcm/io/record_batch.h"
@@ -22,7 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t named_faults = 10;
 constexpr std::uint64_t max_metadata_bytes = std::uint64_t{64} << 20;
 
 // Attributes that differ only in their description are the same.
@@ -110,16 +110,11 @@ void MergedReader::look_at_headers(Inputs& inputs)
     describe_missing(notes);
     settle_records();
     info_.notes = std::move(inputs.notes);
-    note_left_out(errors);
+    if (!errors.empty()) info_.notes.push_back(note_of_left_out(errors));
     for (std::string& note : notes.take()) info_.notes.push_back(std::move(note));
     std::map<std::string, std::size_t> formats;
     for (const Part& part : parts_) ++formats[part.format];
-    if (formats.size() == 1) {
-        info_.format = formats.begin()->first;
-    } else {
-        for (const auto& [format, count] : formats)
-            info_.format += (info_.format.empty() ? "" : "; ") + format + " (" + grouped(count) + ")";
-    }
+    info_.format = formats.size() == 1 ? formats.begin()->first : FileNotes::list_of(formats);
 }
 
 void MergedReader::look_at_header(const Source& source, const PointReader& reader, FileNotes& notes)
@@ -139,6 +134,10 @@ void MergedReader::look_at_header(const Source& source, const PointReader& reade
     part.position_type = info.position_type;
     part.scans = scans_of(info.metadata, info.schema);
     part.scans_before = scans_;
+    const std::optional<Grid>& first = parts_.empty() ? info.grid : parts_[0].grid;
+    part.keeps_integers =
+        first && info.grid &&
+        (info.points == 0 || (info.promised_box && GridMove(*info.grid, *first).fits(*info.promised_box)));
     scans_ += std::min(part.scans, std::numeric_limits<std::uint32_t>::max() - scans_);
     total_weight_ += part.weight;
     info_.near_grid = parts_.empty() ? info.near_grid : std::nullopt;
@@ -152,17 +151,6 @@ void MergedReader::look_at_header(const Source& source, const PointReader& reade
     } else if (info.points || !info.points_known) {
         boxes_known_ = false;
     }
-}
-
-void MergedReader::note_left_out(const std::vector<Error>& errors)
-{
-    if (errors.empty()) return;
-    std::vector<std::string> names;
-    for (std::size_t i = 0; i < std::min(errors.size(), FileNotes::named_files); ++i)
-        names.push_back(FileNotes::name_of(errors[i].path()));
-    const std::string count = grouped(errors.size()) + (errors.size() == 1 ? " input" : " inputs");
-    info_.notes.push_back(count + " cannot be read and" + (errors.size() == 1 ? " is" : " are") + " left out: " +
-                          FileNotes::list_of(names, errors.size()) + "; the first because " + errors[0].what());
 }
 
 std::size_t MergedReader::shape_of(const FileInfo& info, const fs::path& path, FileNotes& notes)
@@ -219,11 +207,13 @@ void MergedReader::take_metadata(const FileInfo& info, std::uint32_t scans_befor
 
 void MergedReader::settle_positions()
 {
-    bool one_grid = true, near = true;
+    bool one_grid = true, near = true, keep = true;
     for (const Part& part : parts_) {
         one_grid = one_grid && part.grid && *part.grid == *parts_[0].grid;
         near = near && part.grid && steps_apart(*parts_[0].grid, *part.grid);
+        keep = keep && part.keeps_integers;
     }
+    keeps_integers_ = near && keep && !one_grid;
     if (one_grid) {
         info_.grid = parts_[0].grid;
         info_.position_type = ScalarType::i32;
@@ -362,7 +352,9 @@ bool MergedReader::read_next(Batch& batch, std::size_t max_points)
 // The next points of the current part.
 bool MergedReader::read_part(RecordBatch& batch, std::size_t max_points)
 {
-    return open(current_).read_records(batch, max_points);
+    if (!open(current_).read_records(batch, max_points)) return false;
+    move_to_grid(current_, batch);
+    return true;
 }
 
 bool MergedReader::read_part(PointBatch& batch, std::size_t max_points)
@@ -373,6 +365,7 @@ bool MergedReader::read_part(PointBatch& batch, std::size_t max_points)
     PointReader& reader = open(current_);
     if (shape.same && part.grid.has_value() == gridded) {
         if (!reader.read(batch, max_points)) return false;
+        move_to_grid(current_, batch);
         put_scan_numbers(batch);
         return true;
     }
@@ -391,6 +384,7 @@ bool MergedReader::read_part(PointBatch& batch, std::size_t max_points)
         std::swap(batch.attributes[shape.places[k]], part_batch_.attributes[k]);
     for (const std::size_t k : shape.missing)
         if (Column& column = batch.attributes[k]; column.bytes()) std::memset(column.data(), 0, column.bytes());
+    move_to_grid(current_, batch);
     put_scan_numbers(batch);
     return true;
 }
@@ -398,12 +392,11 @@ bool MergedReader::read_part(PointBatch& batch, std::size_t max_points)
 // The rest of the current part cannot be read.
 void MergedReader::give_up(const Error& error)
 {
-    ++info_.skipped.incomplete_files;
-    if (faults_.size() == named_faults) return;
     const Part& part = parts_[current_];
-    faults_.push_back(FileNotes::name_of(sources_[current_].path) + " could be read in part: " + grouped(part_points_) +
-                      " of its " + (part.points_known ? "" : "about ") + grouped(part.points) + " points were taken; " +
-                      error.what());
+    faults_.give_up(FileNotes::name_of(sources_[current_].path) + " could be read in part: " + grouped(part_points_) +
+                    " of its " + (part.points_known ? "" : "about ") + grouped(part.points) + " points were taken; " +
+                    error.what());
+    info_.skipped.incomplete_files = faults_.files();
 }
 
 void MergedReader::end_part()
@@ -411,9 +404,8 @@ void MergedReader::end_part()
     const Part& part = parts_[current_];
     if (open_ && open_part_ == current_) {
         const FileInfo& info = open_->info();
-        lines_before_ += info.skipped.lines;
-        parts_with_bad_lines_ += info.skipped.lines > 0;
-        info_.skipped.lines = lines_before_;
+        faults_.end_file(info.skipped.lines);
+        info_.skipped.lines = faults_.lines();
         take_late(info, part, sources_[current_].path);
     }
     weight_before_ += part.weight;
@@ -424,14 +416,9 @@ void MergedReader::end_part()
 
 void MergedReader::finish()
 {
-    const std::uint64_t more = info_.skipped.incomplete_files - faults_.size();
-    if (more) faults_.push_back(grouped(more) + " more files could be read in part only");
-    if (parts_with_bad_lines_ > 1)
-        faults_.push_back(grouped(info_.skipped.lines) + " bad lines were skipped in all files together");
-    for (std::string& fault : faults_)
+    for (std::string& fault : faults_.notes())
         if (std::find(info_.notes.begin(), info_.notes.end(), fault) == info_.notes.end())
             info_.notes.push_back(std::move(fault));
-    faults_.clear();
     finished_ = true;
 }
 
@@ -441,12 +428,7 @@ void MergedReader::seek(std::uint64_t index)
     if (index > info_.points)
         throw Error(ErrorCode::invalid_argument, sources_[0].path,
                     "point " + std::to_string(index) + " was requested, the cloud has " + std::to_string(info_.points));
-    weight_before_ = 0;
-    lines_before_ = 0;
-    parts_with_bad_lines_ = 0;
-    info_.skipped.lines = info_.skipped.incomplete_files = 0;
-    faults_.clear();
-    finished_ = false;
+    rewind();
     for (current_ = 0; current_ < parts_.size(); ++current_) {
         if (index < parts_[current_].points) {
             open(current_).seek(index);
@@ -456,6 +438,36 @@ void MergedReader::seek(std::uint64_t index)
         index -= parts_[current_].points;
         weight_before_ += parts_[current_].weight;
     }
+}
+
+void MergedReader::rewind()
+{
+    current_ = 0;
+    part_points_ = 0;
+    weight_before_ = 0;
+    info_.skipped.lines = info_.skipped.incomplete_files = 0;
+    info_.move_error = 0;
+    faults_ = ReadFaults();
+    finished_ = false;
+}
+
+void MergedReader::keep_integers(bool keep)
+{
+    rewind();
+    open_.reset();
+    info_.grid = keep ? info_.near_grid : std::nullopt;
+    info_.position_type = keep ? ScalarType::i32 : ScalarType::f64;
+    settle_records();
+}
+
+// From the grid of a part to that of the cloud, where the cloud has one.
+template <class... Points>
+void MergedReader::move_to_grid(std::size_t part, Points&... points)
+{
+    if (!info_.grid || *parts_[part].grid == *info_.grid) return;
+    GridMove move(*parts_[part].grid, *info_.grid);
+    if (!move.move(points...)) throw IntegersLost();
+    info_.move_error = std::max(info_.move_error, move.error());
 }
 
 double MergedReader::fraction_read() const

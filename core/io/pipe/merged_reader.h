@@ -1,6 +1,7 @@
 // Several files read as one cloud, in order.
 #pragma once
 
+#include "pcm/io/pipe/read_faults.h"
 #include "pcm/io/reader.h"
 
 #include <cstddef>
@@ -25,6 +26,7 @@ class FileNotes;
 // integers where all files have the same grid, else as doubles; info().near_grid is then the first file's grid, if the
 // other grids have its scale and offsets that differ by whole steps. Notes report differences in a few lines, however
 // many files there are.
+// Where headers promise that all points fit 32 bits on that grid, they can be asked for as integers on it.
 //
 // Where several files have scans (io/scans.h) the attribute `scan` numbers those of all files, from 1 in the order of
 // the files, and so do the keys of their metadata: each number is a station of its own.
@@ -75,6 +77,8 @@ public:
     bool read_records(RecordBatch& batch, std::size_t max_points) override;
     bool seekable() const override { return seekable_; }
     void seek(std::uint64_t index) override;
+    bool can_keep_integers() const override { return info_.near_grid && keeps_integers_; }
+    void keep_integers(bool keep) override;
     double fraction_read() const override;
 
     // Without those that were left out.
@@ -93,6 +97,7 @@ private:
         bool points_known = true;
         bool has_records = false;
         std::uint32_t scans = 0, scans_before = 0;
+        bool keeps_integers = false;  // whether its header promises that all fit on the first grid
     };
     // A schema of one or many files, and the place of each of its attributes in the merged schema.
     struct Shape {
@@ -104,13 +109,15 @@ private:
 
     void look_at_headers(Inputs& inputs);
     void look_at_header(const Source& source, const PointReader& reader, FileNotes& notes);
-    void note_left_out(const std::vector<Error>& errors);
     template <class Batch>
     bool read_next(Batch& batch, std::size_t max_points);
     bool read_part(PointBatch& batch, std::size_t max_points);
     bool read_part(RecordBatch& batch, std::size_t max_points);
     void put_scan_numbers(PointBatch& batch) const;
     void settle_records();
+    void rewind();
+    template <class... Points>
+    void move_to_grid(std::size_t part, Points&... points);
     void give_up(const Error& error);
     void end_part();
     void finish();
@@ -125,7 +132,7 @@ private:
     std::vector<Source> sources_;
     bool skip_bad_files_ = false;
     FileInfo info_;
-    bool seekable_ = true, boxes_known_ = true, has_records_ = false;
+    bool seekable_ = true, keeps_integers_ = false, boxes_known_ = true, has_records_ = false;
     std::vector<Part> parts_;
     std::vector<Shape> shapes_;
     std::uint32_t scans_ = 0;                // number in all files
@@ -137,11 +144,9 @@ private:
     std::size_t current_ = 0;
     std::unique_ptr<PointReader> open_;
     std::size_t open_part_ = 0;
-    std::uint64_t part_points_ = 0;   // read of the current part
-    std::uint64_t lines_before_ = 0;  // skipped in the parts that have been read completely
-    std::size_t parts_with_bad_lines_ = 0;
+    std::uint64_t part_points_ = 0;  // read of the current part
     PointBatch part_batch_;
-    std::vector<std::string> faults_;  // faults of the files that failed while they were read
+    ReadFaults faults_;
     bool finished_ = false;
 };
 

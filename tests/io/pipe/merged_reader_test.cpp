@@ -6,6 +6,9 @@
 #include "tests/memory_reader.h"
 #include "tests/support.h"
 
+#include <cmath>
+#include <functional>
+#include <limits>
 #include <map>
 
 namespace {
@@ -196,6 +199,82 @@ TEST(MergedReader, SaysWhichGridDoublesAreNear)
             EXPECT_FALSE(are_near(axis, 0, side * most));
             EXPECT_FALSE(are_near(axis, side * most, 0));
         }
+}
+
+// Tiles of grids that differ by whole steps, each with the box that its header promises.
+std::vector<MemoryCloud> tiles_of_several_grids()
+{
+    std::vector<MemoryCloud> clouds;
+    for (int i = 0; i < 4; ++i) {
+        Grid grid = millimetres;
+        grid.offset = {500000 + 250.0 * i, 4800000 - 0.001 * i, i == 2 ? -12.345 : 0};
+        clouds.push_back(random_cloud({}, grid, i == 3 ? 0 : 300, static_cast<std::uint64_t>(i)));
+        for (auto& column : clouds.back().points.grid_xyz)
+            for (std::int32_t& q : column) q /= 2;
+        Box3d box;
+        for (std::size_t k = 0; k < clouds.back().points.size; ++k)
+            box.extend(grid.to_source(Vec3i{clouds.back().points.grid_xyz[0][k], clouds.back().points.grid_xyz[1][k],
+                                            clouds.back().points.grid_xyz[2][k]}));
+        if (i < 3) clouds.back().info.promised_box = box;
+    }
+    return clouds;
+}
+
+TEST(MergedReader, KeepsTheIntegersOfTilesWithOffsetsOfTheirOwn)
+{
+    const std::vector<MemoryCloud> clouds = tiles_of_several_grids();
+    for (const bool seekable : {true, false}) {
+        MergedReader reader(sources_of(clouds, seekable));
+        ASSERT_TRUE(reader.can_keep_integers());
+        EXPECT_FALSE(reader.info().grid);
+        const MemoryCloud doubles = read_all(reader, 70);
+        reader.keep_integers(true);
+        ASSERT_TRUE(reader.info().grid == millimetres);
+        EXPECT_EQ(reader.info().position_type, ScalarType::i32);
+        const MemoryCloud integers = read_all(reader, 64);
+        ASSERT_EQ(integers.points.size, 900u);
+        ASSERT_EQ(doubles.points.size, 900u);
+        double error = 0;
+        for (std::size_t i = 0; i < 900; ++i)
+            for (std::size_t a = 0; a < 3; ++a) {
+                const double place = millimetres.to_source(integers.points.grid_xyz[a][i], a);
+                error = std::max(error, std::fabs(place - doubles.points.xyz[a][i]));
+            }
+        EXPECT_EQ(reader.info().move_error, error);
+        EXPECT_LT(error, 2e-9);
+        if (seekable) {
+            reader.seek(301);
+            EXPECT_EQ(read_all(reader).points.grid_xyz[2][0], integers.points.grid_xyz[2][301]);
+        }
+        reader.keep_integers(false);
+        EXPECT_EQ(read_all(reader).points.xyz[1], doubles.points.xyz[1]);
+        EXPECT_EQ(reader.info().move_error, 0);
+    }
+}
+
+TEST(MergedReader, KeepsIntegersOnlyWhereHeadersPromiseThatTheyFit)
+{
+    const std::vector<MemoryCloud> all = tiles_of_several_grids();
+    const auto keeps = [&](const std::function<void(std::vector<MemoryCloud>&)>& change) {
+        std::vector<MemoryCloud> clouds = all;
+        change(clouds);
+        return MergedReader(sources_of(clouds)).can_keep_integers();
+    };
+    EXPECT_TRUE(keeps([](auto&) {}));
+    EXPECT_FALSE(keeps([](auto& clouds) { clouds.resize(1); }));  // has a grid anyway
+    EXPECT_FALSE(keeps([](auto& clouds) { clouds[1].info.promised_box.reset(); }));
+    EXPECT_FALSE(keeps([](auto& clouds) { clouds[1].info.promised_box->max[0] = 3e6; }));
+    EXPECT_FALSE(keeps([](auto& clouds) { clouds[1].info.grid->offset[0] += 0.0005; }));
+    // The header is wrong: a point is farther away than it promises.
+    std::vector<MemoryCloud> clouds = all;
+    clouds[2].points.grid_xyz[0][7] = std::numeric_limits<std::int32_t>::max();
+    MergedReader reader(sources_of(clouds, false));
+    reader.keep_integers(true);
+    EXPECT_THROW(read_all(reader, 64), IntegersLost);
+    reader.keep_integers(false);
+    const MemoryCloud doubles = read_all(reader);
+    ASSERT_EQ(doubles.points.size, 900u);
+    EXPECT_EQ(doubles.points.xyz[0][607], clouds[2].info.grid->to_source(std::numeric_limits<std::int32_t>::max(), 0));
 }
 
 TEST(MergedReader, SeeksAcrossFiles)
