@@ -1,5 +1,6 @@
 // A tree is built from files.
 #include "pcm/build/build_then.h"
+#include "pcm/cluster/team_build.h"
 #include "pcm/ops/shared/attribute_report.h"
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
@@ -83,7 +84,7 @@ public:
                 built.outcome.warnings.insert(built.outcome.warnings.end(), warnings.begin(), warnings.end());
                 warnings.clear();
             };
-        const BuildReport report = build_tree_then({inputs_.begin(), inputs_.end()}, output, options_, then);
+        const BuildReport report = build(context, output, then);
         Result result;
         result.input = inputs_;
         result.output = output.string();
@@ -95,6 +96,16 @@ public:
     }
 
 private:
+    // By all processes where there are some; by this one alone also where some had begun.
+    BuildReport build(const Context& context, const std::filesystem::path& output, const WorkOnTree& then) const
+    {
+        const std::vector<std::filesystem::path> inputs(inputs_.begin(), inputs_.end());
+        if (context.team) return build_tree_by(*context.team, inputs, output, options_, then);
+        if (!options_.resume || !was_built_by_team(output)) return build_tree_then(inputs, output, options_, then);
+        SoloTeam alone;
+        return build_tree_by(alone, inputs, output, options_, then);
+    }
+
     // Next to the first input, with the same name, where none is given.
     std::filesystem::path place() const
     {
