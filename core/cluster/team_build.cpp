@@ -127,6 +127,7 @@ private:
             written.sources.push_back(source.path.filename().string());
         written.sampling = options_.sampling;
         write_tree(written, found_, report_);
+        work.watch.report("Done", 1);
     }
 
     // Collective: rank 0 gives the tree its name.
@@ -146,7 +147,6 @@ private:
         run_last_step(report_.outcome, [this] { folder_->publish(); });
         report_.notes.insert(report_.notes.begin(), found_.notes.begin(), found_.notes.end());
         report_.skipped = found_.skipped;
-        work.watch.report("Done", 1);
     }
 
     Team& team_;

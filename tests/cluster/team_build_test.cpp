@@ -122,12 +122,12 @@ TEST_F(TeamBuild, OfFewPointsAndOfNone)
 // What a rank throws comes out, names the rank, and leaves no tree; the work that was done is used by another team.
 TEST_F(TeamBuild, ARankThatFailsEndsTheTeamAndTheNextOneResumes)
 {
-    write_las(folder_ / "in.las", cloud(), {});
+    write_las(folder_ / "in.las", records(Shape::surface, 30'000, 6), {});
     const std::vector<fs::path> inputs{folder_ / "in.las"};
     build_tree(inputs, folder_ / "one.pct", small_chunks());
     const Contents expected = contents(folder_ / "one.pct");
     unsigned resumed = 0, failed = 0;
-    for (const double share : {0.1, 0.3, 0.45, 0.55, 0.65, 0.75, 0.9, 0.96}) {
+    for (const double share : {0.1, 0.45, 0.6, 0.9, 0.96, 1.0}) {
         for (const unsigned failing : {0u, 2u}) {
             SCOPED_TRACE(std::to_string(share) + " in rank " + std::to_string(failing));
             ThreadTeams team(3);
@@ -154,7 +154,7 @@ TEST_F(TeamBuild, ARankThatFailsEndsTheTeamAndTheNextOneResumes)
             fs::remove_all(folder_ / "team.pct");
         }
     }
-    EXPECT_GT(failed, 8u);
+    EXPECT_GT(failed, 5u);
     EXPECT_EQ(resumed, failed);
 }
 
