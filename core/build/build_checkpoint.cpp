@@ -43,10 +43,36 @@ template <class Coord>
 Bins<Coord> get_bins(const Ingested& cloud, Workspace& work, ByteReader& in)
 {
     Bins<Coord> bins;
+    bins.top = load_top<Coord>(in);
+    bins.scratch =
+        std::make_shared<Scratch>(work.folder / scratch_file_name, cloud.layout, cloud.schema, work.space, in);
+    for (const auto& node : bins.top.nodes)
+        if (node.bin >= bins.scratch->bins()) throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+    return bins;
+}
+
+}  // namespace
+
+template <class Coord>
+void save_top(const TopTree<Coord>& top, ByteWriter& out)
+{
+    out.put(static_cast<std::uint64_t>(top.nodes.size()));
+    for (const auto& node : top.nodes) {
+        out.put(static_cast<std::uint8_t>(node.axis));
+        out.put(node.value);
+        put_all(out, node.children);
+        out.put(static_cast<std::uint64_t>(node.bin));
+    }
+}
+
+template <class Coord>
+TopTree<Coord> load_top(ByteReader& in)
+{
+    TopTree<Coord> top;
     const auto nodes = in.get<std::uint64_t>();
-    bins.top.nodes.clear();
+    top.nodes.clear();
     for (std::uint64_t n = 0; n < nodes; ++n) {
-        auto& node = bins.top.nodes.emplace_back();
+        auto& node = top.nodes.emplace_back();
         node.axis = in.get<std::uint8_t>();
         node.value = in.get<Coord>();
         get_all(in, node.children);
@@ -55,17 +81,16 @@ Bins<Coord> get_bins(const Ingested& cloud, Workspace& work, ByteReader& in)
             (node.children[0] && (node.children[0] <= n || node.children[1] <= n)))
             throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
     }
-    bins.scratch =
-        std::make_shared<Scratch>(work.folder / scratch_file_name, cloud.layout, cloud.schema, work.space, in);
-    for (const auto& node : bins.top.nodes)
-        if (nodes == 0 || node.bin >= bins.scratch->bins())
-            throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
-    return bins;
+    if (nodes == 0) throw Error(ErrorCode::corrupt, {}, "a checkpoint makes no sense");
+    return top;
 }
 
-}  // namespace
+template void save_top(const TopTree<std::uint32_t>&, ByteWriter&);
+template void save_top(const TopTree<std::uint64_t>&, ByteWriter&);
+template TopTree<std::uint32_t> load_top(ByteReader&);
+template TopTree<std::uint64_t> load_top(ByteReader&);
 
-void save_bins(const Ingested& cloud, const AnyBins& any, ByteWriter& out)
+void save_found(const Ingested& cloud, ByteWriter& out)
 {
     put_all(out, cloud.grid.scale);
     put_all(out, cloud.grid.offset);
@@ -87,21 +112,20 @@ void save_bins(const Ingested& cloud, const AnyBins& any, ByteWriter& out)
         out.put_string(metadata.key);
         put_bytes(out, metadata.value);
     }
+}
+
+void save_bins(const Ingested& cloud, const AnyBins& any, ByteWriter& out)
+{
+    save_found(cloud, out);
     std::visit(
         [&](const auto& bins) {
-            out.put(static_cast<std::uint64_t>(bins.top.nodes.size()));
-            for (const auto& node : bins.top.nodes) {
-                out.put(static_cast<std::uint8_t>(node.axis));
-                out.put(node.value);
-                put_all(out, node.children);
-                out.put(static_cast<std::uint64_t>(node.bin));
-            }
+            save_top(bins.top, out);
             bins.scratch->save(out);
         },
         any);
 }
 
-AnyBins load_bins(Ingested& cloud, Workspace& work, const Schema& schema, ByteReader& in)
+void load_found(Ingested& cloud, const Schema& schema, ByteReader& in)
 {
     get_all(in, cloud.grid.scale);
     get_all(in, cloud.grid.offset);
@@ -127,7 +151,12 @@ AnyBins load_bins(Ingested& cloud, Workspace& work, const Schema& schema, ByteRe
         metadata.value = get_bytes(in);
         cloud.metadata.push_back(std::move(metadata));
     }
-    if (wide) return get_bins<std::uint64_t>(cloud, work, in);
+}
+
+AnyBins load_bins(Ingested& cloud, Workspace& work, const Schema& schema, ByteReader& in)
+{
+    load_found(cloud, schema, in);
+    if (cloud.layout.coordinate_bytes == 8) return get_bins<std::uint64_t>(cloud, work, in);
     return get_bins<std::uint32_t>(cloud, work, in);
 }
 

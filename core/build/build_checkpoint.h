@@ -14,7 +14,16 @@ namespace pcm {
 class ByteReader;
 class ByteWriter;
 
-// What was found while reading the cloud, and where its rows are in the scratch file.
+// What was found while reading the cloud, and the reverse, for a cloud of the same schema. Throws Error(corrupt).
+void save_found(const Ingested& cloud, ByteWriter& out);
+void load_found(Ingested& cloud, const Schema& schema, ByteReader& in);
+// The cuts between bins, and the reverse. Throws Error(corrupt) for cuts that make no sense.
+template <class Coord>
+void save_top(const TopTree<Coord>& top, ByteWriter& out);
+template <class Coord>
+TopTree<Coord> load_top(ByteReader& in);
+
+// Both, and where the rows are in the scratch file.
 void save_bins(const Ingested& cloud, const AnyBins& bins, ByteWriter& out);
 // The reverse, for a cloud of the same schema. Throws Error(corrupt | not_found) when `in` and the scratch file do not
 // match.

@@ -87,8 +87,8 @@ void check_place_of_tree(const fs::path& output, bool overwrite)
     check_replaceable_tree(place);
 }
 
-BuildFolder::BuildFolder(const fs::path& output, bool overwrite)
-    : output_(output_tree(output)), part_(build_folder_of(output_))
+BuildFolder::BuildFolder(const fs::path& output, bool overwrite, Builders builders)
+    : of_a_team_(builders == Builders::a_team), output_(output_tree(output)), part_(build_folder_of(output_))
 {
     std::error_code error;
     const fs::path parent = folder_holding(output_);
@@ -132,7 +132,7 @@ void BuildFolder::lock(bool made)
         lock_ = File(part_ / build_marker_name, File::Mode::change_or_create);
         const FileLock lock = take_lock(lock_.descriptor(), lock_.path());
         locked_ = lock == FileLock::taken;
-        if (!locked_ && (lock == FileLock::held || !made)) refuse(lock, output_, part_);
+        if (!locked_ && (lock == FileLock::held || !(made || of_a_team_))) refuse(lock, output_, part_);
         // One that has just ended may have removed what was opened here.
         struct stat opened {
         }, named{};
@@ -146,7 +146,7 @@ void BuildFolder::lock(bool made)
 
 std::string BuildFolder::note() const
 {
-    if (locked_) return {};
+    if (locked_ || of_a_team_) return {};
     return "the file system has no locks: had this been interrupted, " + part_.string() + " would have to be removed";
 }
 
@@ -173,7 +173,7 @@ void BuildFolder::settle()
 
 BuildFolder::~BuildFolder()
 {
-    if (owned_) remove_quietly();
+    if (owned_ && !of_a_team_) remove_quietly();
 }
 
 // What cannot be removed now, the next build of this name removes.

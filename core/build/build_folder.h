@@ -24,13 +24,21 @@
 
 namespace pcm {
 
+// Who builds in a folder.
+enum class Builders {
+    one_process,
+    // Processes of several machines. The folder stays until its tree is published, and a lock is taken where the file
+    // system has one, but not needed: two builds of one tree at a time would do the same work twice.
+    a_team
+};
+
 class BuildFolder {
 public:
     // Takes the folder, whether new or left over. Where `output` is a symbolic link, the tree that it leads to is
     // meant. Throws what output_tree() and, for a tree to overwrite, check_replaceable_tree() throw
     // (system/output_path.h), and Error(exists | not_found | permission | no_space | io).
-    BuildFolder(const std::filesystem::path& output, bool overwrite);
-    // Removes the folder unless the tree was published.
+    BuildFolder(const std::filesystem::path& output, bool overwrite, Builders builders = Builders::one_process);
+    // Removes the folder unless the tree was published; a team's stays.
     ~BuildFolder();
     BuildFolder(const BuildFolder&) = delete;
     BuildFolder& operator=(const BuildFolder&) = delete;
@@ -57,6 +65,7 @@ private:
     std::string remove_quietly();  // returns why it could not, or nothing
     void replace_in_two_steps();
 
+    const bool of_a_team_;
     std::filesystem::path output_, part_;
     File lock_;
     bool owned_ = false, left_over_ = false, locked_ = true;

@@ -2,12 +2,14 @@
 
 #include "pcm/bpc/byte_order.h"
 #include "pcm/build/bins/partition.h"
+#include "pcm/build/bins/reader_facts.h"
 #include "pcm/build/build_checkpoint.h"
 #include "pcm/build/build_folder.h"
 #include "pcm/build/build_then.h"
 #include "pcm/build/checkpoints.h"
 #include "pcm/build/nodes/draft_index.h"
 #include "pcm/build/pipeline.h"
+#include "pcm/build/written_tree.h"
 #include "pcm/io/pipe/merged_reader.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
@@ -146,14 +148,7 @@ private:
         open_checkpoints();
         AnyBins bins = partition(cloud_, work(), cloud_found(), like_);
         // Readers learn while they read what they leave out, so notes and metadata are complete only now.
-        const FileInfo& info = cloud_.info();
-        cloud_found().notes.insert(cloud_found().notes.begin(), info.notes.begin(), info.notes.end());
-        cloud_found().metadata = info.metadata;
-        cloud_found().skipped = info.skipped;
-        set_decimals(cloud_found().metadata, cloud_found().decimals);
-        // Points that the reader was asked to leave out were read as well.
-        cloud_found().points_in += info.points_left_out;
-        cloud_found().points_skipped += info.points_left_out;
+        take_reader_facts(cloud_.info(), cloud_found());
         checkpoint_bins(bins);
         make_tree(bins, {});
     }
@@ -208,74 +203,17 @@ private:
 
     void write_tree(const Part& part, const DataFiles& files)
     {
-        TreeIndex index = index_of_drafts(part.root);
-        index.info.spacings = part.spacings;
-        fill_info(index);
-        const TreeInfo& info = index.info;
-        for (const std::uint64_t data_bytes : files.bytes()) index.data_files.push_back({data_bytes, info.generation});
-        write_commit(folder_.tree(), index);
-        write_about(folder_.tree(), info);
-        const std::vector<std::byte> bytes = encode_index(index);
-        replace_file(folder_.tree() / index_file_name, bytes.data(), bytes.size());
-        remove_strays(index.data_files.size());
-
-        report_.outcome.points_in = cloud_found().points_in;
-        report_.outcome.points_out = info.points;
-        report_.outcome.error = info.position_error;
-        report_.outcome.error_meaning = "largest position error, source units";
-        report_.points_skipped = cloud_found().points_skipped;
-        report_.nodes = index.nodes.size();
-        report_.levels = info.levels;
-        report_.bytes = bytes.size();
-        for (const DataFile& file : index.data_files) report_.bytes += file.bytes;
+        WrittenTree tree;
+        tree.folder = folder_.tree();
+        tree.output = output_;
+        tree.root = part.root;
+        tree.spacings = part.spacings;
+        tree.data_files = files.bytes();
+        tree.sources = sources_;
+        tree.sampling = options_.sampling;
+        tree.like = like_;
+        pcm::write_tree(tree, cloud_found(), report_);
         work().watch.report("Done", 1);
-    }
-
-    // What interrupted work on the tree of an earlier run has left in it, which build_tree_then() does again.
-    void remove_strays(std::size_t data_files)
-    {
-        std::vector<fs::path> strays{folder_.tree() / update_scratch_name, folder_.tree() / lock_file_name};
-        const auto file = [&] { return folder_.tree() / data_file_name(static_cast<std::uint32_t>(data_files)); };
-        for (; fs::exists(file()); ++data_files) strays.push_back(file());
-        for (const fs::path& stray : strays) fs::remove_all(stray);
-    }
-
-    // Throws Error(corrupt) when points were lost on the way.
-    void fill_info(TreeIndex& index)
-    {
-        const Ingested& cloud = cloud_found();
-        TreeInfo& info = index.info;
-        info.sampling = options_.sampling;
-        info.levels = static_cast<std::uint16_t>(info.spacings.size());
-        info.points = cloud.observed.points;
-        const std::uint64_t stored = index.nodes.empty() ? 0 : index.nodes[0].subtree_points;
-        if (stored != info.points || cloud.points_in != stored + cloud.points_skipped)
-            throw Error(ErrorCode::corrupt, output_,
-                        std::to_string(cloud.points_in) + " points went in, " + std::to_string(stored) +
-                            " came out; this is a defect of the program");
-        info.points_skipped = cloud.points_skipped;
-        info.content_hash = cloud.observed.hash;
-        info.grid = cloud.grid;
-        info.position_type = cloud.position_type;
-        info.wide = cloud.layout.coordinate_bytes == 8;
-        info.schema = cloud.schema;
-        if (!index.nodes.empty()) info.box = index.nodes[0].box;
-        info.extremes = cloud.observed.extremes;
-        info.position_error = cloud.observed.position_error;
-        info.metadata = cloud.metadata;
-        info.sources = sources_;
-        if (like_) take_over(*like_, info);
-    }
-
-    void take_over(const TreeInfo& like, TreeInfo& info) const
-    {
-        if (info.points != like.points || info.content_hash != like.content_hash)
-            throw Error(ErrorCode::corrupt, output_, "the points that were read differ from those that the tree had",
-                        "check it with 'pcmlab verify'");
-        info.points_skipped = like.points_skipped;
-        info.position_type = like.position_type;
-        info.position_error = like.position_error;
-        info.metadata = like.metadata;
     }
 
     PointReader& cloud_;

@@ -1,12 +1,15 @@
 // A tree is built from files.
 #include "pcm/build/build_then.h"
+#include "pcm/cluster/team_build.h"
 #include "pcm/ops/shared/attribute_report.h"
 #include "pcm/ops/shared/bucket_output.h"
 #include "pcm/ops/shared/reading_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
+#include "pcm/system/error.h"
 #include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
+#include "pcm/system/url.h"
 
 namespace pcm::ops {
 namespace {
@@ -69,6 +72,9 @@ public:
     Result answer(const Context& context) override
     {
         const std::string output = place().string();
+        if (context.team && is_url(output))
+            throw Error(ErrorCode::unsupported, output, "several processes build trees in folders, not in buckets",
+                        "send the tree there afterwards, by 'pcmlab convert'");
         const BucketOutput bucket(output, inputs_, options_.overwrite);
         options_.overwrite = bucket.may_replace();
         const ProgressFunction built = part_of(context.progress, 0, 0.8), sent = part_of(context.progress, 0.8, 1);
@@ -90,7 +96,7 @@ public:
                 built.outcome.warnings.insert(built.outcome.warnings.end(), warnings.begin(), warnings.end());
                 warnings.clear();
             };
-        const BuildReport report = build_tree_then({inputs_.begin(), inputs_.end()}, bucket.place(), options_, then);
+        const BuildReport report = build(context, bucket.place(), then);
         bucket.send(sent);
         Result result;
         result.input = inputs_;
@@ -103,6 +109,16 @@ public:
     }
 
 private:
+    // By all processes where there are some; by this one alone also where some had begun.
+    BuildReport build(const Context& context, const std::filesystem::path& output, const WorkOnTree& then) const
+    {
+        const std::vector<std::filesystem::path> inputs(inputs_.begin(), inputs_.end());
+        if (context.team) return build_tree_by(*context.team, inputs, output, options_, then);
+        if (!options_.resume || !was_built_by_team(output)) return build_tree_then(inputs, output, options_, then);
+        SoloTeam alone;
+        return build_tree_by(alone, inputs, output, options_, then);
+    }
+
     // Next to the first input, with the same name, where none is given.
     std::filesystem::path place() const
     {

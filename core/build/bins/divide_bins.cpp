@@ -19,11 +19,15 @@ public:
     {
     }
 
-    void run()
+    std::vector<Division> run()
     {
-        const std::uint64_t limit = bin_points_ + bin_points_ / 2;
-        for (std::uint32_t n = 0; n < top_.nodes.size(); ++n)  // new nodes are appended and visited too
-            if (!top_.nodes[n].children[0] && scratch_.rows(top_.nodes[n].bin) > limit) divide(n);
+        for (std::uint32_t n = 0; n < top_.nodes.size(); ++n) {  // new nodes are appended and visited too
+            if (top_.nodes[n].children[0] || !is_large_bin(scratch_.rows(top_.nodes[n].bin), bin_points_)) continue;
+            const Division division{n, static_cast<std::uint32_t>(top_.nodes.size()), scratch_.bins()};
+            divide(n);
+            if (top_.nodes[n].children[0]) divisions_.push_back(division);
+        }
+        return std::move(divisions_);
     }
 
 private:
@@ -134,17 +138,19 @@ private:
     const AxisShift& finer_;
     const std::uint64_t bin_points_;
     std::vector<unsigned> rounds_;  // number of divided piles above each node
+    std::vector<Division> divisions_;
 };
 
 }  // namespace
 
 template <class Coord>
-void divide_large_bins(Bins<Coord>& bins, Workspace& work, const AxisShift& finer, std::uint64_t bin_points)
+std::vector<Division> divide_large_bins(Bins<Coord>& bins, Workspace& work, const AxisShift& finer,
+                                        std::uint64_t bin_points)
 {
-    BinDivision<Coord>(bins, work, finer, bin_points).run();
+    return BinDivision<Coord>(bins, work, finer, bin_points).run();
 }
 
-template void divide_large_bins(Bins<std::uint32_t>&, Workspace&, const AxisShift&, std::uint64_t);
-template void divide_large_bins(Bins<std::uint64_t>&, Workspace&, const AxisShift&, std::uint64_t);
+template std::vector<Division> divide_large_bins(Bins<std::uint32_t>&, Workspace&, const AxisShift&, std::uint64_t);
+template std::vector<Division> divide_large_bins(Bins<std::uint64_t>&, Workspace&, const AxisShift&, std::uint64_t);
 
 }  // namespace pcm

@@ -69,16 +69,7 @@ private:
     // The rows of gridded points, and their statistics.
     void put_gridded_rows(const PointBatch& batch, std::vector<std::byte>& rows, Observed& observed) const
     {
-        const RowLayout& layout = found_.layout;
-        rows.resize(batch.size * layout.bytes);
-        put_attributes(batch, layout, rows.data());
-        for (std::size_t i = 0; i < batch.size; ++i) {
-            std::array<std::uint32_t, 3> c;
-            for (std::size_t a = 0; a < 3; ++a) c[a] = to_coordinate<std::uint32_t>(batch.grid_xyz[a][i]);
-            std::memcpy(rows.data() + i * layout.bytes, c.data(), sizeof c);
-        }
-        observed.see(batch.grid_xyz, batch.size);
-        observed.hash += hash_rows(rows.data(), batch.size, layout.bytes);
+        pcm::put_gridded_rows(batch, found_.layout, rows, observed);
     }
 
     void put_gridded_rows(const RecordBatch& batch, std::vector<std::byte>& rows, Observed& observed) const

@@ -94,15 +94,19 @@ Scratch::Scratch(const std::filesystem::path& path, const RowLayout& layout, con
 void Scratch::save(ByteWriter& out) const
 {
     out.put(static_cast<std::uint64_t>(bins_.size()));
-    for (const Bin& bin : bins_) {
-        out.put(bin.rows);
-        out.put(static_cast<std::uint64_t>(bin.extents.size()));
-        for (const Extent& extent : bin.extents) {
-            out.put(extent.offset);
-            out.put(extent.room);
-            out.put(extent.used);
-            out.put(extent.rows);
-        }
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin) save(bin, out);
+}
+
+void Scratch::save(std::size_t number, ByteWriter& out) const
+{
+    const Bin& bin = bins_[number];
+    out.put(bin.rows);
+    out.put(static_cast<std::uint64_t>(bin.extents.size()));
+    for (const Extent& extent : bin.extents) {
+        out.put(extent.offset);
+        out.put(extent.room);
+        out.put(extent.used);
+        out.put(extent.rows);
     }
 }
 

@@ -25,6 +25,9 @@ public:
     Scratch(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, ScratchSpace& space,
             ByteReader& in);
     void save(ByteWriter& out) const;
+    // One bin as save() writes it.
+    void save(std::size_t bin, ByteWriter& out) const;
+    std::uint64_t bytes() const { return file_.bytes(); }  // end of the last extent
 
     std::size_t row_bytes() const { return row_bytes_; }
     std::size_t bins() const { return bins_.size(); }

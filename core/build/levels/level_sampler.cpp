@@ -1,6 +1,7 @@
 #include "pcm/build/levels/level_sampler.h"
 
 #include "pcm/bpc/byte_order.h"
+#include "pcm/build/levels/bin_border.h"
 #include "pcm/build/levels/grid_levels.h"
 #include "pcm/build/levels/points_near.h"
 #include "pcm/build/levels/poisson_pass.h"
@@ -13,11 +14,6 @@
 #include <limits>
 
 namespace pcm {
-namespace {
-
-// The coarsest level has at least this many points where the cloud has: spacings with fewer are not worth a level.
-constexpr std::uint64_t first_level_points = 512;
-}  // namespace
 
 template <class Coord>
 LevelSampler<Coord>::LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
@@ -70,6 +66,7 @@ void LevelSampler<Coord>::run_by_poisson(unsigned threads)
         fraction_ = 1 - std::ldexp(1.0, -static_cast<int>(sizes.size()) / 3);
         sizes.push_back(size);
         pass(size, threads);
+        if (exchange_) share_lists(size);
         if (fine_enough()) break;
     }
     choose_sizes(sizes);
@@ -86,6 +83,7 @@ void LevelSampler<Coord>::run_by_grid(unsigned threads)
             if (const std::uint32_t count = first[static_cast<std::size_t>(size)])
                 bins_[bin].lists.push_back({size, {0, count, 0}});
     });
+    for (int size = top; exchange_ && size >= 0; --size) share_lists(size);
     // How many sizes are used follows from how many points each would choose.
     std::vector<int> sizes;
     for (int size = top; size >= 0; --size) {
@@ -141,7 +139,8 @@ bool LevelSampler<Coord>::fine_enough() const
 template <class Coord>
 void LevelSampler<Coord>::choose_sizes(const std::vector<int>& sizes)
 {
-    // The first sizes, of a few points each, are one level.
+    // The first sizes, of a few points each, are one level: spacings with fewer are not worth one of their own.
+    constexpr std::uint64_t first_level_points = 512;
     std::size_t first = 0;
     for (; first + 1 < sizes.size(); ++first) {
         std::uint64_t chosen = 0;
@@ -205,7 +204,7 @@ void LevelSampler<Coord>::for_each_bin(unsigned threads, const std::function<voi
     for_each_index(
         bins_.size(), threads,
         [&](std::size_t bin) {
-            if (points_.box(bin).points > 0) work(bin);
+            if (points_.box(bin).points > 0 && owns(bin)) work(bin);
         },
         [&](std::size_t begun) { progress_(static_cast<double>(begun) / static_cast<double>(bins_.size())); });
 }
@@ -238,39 +237,89 @@ void LevelSampler<Coord>::pass(int size, unsigned threads)
 template <class Coord>
 void LevelSampler<Coord>::pass_in_groups(int size, unsigned threads, const typename BinNeighbours<Coord>::Lists& near)
 {
+    if (exchange_) forget_far_borders(size, near);
     std::size_t done = 0;  // bins of earlier groups
-    for (const std::vector<std::size_t>& group : neighbours_.apart(near)) {
+    for (const std::vector<std::size_t>& all : neighbours_.apart(near)) {
+        std::vector<std::size_t> group;
+        for (const std::size_t bin : all)
+            if (owns(bin)) group.push_back(bin);
+        std::vector<std::pair<std::size_t, Found>> borders(exchange_ ? group.size() : 0);
         const auto sample = [&](std::size_t i) {
             const std::size_t bin = group[i];
-            keep_border(bin, size, near[bin], sample_bin(bin, size, near[bin]));
+            Found border = keep_border(bin, size, near[bin], sample_bin(bin, size, near[bin]));
+            if (exchange_) borders[i] = {bin, std::move(border)};
         };
         const auto tick = [&](std::size_t begun) { report_pass(done + begun); };
-        if (group.size() == 1 || threads == 1)
+        if (group.size() <= 1 || threads == 1)
             for (std::size_t i = 0; i < group.size(); ++i) {
                 sample(i);
                 tick(i + 1);
             }
         else
             for_each_index(group.size(), threads, sample, tick);
-        done += group.size();
+        if (exchange_)
+            exchange_->send_borders(borders, near, neighbours_, points_, lattice_.spacing(size),
+                                    [this](std::size_t bin, const Found& found) {
+                                        auto& border = bins_[bin].border;
+                                        border.insert(border.end(), found.begin(), found.end());
+                                    });
+        done += all.size();
+    }
+}
+
+// Before a pass: of the other processes' bins, the points that this pass asks for are kept.
+template <class Coord>
+void LevelSampler<Coord>::forget_far_borders(int size, const typename BinNeighbours<Coord>::Lists& near)
+{
+    exchange_->connect(near);
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+        if (owns(bin) || bins_[bin].border.empty()) continue;
+        if (!exchange_->touches(near[bin])) Found().swap(bins_[bin].border);
+        keep_border(bin, size, near[bin], {});
     }
 }
 
 // At spacings at which most bins are near each other: few points are chosen, so that few bins have any, and only these
-// are looked for. All chosen points are kept as if they were at the border.
+// are looked for. All chosen points are kept as if at the border. What an owner's run of bins chose, it sends to all.
 template <class Coord>
 void LevelSampler<Coord>::pass_one_by_one(int size)
 {
     typename BinNeighbours<Coord>::Subset chosen(neighbours_);
     for (std::size_t bin = 0; bin < bins_.size(); ++bin)
         if (!bins_[bin].border.empty()) chosen.add(bin);
-    for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
-        report_pass(bin);
-        if (points_.box(bin).points == 0) continue;
-        const Found found = sample_bin(bin, size, chosen.near(bin, lattice_.spacing(size)));
-        if (found.empty()) continue;
+    const auto take = [&](std::size_t bin, const Found& found) {
         bins_[bin].border.insert(bins_[bin].border.end(), found.begin(), found.end());
         chosen.add(bin);
+    };
+    std::vector<std::pair<std::size_t, Found>> run;
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+        report_pass(bin);
+        if (points_.box(bin).points > 0 && owns(bin)) {
+            Found found = sample_bin(bin, size, chosen.near(bin, lattice_.spacing(size)));
+            if (!found.empty()) {
+                take(bin, found);
+                if (exchange_) run.emplace_back(bin, std::move(found));
+            }
+        }
+        if (!exchange_ || (bin + 1 < bins_.size() && exchange_->owner(bin + 1) == exchange_->owner(bin))) continue;
+        exchange_->send_all(exchange_->owner(bin), run, take);
+        run.clear();
+    }
+}
+
+// Of the other processes' lists of a size the number of points, as in a sample by grid.
+template <class Coord>
+void LevelSampler<Coord>::share_lists(int size)
+{
+    std::vector<std::uint64_t> counts(bins_.size(), 0);
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin)
+        for (const List& list : bins_[bin].lists)
+            if (list.size == size) counts[bin] = list.place.count;
+    exchange_->share(counts);
+    for (std::size_t bin = 0; bin < bins_.size(); ++bin) {
+        if (owns(bin) || counts[bin] == 0) continue;
+        bins_[bin].lists.push_back({size, {0, static_cast<std::uint32_t>(counts[bin]), 0}});
+        bins_[bin].chosen += counts[bin];
     }
 }
 
@@ -286,17 +335,9 @@ std::vector<Point<Coord>> LevelSampler<Coord>::given_near(std::size_t number, in
                                                           std::size_t last_level,
                                                           typename SortedPoints<Coord>::Reader& points) const
 {
-    // Only those in or adjacent to a bucket in which the bin has points: a few per point, however many the box
-    // holds.
+    // Only those in or adjacent to a bucket in which the bin has points: a few per point.
     const auto& box = points_.box(number);
-    Point<Coord> low, high;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const double reach = std::ceil(lattice_.spacing(size) / lattice_.scale[a]) + 1;
-        const auto most = std::numeric_limits<Coord>::max();
-        const auto steps = reach < static_cast<double>(most) ? static_cast<Coord>(reach) : most;
-        low[a] = box.low[a] > steps ? box.low[a] - steps : 0;
-        high[a] = most - box.high[a] > steps ? box.high[a] + steps : most;
-    }
+    const auto [low, high] = reach_of<Coord>(box, lattice_, lattice_.spacing(size));
     const PointsNear<Coord> near(points, lattice_, size);
     std::vector<Point<Coord>> found;
     given_.list(low, high, first_level, last_level, [&](const Point<Coord>* given, std::size_t count) {
@@ -380,37 +421,19 @@ auto LevelSampler<Coord>::sample_bin(std::size_t number, int size, const std::ve
 // Keeps the chosen points that passes of smaller sizes may ask for: the ones nearer than the spacing to a
 // neighbour. With smaller spacings there are only fewer neighbours.
 template <class Coord>
-void LevelSampler<Coord>::keep_border(std::size_t number, int size, const std::vector<std::uint32_t>& neighbours,
-                                      const Found& found)
+auto LevelSampler<Coord>::keep_border(std::size_t number, int size, const std::vector<std::uint32_t>& neighbours,
+                                      const Found& found) -> Found
 {
     Bin& bin = bins_[number];
-    const auto& box = points_.box(number);
-    const double spacing = lattice_.spacing(size), squared = spacing * spacing;
-    // Neighbours lie outside of the bin's own box, as a rule: then a point as deep in it as the spacing is far from
-    // them.
-    Point<Coord> inner_low = box.high, inner_high = box.low;
-    for (std::size_t a = 0; a < 3; ++a) {
-        const double reach = std::ceil(spacing / lattice_.scale[a]) + 1;
-        if (!(reach < static_cast<double>(box.high[a] - box.low[a]) / 2)) continue;
-        inner_low[a] = box.low[a] + static_cast<Coord>(reach);
-        inner_high[a] = box.high[a] - static_cast<Coord>(reach);
-    }
-    const bool apart = std::none_of(neighbours.begin(), neighbours.end(),
-                                    [&](std::uint32_t n) { return neighbours_.between(number, n) == 0; });
-    const auto at_border = [&](const Point<Coord>& p) {
-        bool inside = apart;
-        for (std::size_t a = 0; a < 3; ++a) inside = inside && p[a] > inner_low[a] && p[a] < inner_high[a];
-        if (inside) return false;
-        for (const std::uint32_t n : neighbours)
-            if (neighbours_.to_nearest(p, points_.box(n)) * (1 - distance_margin) < squared) return true;
-        return false;
-    };
-    std::vector<Point<Coord>> border;
+    const BinBorder<Coord> at_border(neighbours_, points_, lattice_, number, lattice_.spacing(size), neighbours);
+    Found border, kept;
     for (const Point<Coord>& p : bin.border)
         if (at_border(p)) border.push_back(p);
     for (const Point<Coord>& p : found)
-        if (at_border(p)) border.push_back(p);
+        if (at_border(p)) kept.push_back(p);
+    border.insert(border.end(), kept.begin(), kept.end());
     bin.border = std::move(border);
+    return kept;
 }
 
 template <class Coord>

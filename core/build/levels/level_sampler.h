@@ -17,6 +17,8 @@
 
 #include "pcm/build/levels/bin_neighbours.h"
 #include "pcm/build/levels/given_levels.h"
+#include "pcm/build/levels/level_exchange.h"
+#include "pcm/build/levels/levels_of_bins.h"
 #include "pcm/build/levels/list_file.h"
 #include "pcm/build/levels/sorted_points.h"
 #include "pcm/tree/tree.h"
@@ -24,6 +26,8 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
+#include <utility>
 #include <vector>
 
 namespace pcm {
@@ -32,12 +36,16 @@ class ByteReader;
 class ByteWriter;
 
 template <class Coord>
-class LevelSampler {
+class LevelSampler final : public LevelsOfBins {
 public:
     // `points` must not change and must outlive the sampler. `scratch`: the sampler's own file; with Mode::create_new
     // it is removed in the end, otherwise it stays.
     LevelSampler(const SortedPoints<Coord>& points, const Lattice& lattice, Sampling sampling,
                  const std::filesystem::path& scratch, File::Mode mode = File::Mode::create_new);
+
+    // Before run(), which is collective then: other processes sample other bins of the cloud. `points` has the boxes of
+    // all bins, and the points of those that this one owns, of which alone levels() may be asked.
+    void share(LevelExchange<Coord> exchange) { exchange_.emplace(std::move(exchange)); }
 
     // Before run(): the points are added to these. Throws Error(invalid_argument) for spacings that are not the
     // lattice's.
@@ -54,10 +62,8 @@ public:
     std::uint64_t bytes() const { return file_.bytes(); }
     // Spacing by level; 0 for the rest. With given levels: theirs, and the rest where they had none and it is needed.
     const std::vector<double>& spacings() const { return spacings_; }
-    // Number of points of each level in a bin.
-    const std::vector<std::uint64_t>& histogram(std::size_t bin) const { return bins_[bin].histogram; }
-    // Level of every point of a bin, in its order. Any thread.
-    std::vector<std::uint8_t> levels(std::size_t bin) const;
+    const std::vector<std::uint64_t>& histogram(std::size_t bin) const override { return bins_[bin].histogram; }
+    std::vector<std::uint8_t> levels(std::size_t bin) const override;
 
 private:
     struct List {  // indices that one pass chose; in a sample by grid, their number alone
@@ -85,11 +91,14 @@ private:
     void pass_in_groups(int size, unsigned threads, const typename BinNeighbours<Coord>::Lists& near);
     void pass_one_by_one(int size);
     void report_pass(std::size_t bins_done);
+    bool owns(std::size_t bin) const { return !exchange_ || exchange_->owns(bin); }
+    void forget_far_borders(int size, const typename BinNeighbours<Coord>::Lists& near);
+    void share_lists(int size);
     // Returns the points that it chooses, ...
     Found sample_bin(std::size_t bin, int size, const std::vector<std::uint32_t>& neighbours);
     std::vector<std::uint32_t> chosen_in(const Bin& bin, std::uint64_t points) const;
-    // ... of which it keeps those that are near one of its neighbours.
-    void keep_border(std::size_t bin, int size, const std::vector<std::uint32_t>& neighbours, const Found& found);
+    // ... of which it keeps those that are near one of its neighbours, and returns them.
+    Found keep_border(std::size_t bin, int size, const std::vector<std::uint32_t>& neighbours, const Found& found);
     void sample_given_bin_by_grid(std::size_t bin);
     void bar_points(std::size_t bin);
     std::vector<Point<Coord>> given_near(std::size_t bin, int size, std::size_t first_level, std::size_t last_level,
@@ -103,6 +112,7 @@ private:
     const Sampling sampling_;
     const BinNeighbours<Coord> neighbours_;
     GivenLevels<Coord> given_;
+    std::optional<LevelExchange<Coord>> exchange_;  // absent: all bins are this process's
     ListFile file_;
     std::vector<Bin> bins_;
     std::vector<double> spacings_;

@@ -2,7 +2,25 @@
 
 #include "pcm/build/levels/cells.h"
 
+#include <cmath>
+#include <limits>
+
 namespace pcm {
+
+template <class Coord>
+std::pair<Point<Coord>, Point<Coord>> reach_of(const typename SortedPoints<Coord>::Box& box, const Lattice& lattice,
+                                               double distance)
+{
+    Point<Coord> low, high;
+    for (std::size_t a = 0; a < 3; ++a) {
+        const double reach = std::ceil(distance / lattice.scale[a]) + 1;
+        const auto most = std::numeric_limits<Coord>::max();
+        const auto steps = reach < static_cast<double>(most) ? static_cast<Coord>(reach) : most;
+        low[a] = box.low[a] > steps ? box.low[a] - steps : 0;
+        high[a] = most - box.high[a] > steps ? box.high[a] + steps : most;
+    }
+    return {low, high};
+}
 
 template <class Coord>
 PointsNear<Coord>::PointsNear(typename SortedPoints<Coord>::Reader& points, const Lattice& lattice, int size)
@@ -42,6 +60,10 @@ bool PointsNear<Coord>::operator()(const Point<Coord>& p) const
     return false;
 }
 
+template std::pair<Point<std::uint32_t>, Point<std::uint32_t>> reach_of<std::uint32_t>(
+    const SortedPoints<std::uint32_t>::Box&, const Lattice&, double);
+template std::pair<Point<std::uint64_t>, Point<std::uint64_t>> reach_of<std::uint64_t>(
+    const SortedPoints<std::uint64_t>::Box&, const Lattice&, double);
 template class PointsNear<std::uint32_t>;
 template class PointsNear<std::uint64_t>;
 

@@ -5,9 +5,15 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace pcm {
+
+// Corners of a bin's box, larger by the distance along each axis, as far as coordinates go.
+template <class Coord>
+std::pair<Point<Coord>, Point<Coord>> reach_of(const typename SortedPoints<Coord>::Box& box, const Lattice& lattice,
+                                               double distance);
 
 // Whether the bin has points in the bucket of a point or in an adjacent one. All that are nearer than the spacing are
 // there.

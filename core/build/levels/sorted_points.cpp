@@ -23,6 +23,11 @@ SortedPoints<Coord>::SortedPoints(const std::filesystem::path& path, File::Mode 
 }
 
 template <class Coord>
+SortedPoints<Coord>::SortedPoints(OpenBin open) : open_(std::move(open)), remove_(false)
+{
+}
+
+template <class Coord>
 void SortedPoints<Coord>::save(std::size_t number, ByteWriter& out) const
 {
     const Bin& bin = bins_[number];
@@ -52,7 +57,7 @@ void SortedPoints<Coord>::load(std::size_t number, ByteReader& in)
         block.bytes = in.get<std::uint32_t>();
         block.check = in.get<std::uint32_t>();
         for (Coord& c : block.first) c = in.get<Coord>();
-        if (block.offset > end_ || block.bytes > end_ - block.offset)
+        if (!open_ && (block.offset > end_ || block.bytes > end_ - block.offset))
             throw Error(ErrorCode::corrupt, file_.path(), "a bin's positions lie outside the file");
         bin.blocks.push_back(block);
     }
@@ -69,7 +74,7 @@ SortedPoints<Coord>::~SortedPoints()
 }
 
 template <class Coord>
-std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<Coord>>& points)
+std::vector<std::byte> SortedPoints<Coord>::packed(std::size_t bin, const std::vector<Point<Coord>>& points)
 {
     Bin& to = bins_[bin];
     to.box.low = to.box.high = points[0];
@@ -93,13 +98,20 @@ std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<
                              static_cast<std::uint32_t>(checksum(bytes.data() + start, bytes.size() - start)),
                              points[from]});
     }
+    return bytes;
+}
+
+template <class Coord>
+std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<Coord>>& points)
+{
+    const std::vector<std::byte> bytes = packed(bin, points);
     std::uint64_t offset;
     {
         const std::lock_guard lock(mutex_);
         offset = end_;
         end_ += bytes.size();
     }
-    for (Block& block : to.blocks) block.offset += offset;
+    for (Block& block : bins_[bin].blocks) block.offset += offset;
     file_.write_at(bytes.data(), bytes.size(), offset);
     return bytes.size();
 }
@@ -107,6 +119,8 @@ std::uint64_t SortedPoints<Coord>::put(std::size_t bin, const std::vector<Point<
 template <class Coord>
 SortedPoints<Coord>::Reader::Reader(const SortedPoints& store, std::size_t bin)
     : store_(store),
+      own_(store.open_ ? store.open_(bin) : File()),
+      file_(store.open_ ? own_ : store.file_),
       bin_(bin),
       size_(store.bins_[bin].box.points),
       points_(new Point<Coord>[size_]),
@@ -119,15 +133,15 @@ void SortedPoints<Coord>::Reader::load(std::size_t number)
 {
     const Block& block = store_.bins_[bin_].blocks[number];
     bytes_.resize(block.bytes + codec_slack);
-    store_.file_.read_at(bytes_.data(), block.bytes, block.offset);
+    file_.read_at(bytes_.data(), block.bytes, block.offset);
     if (static_cast<std::uint32_t>(checksum(bytes_.data(), block.bytes)) != block.check)
-        throw scratch_changed(store_.file_.path(), block.offset);
+        throw scratch_changed(file_.path(), block.offset);
     const std::size_t first = number * sorted_block;
     const std::size_t count = std::min(sorted_block, size_ - first);
     words_.resize(count);
     std::size_t at = 0;
     for (std::size_t a = 0; a < 3; ++a) {
-        at += unpack(bytes_.data() + at, block.bytes - at, words_.data(), count, store_.file_.path());
+        at += unpack(bytes_.data() + at, block.bytes - at, words_.data(), count, file_.path());
         for (std::size_t i = 0; i < count; ++i) points_[first + i][a] = words_[i];
     }
     ready_[number] = 1;

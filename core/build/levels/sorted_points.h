@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <vector>
@@ -17,6 +18,9 @@ class ByteWriter;
 
 inline constexpr std::size_t sorted_block = 1024;  // points that are packed together, and read together
 
+// Opens the file of a bin, where each has its own. Any thread.
+using OpenBin = std::function<File(std::size_t bin)>;
+
 template <class Coord>
 class SortedPoints {
 public:
@@ -24,6 +28,8 @@ public:
     ~SortedPoints();  // removes the file
     // A file that stays. With Mode::change it is an existing one, and load() says where each bin lies.
     SortedPoints(const std::filesystem::path& path, File::Mode mode);
+    // Bins with a file each, which begins with what packed() returned.
+    explicit SortedPoints(OpenBin open);
 
     struct Box {
         Point<Coord> low{}, high{};
@@ -38,6 +44,10 @@ public:
 
     // Any thread, each bin once. `points` in Morton order, at least one. Returns the bytes they take on disk.
     std::uint64_t put(std::size_t bin, const std::vector<Point<Coord>>& points);
+    // The bytes that a bin takes, where each has a file of its own; sets its box and its places. As put() otherwise.
+    std::vector<std::byte> packed(std::size_t bin, const std::vector<Point<Coord>>& points);
+    // A bin's box alone: enough for bins whose points are not read.
+    void set_box(std::size_t bin, const Box& box) { bins_[bin].box = box; }
     // Where a bin lies, and the reverse. load() throws Error(corrupt) when it does not lie within the file.
     void save(std::size_t bin, ByteWriter& out) const;
     void load(std::size_t bin, ByteReader& in);
@@ -67,6 +77,8 @@ public:
         void load(std::size_t block);
         std::size_t end_of_longer_cell(std::size_t i, std::size_t end, const std::array<int, 3>& shifts);
         const SortedPoints& store_;
+        const File own_;  // the bin's, where each has its own
+        const File& file_;
         std::size_t bin_;
         std::size_t size_;
         std::unique_ptr<Point<Coord>[]> points_;  // points of blocks that are ready
@@ -86,6 +98,7 @@ private:
         Box box;
         std::vector<Block> blocks;
     };
+    const OpenBin open_;  // empty: all are in file_
     File file_;
     const bool remove_;
     std::vector<Bin> bins_;

@@ -45,12 +45,11 @@ bool comes_before(const NodePath& a, const NodePath& b)
 }  // namespace
 
 DataFiles::DataFiles(const fs::path& folder, const fs::path& work, std::uint32_t first)
-    : folder_(folder), front_path_(work / "front.tmp"), first_(first)
+    : folder_(folder), front_path_(work / "front.tmp"), first_(first), places_(first)
 {
-    bytes_.push_back(0);  // the first file is the front, written last
 }
 
-void DataFiles::choose_front(const std::vector<std::uint64_t>& points_of_levels)
+void ChunkPlaces::choose_front(const std::vector<std::uint64_t>& points_of_levels)
 {
     std::uint64_t points = 0;
     for (std::size_t level = 0; level < points_of_levels.size(); ++level) {
@@ -59,10 +58,26 @@ void DataFiles::choose_front(const std::vector<std::uint64_t>& points_of_levels)
     }
 }
 
+void ChunkPlaces::place(Draft& draft, std::uint64_t size)
+{
+    if (bytes_.size() == 1 || bytes_.back() + size > data_file_limit) bytes_.push_back(0);
+    draft.extent.file = first_ + static_cast<std::uint32_t>(bytes_.size() - 1);
+    draft.extent.offset = bytes_.back();
+    bytes_.back() += size;
+}
+
+void sort_front(std::vector<Draft*>& front)
+{
+    std::sort(front.begin(), front.end(), [](const Draft* p, const Draft* q) {
+        if (p->first_level != q->first_level) return p->first_level < q->first_level;
+        return comes_before(p->path, q->path);
+    });
+}
+
 void DataFiles::append(Draft& draft, const std::byte* bytes, std::size_t size)
 {
     appended_ += size;
-    if (draft.first_level <= front_level_) {
+    if (places_.is_in_front(draft)) {
         if (!front_) front_ = std::make_shared<File>(front_path_, File::Mode::create_or_truncate);
         front_->write_at(bytes, size, front_bytes_);
         draft.extent.file = first_;
@@ -71,33 +86,27 @@ void DataFiles::append(Draft& draft, const std::byte* bytes, std::size_t size)
         fronted_.push_back(&draft);
         return;
     }
-    if (!file_ || bytes_.back() + size > data_file_limit) {
+    places_.place(draft, size);
+    if (draft.extent.offset == 0) {
         finish_file();
-        file_ = std::make_shared<File>(folder_ / data_file_name(first_ + static_cast<std::uint32_t>(bytes_.size())),
-                                       File::Mode::create_or_truncate);
-        bytes_.push_back(0);
+        file_ = std::make_shared<File>(folder_ / data_file_name(draft.extent.file), File::Mode::create_or_truncate);
     }
-    file_->write_at(bytes, size, bytes_.back());
-    draft.extent.file = first_ + static_cast<std::uint32_t>(bytes_.size() - 1);
-    draft.extent.offset = bytes_.back();
-    bytes_.back() += size;
+    file_->write_at(bytes, size, draft.extent.offset);
 }
 
 void DataFiles::finish()
 {
     finish_file();
-    std::sort(fronted_.begin(), fronted_.end(), [](const Draft* p, const Draft* q) {
-        if (p->first_level != q->first_level) return p->first_level < q->first_level;
-        return comes_before(p->path, q->path);
-    });
+    sort_front(fronted_);
     File front(folder_ / data_file_name(first_), File::Mode::create_or_truncate);
     std::vector<std::byte> buffer;
+    std::uint64_t& end = places_.bytes()[0];
     for (Draft* draft : fronted_) {
         buffer.resize(draft->extent.bytes);
         front_->read_at(buffer.data(), buffer.size(), draft->extent.offset);
-        front.write_at(buffer.data(), buffer.size(), bytes_[0]);
-        draft->extent.offset = bytes_[0];
-        bytes_[0] += buffer.size();
+        front.write_at(buffer.data(), buffer.size(), end);
+        draft->extent.offset = end;
+        end += buffer.size();
     }
     front.sync();
     front.close();
@@ -114,21 +123,22 @@ void DataFiles::finish_file()
 void DataFiles::save(ByteWriter& out) const
 {
     out.put(front_bytes_);
-    out.put(static_cast<std::uint64_t>(bytes_.size()));
-    for (const std::uint64_t bytes : bytes_) out.put(bytes);
+    out.put(static_cast<std::uint64_t>(bytes().size()));
+    for (const std::uint64_t size : bytes()) out.put(size);
 }
 
 void DataFiles::load(ByteReader& in)
 {
     front_bytes_ = in.get<std::uint64_t>();
     const auto files = in.get<std::uint64_t>();
-    bytes_.clear();
-    for (std::uint64_t i = 0; i < files; ++i) bytes_.push_back(in.get<std::uint64_t>());
-    if (bytes_.empty()) throw Error(ErrorCode::corrupt, folder_, "a checkpoint names no data files");
-    bytes_[0] = 0;
+    std::vector<std::uint64_t>& bytes = places_.bytes();
+    bytes.clear();
+    for (std::uint64_t i = 0; i < files; ++i) bytes.push_back(in.get<std::uint64_t>());
+    if (bytes.empty()) throw Error(ErrorCode::corrupt, folder_, "a checkpoint names no data files");
+    bytes[0] = 0;
     if (front_bytes_) front_ = cut_off(front_path_, front_bytes_);
-    for (std::size_t number = 1; number < bytes_.size(); ++number)
-        file_ = cut_off(folder_ / data_file_name(first_ + static_cast<std::uint32_t>(number)), bytes_[number]);
+    for (std::size_t number = 1; number < bytes.size(); ++number)
+        file_ = cut_off(folder_ / data_file_name(first_ + static_cast<std::uint32_t>(number)), bytes[number]);
 }
 
 void DataFiles::written(Draft& draft)

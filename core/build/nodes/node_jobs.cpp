@@ -1,141 +1,21 @@
 #include "pcm/build/nodes/node_jobs.h"
 
 #include "pcm/bpc/byte_order.h"
-#include "pcm/build/nodes/point_sizes.h"
+#include "pcm/build/nodes/draft_record.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/ordered.h"
 
 namespace pcm {
-namespace {
-
-void put_draft(ByteWriter& out, const Draft& draft)
-{
-    out.put(draft.path.depth);
-    for (const std::uint64_t bits : draft.path.bits) out.put(bits);
-    for (const std::int64_t c : draft.box.min) out.put(c);
-    for (const std::int64_t c : draft.box.max) out.put(c);
-    out.put(draft.points);
-    out.put(draft.first_level);
-    out.put(static_cast<std::uint32_t>(draft.level_points.size()));
-    for (const std::uint32_t points : draft.level_points) out.put(points);
-    out.put(draft.spacing);
-    out.put(draft.extent.file);
-    out.put(draft.extent.offset);
-    out.put(draft.extent.bytes);
-    out.put(draft.extent.header_bytes);
-    for (const Draft* child : draft.children) out.put(static_cast<std::uint8_t>(child != nullptr));
-}
-
-// Sets `has_child`; the children are not linked.
-Draft* get_draft(ByteReader& in, DraftStore& drafts, std::array<bool, 2>& has_child)
-{
-    NodePath path;
-    path.depth = in.get<std::uint16_t>();
-    for (std::uint64_t& bits : path.bits) bits = in.get<std::uint64_t>();
-    Draft* draft = drafts.add(path);
-    for (std::int64_t& c : draft->box.min) c = in.get<std::int64_t>();
-    for (std::int64_t& c : draft->box.max) c = in.get<std::int64_t>();
-    draft->points = in.get<std::uint32_t>();
-    draft->first_level = in.get<std::uint16_t>();
-    const auto levels = in.get<std::uint32_t>();
-    for (std::uint32_t i = 0; i < levels; ++i) draft->level_points.push_back(in.get<std::uint32_t>());
-    draft->spacing = in.get<double>();
-    draft->extent.file = in.get<std::uint32_t>();
-    draft->extent.offset = in.get<std::uint64_t>();
-    draft->extent.bytes = in.get<std::uint64_t>();
-    draft->extent.header_bytes = in.get<std::uint32_t>();
-    for (bool& has : has_child) has = in.get<std::uint8_t>() != 0;
-    return draft;
-}
-
-void put_subtree(ByteWriter& out, const Draft& draft)
-{
-    put_draft(out, draft);
-    for (const Draft* child : draft.children)
-        if (child) put_subtree(out, *child);
-}
-
-Draft* get_subtree(ByteReader& in, DraftStore& drafts, DataFiles& files)
-{
-    std::array<bool, 2> has_child{};
-    Draft* draft = get_draft(in, drafts, has_child);
-    files.written(*draft);
-    if (draft->path.depth > NodePath::max_depth)
-        throw Error(ErrorCode::corrupt, {}, "a checkpoint has an invalid tree of nodes");
-    for (std::size_t side = 0; side < 2; ++side)
-        if (has_child[side]) {
-            draft->children[side] = get_subtree(in, drafts, files);
-            if (draft->children[side]->path.depth != draft->path.depth + 1)
-                throw Error(ErrorCode::corrupt, {}, "a checkpoint has an invalid tree of nodes");
-        }
-    return draft;
-}
-
-}  // namespace
 
 template <class Coord>
-NodeJobs<Coord>::NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelSampler<Coord>& levels,
+NodeJobs<Coord>::NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelsOfBins& levels,
                           const NodeBuilderOptions& options, DraftStore& drafts, DataFiles& files)
-    : top_(top), bins_(bins), levels_(levels), options_(options), drafts_(drafts), files_(files)
+    : bins_(bins), levels_(levels), options_(options), drafts_(drafts), files_(files)
 {
-    list(0, NodePath());
-    plan();
+    const auto rows = [&](std::size_t bin) { return bins.rows(bin); };
+    for (NodeJob& planned : plan_nodes<Coord>(top, rows, levels, options.chunk_points))
+        jobs_.push_back({std::move(planned), false, false, {}});
     if (!jobs_.empty()) files_.choose_front(jobs_.back().histogram);  // the root's
-}
-
-template <class Coord>
-std::uint64_t NodeJobs<Coord>::rows(std::uint32_t node) const
-{
-    const auto& n = top_.nodes[node];
-    if (!n.children[0]) return bins_.rows(n.bin);
-    return rows(n.children[0]) + rows(n.children[1]);
-}
-
-// Post-order; a side without any points has no job, and then there is no node above.
-template <class Coord>
-std::optional<std::size_t> NodeJobs<Coord>::list(std::uint32_t number, const NodePath& path)
-{
-    const auto& node = top_.nodes[number];
-    Job job;
-    job.path = path;
-    if (!node.children[0]) {
-        if (bins_.rows(node.bin) == 0) return std::nullopt;
-        job.bin = node.bin;
-        job.histogram = levels_.histogram(node.bin);
-    } else {
-        const bool empty[2] = {rows(node.children[0]) == 0, rows(node.children[1]) == 0};
-        if (empty[0] && empty[1]) return std::nullopt;
-        if (empty[0] || empty[1]) return list(node.children[empty[0] ? 1 : 0], path);
-        job.inputs[0] = *list(node.children[0], path.child(0));
-        job.inputs[1] = *list(node.children[1], path.child(1));
-        job.histogram = jobs_[job.inputs[0]].histogram;
-        for (std::size_t level = 0; level < job.histogram.size(); ++level)
-            job.histogram[level] += jobs_[job.inputs[1]].histogram[level];
-    }
-    jobs_.push_back(std::move(job));
-    return jobs_.size() - 1;
-}
-
-// From the root down: each node above the bins takes the levels that fit.
-template <class Coord>
-void NodeJobs<Coord>::plan()
-{
-    for (std::size_t j = jobs_.size(); j-- > 0;) {
-        Job& job = jobs_[j];
-        if (job.bin) continue;
-        job.own = levels_that_fit(job.histogram, job.above.empty() ? 0 : job.above.back().last, options_.chunk_points);
-        std::vector<LevelRange> above = job.above;
-        above.push_back(job.own);
-        for (const std::size_t input : job.inputs) jobs_[input].above = above;
-    }
-}
-
-template <class Coord>
-LeveledRows NodeJobs<Coord>::rows_of(std::size_t bin) const
-{
-    LeveledRows points{bins_.read(bin), levels_.levels(bin), {}};
-    points.sizes = find_sizes<Coord>(points.rows.data(), points.levels.size(), options_.layout.bytes, options_.grid);
-    return points;
 }
 
 template <class Coord>
@@ -143,7 +23,7 @@ auto NodeJobs<Coord>::build(Builder& builder, Job& job, typename Builder::Region
                             typename Builder::Output& output) const -> typename Builder::Region
 {
     if (!job.bin) return builder.merge(std::move(left), std::move(right), job.path, job.own, output);
-    return builder.build(rows_of(*job.bin), job.path, job.above, output);
+    return builder.build(leveled_rows(bins_, levels_, options_, *job.bin), job.path, job.above, output);
 }
 
 template <class Coord>
@@ -170,7 +50,7 @@ void NodeJobs<Coord>::load(std::size_t number, ByteReader& in)
     job.claimed = job.done = true;
     if (!in.get<std::uint8_t>()) return;
     if (job.bin) {
-        job.region.draft = get_subtree(in, drafts_, files_);
+        job.region.draft = get_subtree(in, drafts_, [this](Draft& draft) { files_.written(draft); });
     } else {
         std::array<bool, 2> has_child{};
         job.region.draft = get_draft(in, drafts_, has_child);
@@ -207,7 +87,7 @@ auto NodeJobs<Coord>::regained(Builder& builder, std::size_t number) const -> ty
     const Job& job = jobs_[number];
     typename Builder::Region region;
     if (job.bin) {
-        region = builder.hand_up(rows_of(*job.bin), job.above);
+        region = builder.hand_up(leveled_rows(bins_, levels_, options_, *job.bin), job.above);
     } else {
         region = Builder::join(regained(builder, job.inputs[0]), regained(builder, job.inputs[1]));
         region.above.pop_back();

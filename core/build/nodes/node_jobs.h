@@ -1,11 +1,8 @@
 // The nodes of a whole cloud, built bin by bin on several threads.
 #pragma once
 
-#include "pcm/build/bins/top_tree.h"
-#include "pcm/build/levels/level_sampler.h"
-#include "pcm/build/levels/sorted_bins.h"
 #include "pcm/build/nodes/data_files.h"
-#include "pcm/build/nodes/node_builder.h"
+#include "pcm/build/nodes/node_plan.h"
 
 #include <cstddef>
 #include <cstdint>
@@ -25,7 +22,7 @@ template <class Coord>
 class NodeJobs {
 public:
     // All arguments must outlive the jobs.
-    NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelSampler<Coord>& levels,
+    NodeJobs(const TopTree<Coord>& top, const SortedBins<Coord>& bins, const LevelsOfBins& levels,
              const NodeBuilderOptions& options, DraftStore& drafts, DataFiles& files);
 
     // Before run(): takes over the jobs that an interrupted run had committed, from the records that save() wrote;
@@ -46,13 +43,7 @@ public:
 
 private:
     using Builder = NodeBuilder<Coord>;
-    struct Job {
-        NodePath path;
-        std::optional<std::size_t> bin;
-        std::array<std::size_t, 2> inputs{};  // job numbers, for a node above bins
-        std::vector<std::uint64_t> histogram;
-        std::vector<LevelRange> above;  // levels that the nodes above take
-        LevelRange own;                 // levels of this node, when it is above bins
+    struct Job : NodeJob {
         bool claimed = false;
         bool done = false;
         typename Builder::Region region;
@@ -65,16 +56,11 @@ private:
     void take_inputs(Builder& builder, const Job& job, bool restored, typename Builder::Region& left,
                      typename Builder::Region& right);
     void load(std::size_t job, ByteReader& in);
-    std::optional<std::size_t> list(std::uint32_t node, const NodePath& path);
-    std::uint64_t rows(std::uint32_t node) const;
-    LeveledRows rows_of(std::size_t bin) const;
-    void plan();
     typename Builder::Region build(Builder& builder, Job& job, typename Builder::Region left,
                                    typename Builder::Region right, typename Builder::Output& output) const;
 
-    const TopTree<Coord>& top_;
     const SortedBins<Coord>& bins_;
-    const LevelSampler<Coord>& levels_;
+    const LevelsOfBins& levels_;
     const NodeBuilderOptions& options_;
     DraftStore& drafts_;
     DataFiles& files_;

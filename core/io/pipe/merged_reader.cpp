@@ -300,6 +300,13 @@ void MergedReader::describe_missing(FileNotes& notes)
     note_missing("attribute 'scan' is", without, notes);
 }
 
+std::vector<std::uint64_t> MergedReader::points_of_sources() const
+{
+    std::vector<std::uint64_t> points;
+    for (const Part& part : parts_) points.push_back(part.points);
+    return points;
+}
+
 PointReader& MergedReader::open(std::size_t part)
 {
     if (!open_ || open_part_ != part) {

@@ -83,6 +83,8 @@ public:
 
     // Without those that were left out.
     const std::vector<Source>& sources() const { return sources_; }
+    // Number of points of each, as far as the headers say.
+    std::vector<std::uint64_t> points_of_sources() const;
 
 private:
     // What is kept of a file between reading its header and its points.

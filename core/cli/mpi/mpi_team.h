@@ -1,0 +1,55 @@
+// A team of MPI processes.
+//
+// MPI 3.1, by its C functions. Waiting sleeps: a rank that has nothing to do leaves its processor to others. All calls
+// of MPI are made under one mutex, so that MPI_THREAD_SERIALIZED is enough.
+#pragma once
+
+#include "pcm/threads/team.h"
+
+#include <atomic>
+#include <map>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include <mpi.h>
+
+namespace pcm::cli {
+
+class MpiTeam final : public Team {
+public:
+    // One in a process, between MPI_Init_thread() and MPI_Finalize(). Collective.
+    MpiTeam();
+    // Not collective: the process may be about to call MPI_Abort().
+    ~MpiTeam() override;
+
+    unsigned rank() const override { return static_cast<unsigned>(rank_); }
+    unsigned size() const override { return static_cast<unsigned>(size_); }
+    unsigned ranks_of_machine() const { return static_cast<unsigned>(ranks_of_machine_); }
+
+    Bytes broadcast(unsigned from, Bytes bytes) override;
+    std::vector<Bytes> gather(Bytes bytes) override;
+    void connect(const std::vector<unsigned>& ranks) override;
+    std::vector<Bytes> exchange(std::vector<Bytes> bytes) override;
+    std::uint64_t next(std::uint64_t counter) override;
+
+    // What this rank has sent its neighbours by exchange().
+    std::uint64_t bytes_exchanged() const { return bytes_exchanged_; }
+
+private:
+    template <class Start>
+    void do_and_wait(const Start& start);
+    void serve_counters();
+    std::uint64_t count(std::uint64_t counter);
+
+    int rank_ = 0, size_ = 1, ranks_of_machine_ = 1;
+    MPI_Comm comm_ = MPI_COMM_NULL, counter_comm_ = MPI_COMM_NULL, neighbours_ = MPI_COMM_NULL;
+    std::size_t degree_ = 0;
+    std::uint64_t bytes_exchanged_ = 0;
+    std::mutex mpi_mutex_, ask_mutex_, counters_mutex_;
+    std::map<std::uint64_t, std::uint64_t> counters_;  // rank 0's
+    std::atomic<bool> ended_{false};
+    std::thread server_;  // rank 0's: answers the others' next()
+};
+
+}  // namespace pcm::cli
