@@ -1,0 +1,166 @@
+"""pcmlab-mpi builds the bytes of pcmlab build, by any number of processes, and after any of them was killed at any time."""
+
+import os
+import pathlib
+import random
+import shutil
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+
+BIN = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "bin"
+OPTIONS = ["--memory", "64M", "--chunk-points", "5000", "--threads", "1", "-q"]
+LAUNCHER = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--mca", "btl", "self,vader", "--mca", "btl_vader_single_copy_mechanism", "none"]
+
+
+def processes_of(parent):
+    """pcmlab-mpi's processes below a process of mpirun."""
+    parents = {}
+    for folder in pathlib.Path("/proc").iterdir():
+        if folder.name.isdigit():
+            try:
+                name, fields = (folder / "stat").read_text().rsplit(")", 1)
+            except OSError:
+                continue
+            parents[int(folder.name)] = (int(fields.split()[1]), name.split("(", 1)[1])
+    below = {parent}
+    for _ in range(4):
+        below |= {process for process, (its_parent, _) in parents.items() if its_parent in below}
+    return [process for process in below if parents.get(process, (0, ""))[1] == "pcmlab-mpi"]
+
+
+@unittest.skipUnless(shutil.which("mpirun"), "there is no mpirun here")
+class Mpi(unittest.TestCase):
+    trees_to_kill = 3
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = pathlib.Path(tempfile.mkdtemp())
+        cls.scene = cls.folder / "scene.las"
+        cls.run_program("pcmlab", "generate", cls.scene, "-n", "600000", "--no-truth", "-q")
+        cls.tree = cls.built("whole.pct", cls.scene)
+
+    @classmethod
+    def tearDownClass(cls):
+        shutil.rmtree(cls.folder)
+
+    @classmethod
+    def run_program(cls, program, *arguments, check=True):
+        run = subprocess.run([BIN / program, *map(str, arguments)], capture_output=True, text=True, check=False)
+        assert not check or run.returncode == 0, run.stderr
+        return run
+
+    @classmethod
+    def built(cls, name, *arguments):
+        cls.run_program("pcmlab", "build", *arguments, "-o", cls.folder / name, *OPTIONS)
+        return cls.folder / name
+
+    def command(self, ranks, output, *arguments):
+        return [*LAUNCHER, "-n", str(ranks), BIN / "pcmlab-mpi", "build", *arguments, "-o", output, *OPTIONS]
+
+    def together(self, ranks, output, *arguments):
+        return subprocess.run(self.command(ranks, output, *arguments), capture_output=True, text=True, check=False, timeout=300)
+
+    def files(self, folder):
+        return {file.name: file.read_bytes() for file in folder.iterdir() if file.name != "lock"}
+
+    def assert_same(self, tree, other, was_killed=False):
+        mine, its = self.files(tree), self.files(other)
+        self.assertEqual(sorted(mine), sorted(its))
+        for name, content in mine.items():
+            self.assertTrue(content == its[name], f"{name} differs")
+        if not was_killed:  # else it may have had its name already
+            self.assertFalse(pathlib.Path(f"{tree}.part").exists())
+        shutil.rmtree(f"{tree}.part", ignore_errors=True)
+        shutil.rmtree(tree)
+
+    def test_any_number_of_processes_writes_the_same_bytes(self):
+        for ranks in (1, 2, 4):
+            with self.subTest(ranks=ranks):
+                run = self.together(ranks, self.folder / "mpi.pct", self.scene)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assert_same(self.folder / "mpi.pct", self.tree)
+
+    def test_levels_on_a_grid_laz_and_doubles(self):
+        for name in ("scene.laz", "scene.xyz"):
+            self.run_program("pcmlab", "convert", self.scene, self.folder / name, "-q")
+        for arguments in ([self.scene, "--fast"], [self.folder / "scene.laz"], [self.folder / "scene.xyz"]):
+            with self.subTest(arguments=arguments):
+                other = self.built("other.pct", *arguments)
+                run = self.together(3, self.folder / "mpi.pct", *arguments)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assert_same(self.folder / "mpi.pct", other)
+                shutil.rmtree(other)
+
+    def test_tiles(self):
+        tiles = self.folder / "tiles"
+        tiles.mkdir()
+        for number in range(40):
+            self.run_program("pcmlab", "generate", tiles / f"{number:02}.las", "-n", "5000", "--no-truth", "--seed", number + 1, "-q")
+        other = self.built("other.pct", tiles)
+        run = self.together(2, self.folder / "mpi.pct", tiles)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assert_same(self.folder / "mpi.pct", other)
+
+    def test_killed_processes_end_the_job_and_the_next_one_goes_on(self):
+        chance = random.Random(11)
+        output = self.folder / "killed.pct"
+        kills = 0
+        begun = time.monotonic()
+        self.assertEqual(self.together(2, output, self.scene).returncode, 0)
+        seconds = time.monotonic() - begun
+        self.assert_same(output, self.tree)
+        for tree in range(self.trees_to_kill):
+            for _ in range(4):
+                process = subprocess.Popen(self.command(chance.choice((1, 2, 3)), output, self.scene), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                begun = time.monotonic()
+                ranks = []
+                while not ranks and process.poll() is None:
+                    ranks = processes_of(process.pid)
+                time.sleep(0.4 + chance.uniform(0, 0.7 * seconds))  # mpirun itself hangs when one ends before MPI_Init() has
+                if process.poll() is None and ranks:
+                    try:
+                        os.kill(chance.choice(ranks), signal.SIGKILL)
+                        kills += 1
+                    except ProcessLookupError:
+                        pass
+                process.wait(timeout=60)
+                if output.exists():
+                    break
+                self.assertNotEqual(process.returncode, 0)
+                self.assertLess(time.monotonic() - begun, 60)
+            was_killed = output.exists()
+            if not was_killed:
+                if tree % 3 == 2:  # one process that knows no MPI goes on with what several have begun
+                    self.run_program("pcmlab", "build", self.scene, "-o", output, *OPTIONS)
+                else:
+                    run = self.together(2, output, self.scene)
+                    self.assertEqual(run.returncode, 0, run.stderr)
+            self.assert_same(output, self.tree, was_killed)
+        self.assertGreater(kills, self.trees_to_kill)
+
+    def test_one_that_fails_is_named_and_nothing_is_published(self):
+        tiles = self.folder / "bad"
+        tiles.mkdir()
+        for number in range(3):
+            self.run_program("pcmlab", "generate", tiles / f"{number}.las", "-n", "100000", "--no-truth", "--seed", number + 1, "-q")
+        whole = (tiles / "1.las").read_bytes()
+        (tiles / "1.las").write_bytes(whole[: len(whole) * 2 // 3])
+        begun = time.monotonic()
+        run = self.together(3, self.folder / "bad.pct", tiles)
+        self.assertLess(time.monotonic() - begun, 60)
+        self.assertNotEqual(run.returncode, 0)
+        self.assertIn("1.las", run.stderr)
+        self.assertIn("rank", run.stderr)
+        self.assertFalse((self.folder / "bad.pct").exists())
+
+    def test_buckets_are_refused(self):
+        run = self.together(2, "s3://scans/site.pct", self.scene)
+        self.assertNotEqual(run.returncode, 0)
+        self.assertIn("not in buckets", run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
