@@ -33,7 +33,7 @@ TEST_F(BackendsTest, HelpShowsWhatIsInstalledBesideTheCommand)
         EXPECT_EQ(pclose(pipe), 0);
         return text;
     };
-    const fs::path modules = fs::path(pcm::paths::command).parent_path() / "../lib";
+    const fs::path modules = fs::path(pcm::paths::command).parent_path() / "../lib/pcmlab";
     for (const auto& [module, topic, option] : {std::array<const char*, 3>{"libpcm_flann.so", "normals", "--flann"},
                                                 std::array<const char*, 3>{"libpcm_pcl.so", "fit", "--backend"}}) {
         EXPECT_EQ(help_of("'" + std::string(pcm::paths::command) + "'", topic).find(option) != std::string::npos,
