@@ -77,8 +77,8 @@ public:
                         "send the tree there afterwards, by 'pcmlab convert'");
         const BucketOutput bucket(output, inputs_, options_.overwrite);
         options_.overwrite = bucket.may_replace();
-        const ProgressFunction built = part_of(context.progress, 0, 0.8), sent = part_of(context.progress, 0.8, 1);
-        const ProgressFunction& progress = bucket.is_address() ? built : context.progress;
+        const ProgressFunction building = part_of(context.progress, 0, 0.8), sent = part_of(context.progress, 0.8, 1);
+        const ProgressFunction& progress = bucket.is_address() ? building : context.progress;
         options_.memory_bytes = work_.memory;
         options_.threads = work_.threads;
         options_.read = reading_.get(work_.threads);
