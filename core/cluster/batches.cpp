@@ -13,7 +13,7 @@ constexpr std::uint64_t usual_batches = 48;
 std::vector<Batch> batches_of(const std::vector<std::uint64_t>& points_of_files, std::uint64_t size)
 {
     std::vector<Batch> batches;
-    std::uint64_t first = 0, end = 0;  // of the batch to come
+    std::uint64_t first = 0, end = 0;  // the next batch
     const auto finish = [&] {
         if (end > first) batches.push_back({first, end});
         first = end;

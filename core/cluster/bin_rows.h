@@ -60,7 +60,7 @@ private:
     std::unique_ptr<Scratch> open(const Piece& piece) const;
 
     const Ingested& cloud_;
-    mutable ScratchSpace counted_;  // by those who wrote the files
+    mutable ScratchSpace counted_;  // room that the files take, counted where they were written
     std::vector<std::filesystem::path> files_;
     std::vector<Bin> bins_;
 };

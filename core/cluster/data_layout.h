@@ -29,7 +29,7 @@ public:
     void add(Draft& draft, std::uint64_t source);
     void finish();
 
-    const std::vector<std::vector<Run>>& files() const { return files_; }  // of each data file
+    const std::vector<std::vector<Run>>& files() const { return files_; }  // runs, keyed by number of the data file
     std::vector<std::uint64_t> bytes() const;                              // size of each
 
     void save(ByteWriter& out) const;
@@ -39,7 +39,7 @@ private:
     void append(std::size_t file, const Run& run);
     ChunkPlaces places_;
     std::vector<Draft*> front_;
-    std::map<const Draft*, Run> sources_;  // of those in front
+    std::map<const Draft*, Run> sources_;  // drafts in front
     std::vector<std::vector<Run>> files_{1};
 };
 

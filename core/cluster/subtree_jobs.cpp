@@ -137,7 +137,7 @@ private:
         }
     }
 
-    // Appends the chunks to the file, and says so in their drafts.
+    // Appends the chunks to the file, and notes their places in their drafts.
     static void append(File& file, std::uint64_t& end, const typename Builder::Output& output)
     {
         for (const auto& piece : output.pieces) piece.draft->extent.offset = end + piece.from;
@@ -161,7 +161,7 @@ private:
         const fs::path path = all_.jobs.unfinished(key);
         DraftStore drafts;
         Builder builder(options_, drafts);
-        std::map<std::size_t, Region> regions;  // that wait for their sibling
+        std::map<std::size_t, Region> regions;  // regions without their sibling yet
         std::uint64_t end = 0;
         {
             File file(path, File::Mode::create_new);

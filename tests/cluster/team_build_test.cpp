@@ -37,7 +37,7 @@ protected:
         bytes_exchanged_ = team.bytes_exchanged();
         return report;
     }
-    // Of teams of several sizes, sampled in both ways.
+    // Trees by teams of several sizes, sampled in both ways.
     void expect_same_tree(const std::vector<fs::path>& inputs)
     {
         for (const Sampling sampling : {Sampling::poisson, Sampling::grid}) {

@@ -25,7 +25,7 @@ template <class Coord>
 std::vector<Division> divide_large_bins(Bins<Coord>& bins, Workspace& work, const AxisShift& finer,
                                         std::uint64_t bin_points);
 
-// Whether a bin of so many rows is divided.
+// Whether a bin of this number of rows is divided.
 inline bool is_large_bin(std::uint64_t rows, std::uint64_t bin_points) { return rows > bin_points + bin_points / 2; }
 
 extern template std::vector<Division> divide_large_bins(Bins<std::uint32_t>&, Workspace&, const AxisShift&,

@@ -1,4 +1,4 @@
-// What the processes that sample the bins of one cloud tell each other (threads/team.h). Each works on the bins that it
+// What the processes that sample the bins of one cloud send each other (threads/team.h). Each works on the bins that it
 // owns; the others' are known to it by their boxes and by what is exchanged here. All functions but owns() are
 // collective.
 #pragma once
@@ -45,7 +45,7 @@ public:
 private:
     Team& team_;
     const std::vector<unsigned> owner_;
-    std::vector<unsigned> ranks_;  // that send_borders() is with
+    std::vector<unsigned> ranks_;  // partners of send_borders()
 };
 
 extern template class LevelExchange<std::uint32_t>;

@@ -307,7 +307,7 @@ void LevelSampler<Coord>::pass_one_by_one(int size)
     }
 }
 
-// Of the other processes' lists of a size the number of points, as in a sample by grid.
+// The number of points of the other processes' lists of a size, as in a sample by grid.
 template <class Coord>
 void LevelSampler<Coord>::share_lists(int size)
 {
