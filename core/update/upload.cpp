@@ -54,12 +54,6 @@ Snapshot snapshot_of(const fs::path& folder)
     }
 }
 
-fs::path folder_of(const fs::path& address)
-{
-    const fs::path folder = tree_folder_of(address);
-    return folder.filename().empty() ? folder.parent_path() : folder;
-}
-
 bool is_there(const fs::path& address)
 {
     try {
@@ -79,23 +73,29 @@ void remove_data_files_from(std::uint32_t first, const fs::path& folder)
         BucketObject(folder / data_file_name(number)).remove();
 }
 
+void refuse_existing(const fs::path& index, const fs::path& address, bool overwrite)
+{
+    if (!overwrite && is_there(index))
+        throw Error(ErrorCode::exists, address, "there is a tree at this address",
+                    "choose another address, or overwrite it");
+}
+
 }  // namespace
 
 void refuse_upload(const fs::path& address, bool overwrite)
 {
-    const fs::path index = folder_of(address) / index_file_name;
+    const fs::path index = tree_folder_of(address) / index_file_name;
     const BucketObject written(index);
-    if (!overwrite && is_there(index))
-        throw Error(ErrorCode::exists, address, "there is a tree at this address",
-                    "choose another address, or overwrite it");
+    refuse_existing(index, address, overwrite);
     written.check_writable();
 }
 
 std::uint64_t upload_tree(const fs::path& tree, const fs::path& address, bool overwrite,
                           const ProgressFunction& progress)
 {
-    const fs::path from = Tree::open(tree)->folder(), to = folder_of(address);  // throws unless the index is valid
-    refuse_upload(address, overwrite);
+    const fs::path from = Tree::open(tree)->folder(), to = tree_folder_of(address);  // throws unless the index is valid
+    const BucketObject index(to / index_file_name);
+    refuse_existing(to / index_file_name, address, overwrite);
     const Snapshot all = snapshot_of(from);
     std::uint64_t total = all.index.size(), before = 0;
     for (const Part& part : all.parts) total += part.bytes;
@@ -103,7 +103,6 @@ std::uint64_t upload_tree(const fs::path& tree, const fs::path& address, bool ov
     const auto report = [&](std::uint64_t sent) {
         watch.report("Sending", static_cast<double>(before + sent) / static_cast<double>(total));
     };
-    const BucketObject index(to / index_file_name);
     if (overwrite) index.remove();
     for (const Part& part : all.parts) {
         report(0);

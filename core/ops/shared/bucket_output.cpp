@@ -23,9 +23,7 @@ fs::path local_place(const std::string& address, const std::vector<std::string>&
         folder = folder.parent_path();
         break;
     }
-    fs::path name = tree_folder_of(address);
-    if (name.filename().empty()) name = name.parent_path();
-    return folder / (name.stem().string() + ".upload." + tree_extension);
+    return folder / (tree_folder_of(address).stem().string() + ".upload." + tree_extension);
 }
 
 }  // namespace
