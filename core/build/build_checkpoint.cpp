@@ -90,16 +90,31 @@ template void save_top(const TopTree<std::uint64_t>&, ByteWriter&);
 template TopTree<std::uint32_t> load_top(ByteReader&);
 template TopTree<std::uint64_t> load_top(ByteReader&);
 
+void save_observed(const Observed& observed, ByteWriter& out)
+{
+    out.put(observed.points);
+    out.put(observed.hash);
+    out.put(observed.position_error);
+    for (const Vec3i& p : observed.extremes) put_all(out, p);
+}
+
+Observed load_observed(ByteReader& in)
+{
+    Observed observed;
+    observed.points = in.get<std::uint64_t>();
+    observed.hash = in.get<std::uint64_t>();
+    observed.position_error = in.get<double>();
+    for (Vec3i& p : observed.extremes) get_all(in, p);
+    return observed;
+}
+
 void save_found(const Ingested& cloud, ByteWriter& out)
 {
     put_all(out, cloud.grid.scale);
     put_all(out, cloud.grid.offset);
     out.put(static_cast<std::uint8_t>(cloud.layout.coordinate_bytes));
     out.put(static_cast<std::uint8_t>(cloud.position_type));
-    out.put(cloud.observed.points);
-    out.put(cloud.observed.hash);
-    out.put(cloud.observed.position_error);
-    for (const Vec3i& p : cloud.observed.extremes) put_all(out, p);
+    save_observed(cloud.observed, out);
     out.put(cloud.points_in);
     out.put(cloud.points_skipped);
     out.put(cloud.skipped.lines);
@@ -133,10 +148,7 @@ void load_found(Ingested& cloud, const Schema& schema, ByteReader& in)
     const bool wide = in.get<std::uint8_t>() == 8;
     cloud.layout = RowLayout(schema, wide);
     cloud.position_type = static_cast<ScalarType>(in.get<std::uint8_t>());
-    cloud.observed.points = in.get<std::uint64_t>();
-    cloud.observed.hash = in.get<std::uint64_t>();
-    cloud.observed.position_error = in.get<double>();
-    for (Vec3i& p : cloud.observed.extremes) get_all(in, p);
+    cloud.observed = load_observed(in);
     cloud.points_in = in.get<std::uint64_t>();
     cloud.points_skipped = in.get<std::uint64_t>();
     cloud.skipped.lines = in.get<std::uint64_t>();

@@ -14,6 +14,8 @@ namespace pcm {
 class ByteReader;
 class ByteWriter;
 
+void save_observed(const Observed& observed, ByteWriter& out);
+Observed load_observed(ByteReader& in);
 // What was found while reading the cloud, and the reverse, for a cloud of the same schema. Throws Error(corrupt).
 void save_found(const Ingested& cloud, ByteWriter& out);
 void load_found(Ingested& cloud, const Schema& schema, ByteReader& in);

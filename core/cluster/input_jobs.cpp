@@ -1,6 +1,7 @@
 #include "pcm/cluster/input_jobs.h"
 
 #include "pcm/bpc/byte_order.h"
+#include "pcm/build/bins/distribute.h"
 #include "pcm/build/bins/divide_bins.h"
 #include "pcm/build/bins/ingest.h"
 #include "pcm/build/bins/partition.h"
@@ -190,7 +191,7 @@ private:
                 distribute<PointBatch>(batch, writer, observed);
             writer.flush();
             bytes = scratch.bytes();
-            put_observed(observed, record);
+            save_observed(observed, record);
             const std::vector<std::string>& notes = cloud_.info().notes;
             record.put(static_cast<std::uint64_t>(notes.size() - notes_before));
             for (std::size_t n = notes_before; n < notes.size(); ++n) record.put_string(notes[n]);
@@ -213,9 +214,7 @@ private:
     template <class Points>
     void distribute(const Batch& batch, Scratch::Writer& writer, Observed& observed)
     {
-        const std::size_t bytes = found_.layout.bytes;
         Points points;
-        std::array<std::uint32_t, 512> bin_of;
         for (std::uint64_t at = batch.first; at < batch.end; at += points.size) {
             const auto most = static_cast<std::size_t>(std::min<std::uint64_t>(default_batch_points, batch.end - at));
             if (!read_next(points, most) || points.size == 0)
@@ -223,31 +222,8 @@ private:
                             "the input ends at point " + std::to_string(at) + ", " +
                                 std::to_string(cloud_.info().points) + " were expected");
             put_rows(points, observed);
-            for (std::size_t first = 0; first < points.size; first += bin_of.size()) {
-                const std::size_t count = std::min(bin_of.size(), points.size - first);
-                const std::byte* const some = row_bytes_.data() + first * bytes;
-                for (std::size_t i = 0; i < count; ++i)
-                    bin_of[i] = static_cast<std::uint32_t>(top_.bin_of(coordinates_of<Narrow>(some + i * bytes)));
-                writer.add(bin_of.data(), some, count);
-            }
+            add_to_bins(top_, row_bytes_.data(), points.size, found_.layout.bytes, writer);
         }
-    }
-
-    static void put_observed(const Observed& observed, ByteWriter& out)
-    {
-        out.put(observed.points);
-        out.put(observed.hash);
-        for (const Vec3i& p : observed.extremes)
-            for (const auto c : p) out.put(c);
-    }
-    static Observed get_observed(ByteReader& in)
-    {
-        Observed observed;
-        observed.points = in.get<std::uint64_t>();
-        observed.hash = in.get<std::uint64_t>();
-        for (Vec3i& p : observed.extremes)
-            for (auto& c : p) c = in.get<std::decay_t<decltype(c)>>();
-        return observed;
     }
 
     // Collective: what the batches hold. Each rank reads the records of some.
@@ -265,7 +241,7 @@ private:
         std::vector<std::string> late;
         for (std::size_t i = 0; i < batches; ++i) {
             ByteReader& from = in[i % team_.size()];
-            found_.observed.merge(get_observed(from));
+            found_.observed.merge(load_observed(from));
             for (auto left = from.get<std::uint64_t>(); left > 0; --left) late.push_back(from.get_string());
             const std::uint32_t file = rows_.add_file(jobs_.file({batch_stage, i}));
             for (auto& [bin, piece] : BinRows::load(from, file)) {

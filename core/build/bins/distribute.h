@@ -1,12 +1,17 @@
 // Moves rows of points to the bins that they belong to.
 #pragma once
 
+#include "pcm/build/bins/row.h"
 #include "pcm/build/bins/scratch.h"
+#include "pcm/build/bins/top_tree.h"
 #include "pcm/build/bins/workspace.h"
 #include "pcm/threads/crew.h"
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace pcm {
@@ -33,6 +38,21 @@ void distribute(Workspace& work, std::size_t pieces, const Read& read, const Don
             if (!signal.stopped) writer.flush();
         });
     crew.join([&] { work.watch.report("Sorting points into bins", 0.3); });
+}
+
+// Adds rows to the bins that their positions are in, many at a time.
+template <class Coord>
+void add_to_bins(const TopTree<Coord>& top, const std::byte* rows, std::size_t count, std::size_t row_bytes,
+                 Scratch::Writer& writer)
+{
+    std::array<std::uint32_t, 512> bin_of;
+    for (std::size_t first = 0; first < count; first += bin_of.size()) {
+        const std::size_t some = std::min(bin_of.size(), count - first);
+        const std::byte* const from = rows + first * row_bytes;
+        for (std::size_t i = 0; i < some; ++i)
+            bin_of[i] = static_cast<std::uint32_t>(top.bin_of(coordinates_of<Coord>(from + i * row_bytes)));
+        writer.add(bin_of.data(), from, some);
+    }
 }
 
 }  // namespace pcm

@@ -151,16 +151,7 @@ private:
             0.4, [](const Batch&) {},
             [&](unsigned t, const Batch& batch, std::vector<std::byte>& rows) {
                 put_gridded_rows(batch, rows, observed[t]);
-                const std::size_t row_bytes = found_.layout.bytes;
-                std::array<std::uint32_t, 512> bin_of;
-                for (std::size_t first = 0; first < batch.size; first += bin_of.size()) {
-                    const std::size_t count = std::min(bin_of.size(), batch.size - first);
-                    const std::byte* const some = rows.data() + first * row_bytes;
-                    for (std::size_t i = 0; i < count; ++i)
-                        bin_of[i] = static_cast<std::uint32_t>(
-                            to.top.bin_of(coordinates_of<std::uint32_t>(some + i * row_bytes)));
-                    writers[t]->add(bin_of.data(), some, count);
-                }
+                add_to_bins(to.top, rows.data(), batch.size, found_.layout.bytes, *writers[t]);
             },
             [&](unsigned t) { writers[t]->flush(); });
         for (const Observed& o : observed) found_.observed.merge(o);
