@@ -156,8 +156,7 @@ private:
     void do_then()
     {
         report_.outcome.seconds = work().watch.seconds();
-        then_(folder_.tree(), report_);
-        for (std::string& warning : report_.outcome.warnings) warning = renamed(warning, folder_.tree(), output_);
+        run_then(then_, folder_.tree(), output_, report_);
     }
 
     // The bins of an interrupted build, if there are any that match the files.

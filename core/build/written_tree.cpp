@@ -3,6 +3,7 @@
 #include "pcm/build/nodes/draft_index.h"
 #include "pcm/system/error.h"
 #include "pcm/system/file.h"
+#include "pcm/system/renamed_error.h"
 #include "pcm/system/tree_folder.h"
 #include "pcm/tree/about.h"
 #include "pcm/tree/tree_index.h"
@@ -84,6 +85,13 @@ void write_tree(const WrittenTree& tree, const Ingested& cloud, BuildReport& rep
     report.levels = info.levels;
     report.bytes = bytes.size();
     for (const DataFile& file : index.data_files) report.bytes += file.bytes;
+}
+
+void run_then(const WorkOnTree& then, const std::filesystem::path& folder, const std::filesystem::path& output,
+              BuildReport& report)
+{
+    then(folder, report);
+    for (std::string& warning : report.outcome.warnings) warning = renamed(warning, folder, output);
 }
 
 }  // namespace pcm

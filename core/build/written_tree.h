@@ -2,7 +2,7 @@
 #pragma once
 
 #include "pcm/build/bins/bins.h"
-#include "pcm/build/builder.h"
+#include "pcm/build/build_then.h"
 #include "pcm/build/nodes/draft.h"
 
 #include <cstdint>
@@ -26,5 +26,9 @@ struct WrittenTree {
 // Writes them durably, removes files of interrupted work on the tree, and fills the report's counts. Throws
 // Error(corrupt) when points were lost on the way, and for points that differ from those of `like`.
 void write_tree(const WrittenTree& tree, const Ingested& cloud, BuildReport& report);
+
+// Runs `then` on the tree before it gets its name; warnings of it name `output` in place of `folder`.
+void run_then(const WorkOnTree& then, const std::filesystem::path& folder, const std::filesystem::path& output,
+              BuildReport& report);
 
 }  // namespace pcm

@@ -140,10 +140,7 @@ private:
         for (const Team::Bytes& bytes : peaks)
             report_.scratch_bytes += ByteReader(bytes.data(), bytes.size(), output_).get<std::uint64_t>();
         report_.outcome.seconds = work.watch.seconds();
-        if (then_) {
-            then_(folder_->tree(), report_);
-            for (std::string& warning : report_.outcome.warnings) warning = renamed(warning, folder_->tree(), output_);
-        }
+        if (then_) run_then(then_, folder_->tree(), output_, report_);
         run_last_step(report_.outcome, [this] { folder_->publish(); });
         report_.notes.insert(report_.notes.begin(), found_.notes.begin(), found_.notes.end());
         report_.skipped = found_.skipped;

@@ -1,34 +1,21 @@
 """The command writes trees into a bucket: build, convert, over a tree that is there, and through what goes wrong on the way."""
 
-import json
-import os
 import pathlib
 import random
 import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from command_case import SECRET, CommandCase
 from range_server import RangeServer
 
-PROGRAM = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "bin" / "pcmlab"
-SECRET = "wJalrXUtnFEMI/K7MDENG+bPxRfiCYEXAMPLEKEY"
 
-
-class Buckets(unittest.TestCase):
+class Buckets(CommandCase):
     @classmethod
     def setUpClass(cls):
-        cls.folder = pathlib.Path(tempfile.mkdtemp())
-        cls.file = cls.folder / "scan.las"
-        cls.tree = cls.folder / "site.pct"
-        for command in (["generate", cls.file, "-n", "3000000", "--no-truth"], ["build", cls.file, "-o", cls.tree]):
-            subprocess.run([PROGRAM, *command, "-q"], check=True, capture_output=True)
-
-    @classmethod
-    def tearDownClass(cls):
-        shutil.rmtree(cls.folder)
+        super().setUpClass()
+        cls.file = cls.folder / "site.pct.las"
 
     def setUp(self):
         self.storage = self.folder / "storage"
@@ -40,15 +27,8 @@ class Buckets(unittest.TestCase):
         shutil.rmtree(self.storage)
 
     def run_command(self, *arguments, **variables):
-        environment = {name: value for name, value in os.environ.items() if not name.startswith("AWS_")}
-        environment.update({"PCM_NETWORK_CACHE": "0", "HOME": str(self.folder), "AWS_ENDPOINT_URL": self.server.address().rstrip("/"),
-                            "AWS_ACCESS_KEY_ID": "AKIDEXAMPLE", "AWS_SECRET_ACCESS_KEY": SECRET, **variables})
-        return subprocess.run([PROGRAM, *map(str, arguments)], env=environment, capture_output=True, text=True, check=False)
-
-    def answer(self, *arguments, **variables):
-        run = self.run_command(*arguments, "--json", **variables)
-        self.assertEqual(run.returncode, 0, run.stderr)
-        return json.loads(run.stdout)
+        place = {"AWS_ENDPOINT_URL": self.server.address().rstrip("/"), "AWS_ACCESS_KEY_ID": "AKIDEXAMPLE", "AWS_SECRET_ACCESS_KEY": SECRET}
+        return super().run_command(*arguments, **{**place, **variables})
 
     def files(self, folder):
         return {file.name: file.read_bytes() for file in folder.iterdir() if file.name != "lock"}
