@@ -19,7 +19,7 @@ import unittest
 # Backends that packaging/debian/rules leaves out, as Debian would have them as packages of their own.
 LEFT_OUT = {"usr/lib/pcmlab/libpcm_flann.so", "usr/lib/pcmlab/libpcm_pcl.so", "usr/lib/pcmlab/libpcm_step.so"}
 # Which package has which component.
-PACKAGES = {"command": "pcmlab", "modules": "pcmlab", "manual": "pcmlab", "meshlab": "meshlab-plugin-pcmlab", "library": "libpcmlab-dev",
+PACKAGES = {"command": "pcmlab", "modules": "pcmlab", "manual": "pcmlab", "mpi": "pcmlab-mpi", "meshlab": "meshlab-plugin-pcmlab", "library": "libpcmlab-dev",
             "python": "python3-pcmlab"}
 ARGUMENTS = None
 
