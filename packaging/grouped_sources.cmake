@@ -4,6 +4,9 @@
 # PCM_GROUP_SOURCES: the presets that packaging/run and packaging/test build switch it on. The preset dev has neither groups
 # nor precompiled headers: there each source shows that it includes what it uses.
 option(PCM_GROUP_SOURCES "Compile the sources of a folder in groups" OFF)
+# Larger groups take a fifth less of processors, but after a change of one source all of its group. The sanitizers' presets, which
+# are built from nothing more often than again, have them.
+set(PCM_GROUP_SCALE 1 CACHE STRING "The groups are this many times as large")
 
 # pcm_group_sources(TARGET [SIZE 4] SOURCE...): groups of sources that lie next to each other in one folder, by the alphabet. Names
 # in the unnamed namespaces of a folder's sources must therefore differ. A source that has options of its own, or the property
@@ -13,6 +16,7 @@ function(pcm_group_sources target)
   if(NOT group_SIZE)
     set(group_SIZE 4)
   endif()
+  math(EXPR group_SIZE "${group_SIZE} * ${PCM_GROUP_SCALE}")
   set(sources ${group_UNPARSED_ARGUMENTS})
   foreach(source ${sources})
     get_source_file_property(options ${source} COMPILE_OPTIONS)

@@ -1,5 +1,7 @@
 #include "pcm/cad/ascii_text.h"
 
+#include "pcm/cad/utf8.h"
+
 #include <cctype>
 #include <cstdint>
 #include <cstdio>
@@ -46,29 +48,11 @@ const std::map<std::uint32_t, std::string>& written_letters()
     return table;
 }
 
-// The next character of UTF-8, and moves behind it; what is not UTF-8 is a character of one byte.
-std::uint32_t next_character(const std::string& text, std::size_t& at)
-{
-    const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
-    const unsigned lead = byte(at);
-    const std::size_t more = lead >= 0xf0 ? 3 : lead >= 0xe0 ? 2 : lead >= 0xc0 ? 1 : 0;
-    std::uint32_t code = more == 3 ? lead & 7 : more == 2 ? lead & 15 : more == 1 ? lead & 31 : lead;
-    for (std::size_t k = 1; k <= more; ++k) {
-        if ((byte(at + k) & 0xc0) != 0x80) {
-            ++at;
-            return 0xfffd;
-        }
-        code = code << 6 | (byte(at + k) & 63);
-    }
-    at += more + 1;
-    return code;
-}
-
 // Above ASCII; marks, signs and pictures are not part of words.
 bool is_of_a_word(std::uint32_t code)
 {
     if (code >= 0x10000) return code >= 0x20000 && code < 0x32000;  // ideographs
-    if (code < 0x100 || code == 0xfffd) return false;               // signs of Latin; not UTF-8
+    if (code < 0x100 || code == not_utf8) return false;             // signs of Latin; not UTF-8
     if (code >= 0x2000 && code < 0x2c00) return false;              // punctuation to arrows and signs
     if (code >= 0x3000 && code < 0x3005) return false;              // punctuation of ideographs
     return !(code >= 0xd800 && code < 0xf900) && !(code >= 0xfe00 && code < 0xfe70);

@@ -1,27 +1,12 @@
 #include "pcm/cad/dxf_text.h"
 
+#include "pcm/cad/utf8.h"
+
 #include <cstdint>
 #include <cstdio>
 
 namespace pcm {
 namespace {
-
-// The character at `place`, which moves behind it; '?' for bytes that are not UTF-8.
-std::uint32_t next_character(const std::string& text, std::size_t& place)
-{
-    const auto byte = [&](std::size_t i) { return static_cast<std::uint32_t>(static_cast<unsigned char>(text[i])); };
-    const std::uint32_t first = byte(place++);
-    if (first < 0x80) return first;
-    const std::size_t more = first >= 0xf0 ? 3 : first >= 0xe0 ? 2 : first >= 0xc2 ? 1 : 0;
-    if (!more || first > 0xf4 || place + more > text.size()) return '?';
-    std::uint32_t character = first & (0x3fu >> more);
-    for (std::size_t i = 0; i < more; ++i) {
-        if ((byte(place + i) & 0xc0) != 0x80) return '?';
-        character = character << 6 | (byte(place + i) & 0x3f);
-    }
-    place += more;
-    return character;
-}
 
 void append_code(std::string& out, std::uint32_t unit)
 {
@@ -37,6 +22,8 @@ std::string without_other_characters(const std::string& utf8)
         const std::uint32_t c = next_character(utf8, place);
         if (c < 0x20 || c == 0x7f) {
             out += ' ';
+        } else if (c == not_utf8) {
+            out += '?';
         } else if (c < 0x80) {
             out += static_cast<char>(c);
         } else if (c < 0x10000) {

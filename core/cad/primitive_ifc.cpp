@@ -176,7 +176,7 @@ private:
     const Vec3d origin_;
 };
 
-Ref length_unit(IfcFile& file, CadUnit unit)
+Ref ifc_length_unit(IfcFile& file, CadUnit unit)
 {
     const auto si = [&](const char* prefix) {
         return file.add("IFCSIUNIT(*,.LENGTHUNIT.," + std::string(prefix) + ",.METRE.)");
@@ -210,7 +210,7 @@ public:
     {
         const Ref world = file.axes({0, 0, 0}, {0, 0, 1}, {1, 0, 0});
         context_ = file.add("IFCGEOMETRICREPRESENTATIONCONTEXT($,'Model',3,1.E-9," + world + ",$)");
-        const Ref length = length_unit(file, unit), angle = file.add("IFCSIUNIT(*,.PLANEANGLEUNIT.,$,.RADIAN.)");
+        const Ref length = ifc_length_unit(file, unit), angle = file.add("IFCSIUNIT(*,.PLANEANGLEUNIT.,$,.RADIAN.)");
         const Ref units = file.add("IFCUNITASSIGNMENT(" + list_of({length, angle}) + ")");
         const Ref project = file.add("IFCPROJECT(" + global_id("project") + ",$,'Point cloud',$,$,$,$,(" + context_ +
                                      ")," + units + ")");

@@ -40,7 +40,7 @@ std::string forms_for(const std::string& text)
     return all;
 }
 
-[[noreturn]] void refuse(const std::string& text, const std::string& what)
+[[noreturn]] void refuse_as_region(const std::string& text, const std::string& what)
 {
     // Only the beginning of a polygon with very many corners is shown.
     constexpr std::size_t most_shown = 200;
@@ -68,9 +68,9 @@ double number_of(const std::string_view word, const std::string& text)
     double value = 0;
     const auto result = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (result.ec == std::errc::result_out_of_range)
-        refuse(text, "'" + std::string(word) + "' is too large or too small a number");
+        refuse_as_region(text, "'" + std::string(word) + "' is too large or too small a number");
     if (result.ec != std::errc() || result.ptr != digits.data() + digits.size())
-        refuse(text, "'" + std::string(word) + "' is not a number");
+        refuse_as_region(text, "'" + std::string(word) + "' is not a number");
     return value;
 }
 
@@ -78,9 +78,9 @@ Region parse_polygon(std::string_view kind, const std::vector<double>& numbers, 
 {
     const std::size_t n = numbers.size(), first = kind == "polygon" ? 0 : kind == "prism" ? 9 : 35;
     if (n < first + 6 || (n - first) % 2 != 0)
-        refuse(text, std::to_string(n) + " numbers were given; " +
-                         (first > 0 ? std::to_string(first) + ", and then " : std::string()) +
-                         "two for each of three or more corners are needed");
+        refuse_as_region(text, std::to_string(n) + " numbers were given; " +
+                                   (first > 0 ? std::to_string(first) + ", and then " : std::string()) +
+                                   "two for each of three or more corners are needed");
     std::vector<Vec2d> corners;
     for (std::size_t i = first; i < n; i += 2) corners.push_back({numbers[i], numbers[i + 1]});
     const auto vector = [&](std::size_t at) { return Vec3d{numbers[at], numbers[at + 1], numbers[at + 2]}; };
@@ -97,15 +97,15 @@ Region parse_polygon(std::string_view kind, const std::vector<double>& numbers, 
 Region parse_region(const std::string& text)
 {
     const std::vector<std::string_view> words = words_of(text);
-    if (words.empty()) refuse(text, "it is empty");
+    if (words.empty()) refuse_as_region(text, "it is empty");
     std::vector<double> numbers;
     for (std::size_t i = 1; i < words.size(); ++i) numbers.push_back(number_of(words[i], text));
     const auto vector = [&](std::size_t at) { return Vec3d{numbers[at], numbers[at + 1], numbers[at + 2]}; };
     const std::size_t n = numbers.size();
     const auto need = [&](std::size_t a, std::size_t b) {
         if (n != a && n != b)
-            refuse(text, std::to_string(n) + " numbers were given, " + std::to_string(a) +
-                             (a == b ? "" : " or " + std::to_string(b)) + " are needed");
+            refuse_as_region(text, std::to_string(n) + " numbers were given, " + std::to_string(a) +
+                                       (a == b ? "" : " or " + std::to_string(b)) + " are needed");
     };
     const std::string_view kind = words[0];
     if (kind == "box") {
@@ -142,14 +142,14 @@ Region parse_region(const std::string& text)
     }
     if (kind == "planes") {
         if (n < 7 || (n - 3) % 4 != 0)
-            refuse(text,
-                   std::to_string(n) + " numbers were given; three are needed for the centre, four for each plane");
+            refuse_as_region(
+                text, std::to_string(n) + " numbers were given; three are needed for the centre, four for each plane");
         std::vector<Region::Plane> planes;
         for (std::size_t i = 3; i < n; i += 4) planes.push_back({vector(i), numbers[i + 3]});
         return Region::convex(vector(0), planes);
     }
     if (kind == "polygon" || kind == "prism" || kind == "lasso") return parse_polygon(kind, numbers, text);
-    refuse(text, "'" + std::string(kind) + "' is not a known shape");
+    refuse_as_region(text, "'" + std::string(kind) + "' is not a known shape");
 }
 
 }  // namespace pcm

@@ -5,6 +5,8 @@
 // finite and not negative.
 #pragma once
 
+#include "pcm/filter/compensated_sum.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -14,21 +16,6 @@
 #include <vector>
 
 namespace pcm {
-
-// A sum with the rounding errors of its additions added up separately (Neumaier 1974).
-class CompensatedSum {
-public:
-    void add(double v)
-    {
-        const double t = sum_ + v;
-        rest_ += std::fabs(sum_) >= std::fabs(v) ? (sum_ - t) + v : (v - t) + sum_;
-        sum_ = t;
-    }
-    double get() const { return sum_ + rest_; }
-
-private:
-    double sum_ = 0, rest_ = 0;
-};
 
 struct MeanAndDeviation {
     double mean = 0;
@@ -51,14 +38,14 @@ MeanAndDeviation mean_and_deviation(const ForEach& for_each)
     for_each([&](const double* values, std::size_t count) {
         for (std::size_t i = 0; i < count; ++i) above.add(values[i] - least);
     });
-    const double mean_above = above.get() / static_cast<double>(n);
+    const double mean_above = above.value() / static_cast<double>(n);
     for_each([&](const double* values, std::size_t count) {
         for (std::size_t i = 0; i < count; ++i) {
             const double d = (values[i] - least) - mean_above;
             squares.add(d * d);
         }
     });
-    return {least + mean_above, std::sqrt(squares.get() / static_cast<double>(n))};
+    return {least + mean_above, std::sqrt(squares.value() / static_cast<double>(n))};
 }
 
 // The number of the given rank (0: the smallest) of f(v) for all numbers v; f(v) is not negative. Exact: a radix

@@ -35,7 +35,7 @@ void look_at(PointCloud& cloud, const char* name, const std::vector<PointPair>& 
     }
 }
 
-std::string system_of(const Tree& tree)
+std::string system_text_of(const Tree& tree)
 {
     const auto system = coordinate_system_of(tree.info().metadata);
     return system ? describe(*system) : "none stated";
@@ -232,8 +232,8 @@ private:
         options_.pick_error = found.pick_error = pick_error_ ? *pick_error_ : pick_error_of(found.picks.spacings);
         found.fit = fit_motion(found.pairs, options_);
         found.largest_error = found.fit.largest_error(moving.info().bounds());
-        found.moving_system = system_of(*moving.tree());
-        if (fixed) found.fixed_system = system_of(*fixed->tree());
+        found.moving_system = system_text_of(*moving.tree());
+        if (fixed) found.fixed_system = system_text_of(*fixed->tree());
     }
 
     // Small residuals of few pairs say that these agree, not that the picked points are the places that were meant.

@@ -34,7 +34,7 @@ std::vector<Choice> estimator_choices()
 }
 
 // A plane's place is uncertain along its normal, an axis across itself, a centre or an apex in all directions.
-Accuracy accuracy_of(const ShapeFit& fit)
+Accuracy accuracy_of_fit(const ShapeFit& fit)
 {
     const ShapeKind kind = fit.shape.kind;
     const std::size_t dimensions = kind == ShapeKind::plane ? 1 : kind == ShapeKind::cylinder ? 2 : 3;
@@ -111,7 +111,7 @@ public:
         }
         result.outcome.points_in = result.outcome.points_out = fitted.points.size();
         result.accuracy = exact_answer();
-        if (found) result.accuracy = accuracy_of(fitted.primitive.fit);
+        if (found) result.accuracy = accuracy_of_fit(fitted.primitive.fit);
         describe(result, fitted, done);
         result.good = found;
         return result;

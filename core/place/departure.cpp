@@ -20,7 +20,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_points = 2000, least_points = 60;
+constexpr std::size_t most_looked_at = 2000, least_points = 60;
 constexpr int variables = 6, terms = 84;  // monomials of up to third degree in six variables: (6 + 3 over 3)
 constexpr double least_singular = 1e-3;   // relative to the largest; below it, monomials are dependent on the shape
 constexpr std::size_t least_per_term = 10;
@@ -76,7 +76,7 @@ OnShape on_shape(const Shape& shape, double threshold, const std::vector<Vec3d>&
     std::map<std::uint32_t, std::size_t> indices;
     OnShape on;
     std::vector<Vec3d> places;
-    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most_points) {
+    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most_looked_at) {
         const double d = signed_distance(shape, points[i]);
         if (!(std::fabs(d) <= threshold)) continue;
         const Vec3d normal = normal_at(shape, points[i]);

@@ -10,7 +10,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_points = 4000;
+constexpr std::size_t most_of_stations = 4000;
 
 }  // namespace
 
@@ -20,7 +20,7 @@ Departure departure_within_stations(const PointSet& points, const ShapeFit& fit,
 {
     std::vector<Vec3d> places;
     std::vector<std::uint32_t> numbers;
-    for (const PointOfStation& p : station_sample(points, stations, most_points, threads, progress)) {
+    for (const PointOfStation& p : station_sample(points, stations, most_of_stations, threads, progress)) {
         if (part && !part->has(p.place)) continue;
         places.push_back(p.place);
         numbers.push_back(p.station);

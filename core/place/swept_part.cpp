@@ -14,7 +14,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_points = 2000;  // to find the ends
+constexpr std::size_t most_swept = 2000;  // to find the ends
 
 // The middle of the widest gap of angles, and its width.
 std::array<double, 2> widest_gap(std::vector<double> angles)
@@ -79,7 +79,7 @@ private:
     std::vector<Vec3d> thinned() const
     {
         std::vector<Vec3d> some;
-        for (std::size_t i = 0; i < points_.size(); i += 1 + points_.size() / most_points) some.push_back(points_[i]);
+        for (std::size_t i = 0; i < points_.size(); i += 1 + points_.size() / most_swept) some.push_back(points_[i]);
         return some;
     }
 

@@ -91,7 +91,7 @@ TEST(ValueStatistics, MeanAndDeviationLoseNoBits)
     EXPECT_NEAR(mean_and_deviation(given(far)).mean, double(sum / 100001), 2e-5);
     CompensatedSum cancelled;
     for (const double v : {1e16, 3.25, -1e16}) cancelled.add(v);
-    EXPECT_EQ(cancelled.get(), 3.25);
+    EXPECT_EQ(cancelled.value(), 3.25);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ struct LineVertex {
     float hidden;
 };
 
-struct Stroke {
+struct LineStroke {
     std::array<float, 4> colour;
     double width;
     float hidden;
@@ -39,7 +39,7 @@ public:
     {
         const std::size_t count = line.points.size();
         const std::size_t segments = count < 2 ? 0 : count - 1 + (line.closed && count > 2 ? 1 : 0);
-        const Stroke stroke{line.colour, line.width_px, line.hidden};
+        const LineStroke stroke{line.colour, line.width_px, line.hidden};
         for (std::size_t i = 0; i < segments; ++i) {
             const auto part = map_.clipped(map_.eye_of(line.points[i]), map_.eye_of(line.points[(i + 1) % count]),
                                            2 * (line.width_px + border + smooth));
@@ -53,7 +53,7 @@ public:
         const double reach = mark.size_px / 2;
         if (!map_.clipped(eye, eye, mark.size_px)) return;
         const Vec3d centre = window_of(eye, mark.size_px);
-        const Stroke stroke{mark.colour, mark.width_px, mark.hidden};
+        const LineStroke stroke{mark.colour, mark.width_px, mark.hidden};
         for (std::size_t axis = 0; axis < 2; ++axis) {
             Vec3d from = centre, to = centre;
             from[axis] -= reach;
@@ -79,7 +79,7 @@ private:
         return place;
     }
 
-    void add(const Vec3d& from, const Vec3d& to, const Stroke& stroke)
+    void add(const Vec3d& from, const Vec3d& to, const LineStroke& stroke)
     {
         const double x = to[0] - from[0], y = to[1] - from[1], size = std::hypot(x, y);
         const double along[2] = {size > 0 ? x / size : 1, size > 0 ? y / size : 0};

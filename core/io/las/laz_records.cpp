@@ -37,7 +37,7 @@ std::unique_ptr<RecordSource> laz_records(const File& file, std::uint64_t, const
 
 namespace {
 
-namespace at = laz::vlr;
+namespace vlr_at = laz::vlr;
 
 constexpr std::size_t stream_buffer_bytes = std::size_t{1} << 20;
 constexpr std::size_t most_chunks = std::size_t{1} << 21;
@@ -269,22 +269,22 @@ void LazOpener::read_vlr(const std::vector<Vlr>& vlrs)
                                         std::string(laszip_user_id) + "' " + std::to_string(laszip_record_id) +
                                         " that describes the compression");
     const std::size_t size = vlr->value.size();
-    const std::size_t count = size >= at::items ? load<std::uint16_t>(&vlr->value[at::item_count]) : 0;
-    if (size < at::items + count * at::item_bytes)
+    const std::size_t count = size >= vlr_at::items ? load<std::uint16_t>(&vlr->value[vlr_at::item_count]) : 0;
+    if (size < vlr_at::items + count * vlr_at::item_bytes)
         fail(ErrorCode::bad_format, "the laszip VLR at byte " + std::to_string(vlr->offset) + " has " +
                                         std::to_string(size) + " bytes, at least " +
-                                        std::to_string(at::items + count * at::item_bytes) + " were expected");
-    const auto compressor = load<std::uint16_t>(&vlr->value[at::compressor]);
+                                        std::to_string(vlr_at::items + count * vlr_at::item_bytes) + " were expected");
+    const auto compressor = load<std::uint16_t>(&vlr->value[vlr_at::compressor]);
     if (compressor < 1 || compressor > 3)
-        fail(ErrorCode::unsupported, byte_of(*vlr, at::compressor) + "the laszip VLR names compressor " +
+        fail(ErrorCode::unsupported, byte_of(*vlr, vlr_at::compressor) + "the laszip VLR names compressor " +
                                          std::to_string(compressor) + "; 1 to 3 can be read");
-    const auto coder = load<std::uint16_t>(&vlr->value[at::coder]);
+    const auto coder = load<std::uint16_t>(&vlr->value[vlr_at::coder]);
     if (coder != 0)
-        fail(ErrorCode::unsupported, byte_of(*vlr, at::coder) + "the laszip VLR names coder " + std::to_string(coder) +
-                                         "; 0, the arithmetic coder, can be read");
+        fail(ErrorCode::unsupported, byte_of(*vlr, vlr_at::coder) + "the laszip VLR names coder " +
+                                         std::to_string(coder) + "; 0, the arithmetic coder, can be read");
     chunks_.vlr = vlr->value;
     chunks_.compressor = static_cast<laz::Compressor>(compressor);
-    chunks_.chunk_points = load<std::uint32_t>(&vlr->value[at::chunk_points]);
+    chunks_.chunk_points = load<std::uint32_t>(&vlr->value[vlr_at::chunk_points]);
     if (chunks_.chunk_points == 0) chunks_.chunk_points = laz::variable_chunks;
     check_items(*vlr, count);
 }
@@ -294,16 +294,16 @@ void LazOpener::check_items(const Vlr& vlr, std::size_t count) const
     const std::size_t extra = header_.record_length - record_bytes[header_.format];
     const std::vector<laz::Item> expected = laz::items_of(header_.format, extra);
     if (count != expected.size())
-        fail(ErrorCode::bad_format, byte_of(vlr, at::item_count) + "the laszip VLR lists " + std::to_string(count) +
+        fail(ErrorCode::bad_format, byte_of(vlr, vlr_at::item_count) + "the laszip VLR lists " + std::to_string(count) +
                                         " items; records of " + std::to_string(header_.record_length) +
                                         " bytes of point format " + std::to_string(header_.format) + " have " +
                                         std::to_string(expected.size()));
     const bool layered = is_extended(header_.format);
     for (std::size_t i = 0; i < count; ++i) {
-        const std::byte* from = &vlr.value[at::items + i * at::item_bytes];
+        const std::byte* from = &vlr.value[vlr_at::items + i * vlr_at::item_bytes];
         const laz::Item item{load<std::uint16_t>(from), load<std::uint16_t>(from + 2), load<std::uint16_t>(from + 4)};
-        const std::string name =
-            byte_of(vlr, at::items + i * at::item_bytes) + "item " + std::to_string(i + 1) + " of the laszip VLR";
+        const std::string name = byte_of(vlr, vlr_at::items + i * vlr_at::item_bytes) + "item " +
+                                 std::to_string(i + 1) + " of the laszip VLR";
         if (item.type != expected[i].type || item.size != expected[i].size)
             fail(ErrorCode::bad_format, name + " is of type " + std::to_string(item.type) + " and " +
                                             std::to_string(item.size) + " bytes; type " +
@@ -316,7 +316,7 @@ void LazOpener::check_items(const Vlr& vlr, std::size_t count) const
                                              " can be read");
     }
     if ((chunks_.compressor == laz::Compressor::layered_chunked) != layered)
-        fail(ErrorCode::bad_format, byte_of(vlr, at::compressor) +
+        fail(ErrorCode::bad_format, byte_of(vlr, vlr_at::compressor) +
                                         "the laszip VLR names a compressor that is not for point format " +
                                         std::to_string(header_.format));
     if (laz::coder_bytes(header_.format, extra) > laz::most_coder_bytes)

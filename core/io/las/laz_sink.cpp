@@ -37,7 +37,7 @@ std::vector<std::byte> make_laszip_vlr(const std::filesystem::path& path, unsign
 
 namespace {
 
-namespace at = laz::vlr;
+namespace vlr_at = laz::vlr;
 
 constexpr std::size_t message_bytes = 512;
 constexpr std::size_t most_chunk_bytes = std::size_t{8} << 20;
@@ -57,7 +57,7 @@ public:
           record_length_(record_length),
           coder_bytes_(coder_bytes),
           vlr_(std::move(vlr)),
-          chunk_points_(load<std::uint32_t>(&vlr_[at::chunk_points])),
+          chunk_points_(load<std::uint32_t>(&vlr_[vlr_at::chunk_points])),
           thread_count_(threads),
           slots_(threads > 1 ? threads + 1 : 1)
     {
@@ -241,11 +241,11 @@ std::unique_ptr<RecordSink> laz_sink(OutputFile& out, std::size_t record_length,
 {
     // A chunk, its compressed bytes (at worst about as many) and the coder's models, for each thread and one more
     // chunk.
-    const std::size_t items = load<std::uint16_t>(&laszip_vlr[at::item_count]);
-    const std::byte* last = &laszip_vlr[at::items + (items - 1) * at::item_bytes];
+    const std::size_t items = load<std::uint16_t>(&laszip_vlr[vlr_at::item_count]);
+    const std::byte* last = &laszip_vlr[vlr_at::items + (items - 1) * vlr_at::item_bytes];
     const auto type = load<std::uint16_t>(last);
     const std::size_t extra = type == laz::byte || type == laz::byte14 ? load<std::uint16_t>(last + 2) : std::size_t{0};
-    const unsigned format = load<std::uint16_t>(&laszip_vlr[at::compressor]) == 3 ? 6 : 0;
+    const unsigned format = load<std::uint16_t>(&laszip_vlr[vlr_at::compressor]) == 3 ? 6 : 0;
     const std::size_t coder_bytes = laz::coder_bytes(format, extra);
     const std::size_t each = 2 * chunk_points_of(record_length) * record_length + coder_bytes;
     const std::size_t wanted = thread_count(threads);
@@ -262,18 +262,18 @@ std::vector<std::byte> make_laszip_vlr(const std::filesystem::path& path, unsign
                     "the points have " + std::to_string(extra) + " extra bytes, too many to compress in bounded memory",
                     "write LAS instead, or fewer attributes");
     const std::vector<laz::Item> items = laz::items_of(format, extra);
-    std::vector<std::byte> vlr(at::items + items.size() * at::item_bytes);
+    std::vector<std::byte> vlr(vlr_at::items + items.size() * vlr_at::item_bytes);
     const auto compressor = is_extended(format) ? laz::Compressor::layered_chunked : laz::Compressor::pointwise_chunked;
-    store(&vlr[at::compressor], static_cast<std::uint16_t>(compressor));
-    store(&vlr[at::version], std::uint8_t{3});
-    store(&vlr[at::version + 1], std::uint8_t{4});
-    store(&vlr[at::version + 2], std::uint16_t{3});
-    store(&vlr[at::chunk_points], chunk_points_of(record_length));
-    store(&vlr[at::special_evlrs], std::int64_t{-1});
-    store(&vlr[at::special_evlrs + 8], std::int64_t{-1});
-    store(&vlr[at::item_count], static_cast<std::uint16_t>(items.size()));
+    store(&vlr[vlr_at::compressor], static_cast<std::uint16_t>(compressor));
+    store(&vlr[vlr_at::version], std::uint8_t{3});
+    store(&vlr[vlr_at::version + 1], std::uint8_t{4});
+    store(&vlr[vlr_at::version + 2], std::uint16_t{3});
+    store(&vlr[vlr_at::chunk_points], chunk_points_of(record_length));
+    store(&vlr[vlr_at::special_evlrs], std::int64_t{-1});
+    store(&vlr[vlr_at::special_evlrs + 8], std::int64_t{-1});
+    store(&vlr[vlr_at::item_count], static_cast<std::uint16_t>(items.size()));
     for (std::size_t i = 0; i < items.size(); ++i) {
-        std::byte* to = &vlr[at::items + i * at::item_bytes];
+        std::byte* to = &vlr[vlr_at::items + i * vlr_at::item_bytes];
         store(to, items[i].type);
         store(to + 2, items[i].size);
         store(to + 4, items[i].version);
