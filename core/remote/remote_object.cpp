@@ -216,6 +216,7 @@ void RemoteObject::perform(std::vector<Try>& tries) const
     Patience patience;
     for (bool again = false;;) {
         const Try* const failed = perform_once(tries, again);
+        set_network_trouble(failed ? failed->failure : std::string());
         if (std::all_of(tries.begin(), tries.end(), [](const Try& one) { return one.done; })) return;
         again = failed != nullptr;
         if (!again) continue;  // sent on by the server
@@ -223,6 +224,7 @@ void RemoteObject::perform(std::vector<Try>& tries) const
         const double limit = silent && gone_ ? 0 : answered_ ? most_seconds : most_seconds_of_first;
         if (!patience.wait(failed->answer.retry_after, limit)) {
             gone_ = silent;
+            set_network_trouble({});
             throw Error(ErrorCode::io, address_, failed->failure, "try again later");
         }
     }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <mutex>
 #include <random>
 #include <thread>
 
@@ -79,6 +80,25 @@ bool Patience::wait(double retry_after, double most_seconds)
     std::this_thread::sleep_for(std::chrono::duration<double>(pause));
     next_ = std::min(2 * next_, longest_wait);
     return true;
+}
+
+namespace {
+
+std::mutex trouble_mutex;
+std::string trouble;
+
+}  // namespace
+
+std::string network_trouble()
+{
+    const std::lock_guard lock(trouble_mutex);
+    return trouble;
+}
+
+void set_network_trouble(const std::string& text)
+{
+    const std::lock_guard lock(trouble_mutex);
+    trouble = text;
 }
 
 }  // namespace pcm

@@ -38,6 +38,11 @@ private:
     double next_ = 0.2;  // seconds
 };
 
+// Why the latest request of this process waits to be sent again, for a person who waits for it; empty when it was
+// answered, or given up. Any thread.
+std::string network_trouble();
+void set_network_trouble(const std::string& text);
+
 // The text of an error that no server answered begins so.
 inline constexpr const char* unreachable_text = "the server cannot be reached: ";
 

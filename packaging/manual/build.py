@@ -51,10 +51,17 @@ def selects_nothing(output):
     return "no point is selected" in output or "the cloud's points lie" in output or (bool(counts) and counts[0] == 0)
 
 
-def run_page(name, text, programs, folder):
+def with_picture_size(line, size):
+    """The command line with all pictures that `pcmlab render` makes of one size, WIDTHxHEIGHT."""
+    return re.sub(r"pcmlab render (?:\"[^\"]*\"|[^;|\"])*", lambda one: re.sub(r" --size \S+", "", one[0].rstrip()) + f" --size {size}", line)
+
+
+def run_page(name, text, programs, folder, picture_size=None):
     """Runs a page's commands in the folder."""
     environment = dict(os.environ, PATH=f"{programs}:{os.environ['PATH']}")
     for line in commands(text):
+        if picture_size:
+            line = with_picture_size(line, picture_size)
         result = subprocess.run(["bash", "-euc", line], cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True,
                                 text=True, check=False)
         output = result.stdout + result.stderr
@@ -164,8 +171,9 @@ def copy_pictures(name, text, folder, out):
         shutil.copy(made[0], out / picture)
 
 
-def build(programs, out, keep=None):
-    """Makes the manual in the folder `out`. What a page's commands wrote is moved to keep/PAGE, where a folder is given."""
+def build(programs, out, keep=None, picture_size=None):
+    """Makes the manual in the folder `out`. What a page's commands wrote is moved to keep/PAGE, where a folder is given. A test, which
+    wants to see that pictures are made, may want them smaller than the pages have them: `picture_size`, WIDTHxHEIGHT."""
     pages = read_pages(programs)
     check_links(pages)
     shutil.rmtree(out, ignore_errors=True)
@@ -173,7 +181,7 @@ def build(programs, out, keep=None):
     for name, text in pages.items():
         (out / f"{name}.html").write_text(html_of(pages, name), encoding="utf-8")
         with tempfile.TemporaryDirectory() as folder:
-            run_page(name, text, programs, folder)
+            run_page(name, text, programs, folder, picture_size)
             copy_pictures(name, text, folder, out)
             if keep and commands(text):
                 shutil.copytree(folder, keep / name)

@@ -1,5 +1,6 @@
 #include "plugin/overlay/overlay.h"
 
+#include "pcm/remote/transfers.h"
 #include "plugin/scene/text.h"
 
 #include <QStringList>
@@ -112,7 +113,7 @@ QString overlay_text(const FrameReport& report, const std::vector<OverlayCloud>&
     add(lines, progress_text(report, clouds));
     add(lines, clip_text(clouds));
     add(lines, selection_text(clouds));
-    add(lines, report.error);
+    add(lines, report.error.empty() && report.refining ? network_trouble() : report.error);
     for (const CloudReport& cloud : report.clouds) add(lines, cloud.error);
     for (const CloudReport& cloud : report.clouds) add(lines, cloud.notice);
     if (!details) return lines.join("<br>");

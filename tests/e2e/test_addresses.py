@@ -1,5 +1,6 @@
 """Trees on a server: opened by their address in a script and in the window, and looked at over round trips of 60 ms."""
 
+import re
 import sys
 import unittest
 
@@ -61,6 +62,47 @@ class Addresses(MeshLabTest):
         self.assertDriven(here)
         self.assertEqual(self.result("there.png").read_bytes(), self.result("here.png").read_bytes())
         self.assertEqual(pcmlab("verify", self.tree)["faults"], [])
+
+    def test_a_server_that_is_away_for_a_time_takes_nothing_from_the_view(self):
+        _, town = self.generate("town", 6000000, "--extent", 100, "--origin", "500000,4800000,100")
+        with RangeServer(self.folder) as server:
+            back = self.folder / "back.png"
+            server.is_away = lambda: len(server.requests) > 9 and not back.exists()
+            away = self.own_gui(f"""
+                wait-view
+                view-size 800 600
+                trigger Open Point Cloud Tree by Address
+                set Address = {server.address("town.pct")}
+                press Apply
+                wait-layers 1
+                press Close
+                wait-status cannot be reached
+                screen {self.result("away.png")}
+                wait-status try again later
+                picture {back}
+                wait-no-status cannot be reached
+                wait-status complete, full resolution
+                wait-standing
+                picture {self.result("again.png")}
+                quit
+                """)
+        self.assertDriven(away)
+        # What had come was shown meanwhile; afterwards the picture is that of the folder.
+        shown = int(re.search(r"picture \S+back.png 800x600, (\d+) points", away.text)[1])
+        self.assertGreater(shown, 100000)
+        self.assertLess(shown, 6000000)
+        here = self.own_gui(f"""
+            wait-view
+            view-size 800 600
+            open {town}
+            wait-layers 1
+            wait-status complete, full resolution
+            wait-standing
+            picture {self.result("never_away.png")}
+            quit
+            """)
+        self.assertDriven(here)
+        self.assertEqual(self.result("again.png").read_bytes(), self.result("never_away.png").read_bytes())
 
 
 if __name__ == "__main__":

@@ -108,7 +108,7 @@ class Manual(Python):
     def test_its_commands_work_and_its_pages_are_whole(self):
         with tempfile.TemporaryDirectory() as folder:
             out, kept = pathlib.Path(folder) / "manual", pathlib.Path(folder) / "kept"
-            manual.build(PROGRAMS, out, kept)  # a command that fails or selects nothing is a Failure
+            manual.build(PROGRAMS, out, kept, "200x120")  # a command that fails or selects nothing is a Failure
             for page in out.glob("*.html"):
                 text = text_of(page)
                 self.assertNotRegex(text, r"```|\]\(|\.md\b(?!</code>)", page.name)

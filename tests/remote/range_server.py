@@ -106,6 +106,9 @@ class Handler(http.server.BaseHTTPRequestHandler):
     def do_GET(self):
         serving = self.server.serving
         serving.requests.append((self.command, self.path, self.headers.get("Range")))
+        if serving.is_away():
+            self.close_connection = True
+            return
         time.sleep(serving.delay)
         if serving.keys is not None:
             why = refusal_of(self, serving.keys, serving.region)
@@ -193,6 +196,7 @@ class RangeServer:
         self.folder, self.delay, self.keys, self.region = pathlib.Path(folder), delay, keys, region
         self.requests, self.refusals = [], []
         self.bucket, self.trouble = Bucket(self.folder), None
+        self.is_away = lambda: False  # connections are then closed without an answer
         self.listener = Listener(("127.0.0.1", 0), Handler)
         self.listener.serving = self
         self.scheme = "https" if certificate else "http"

@@ -4,9 +4,18 @@
 #include "pcm/gl/tuning.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace pcm {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point when)
+{
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - when).count();
+}
+
+}  // namespace
 
 ChunkFeed::ChunkFeed(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cache> l1)
     : cloud_(std::move(cloud)), l1_(std::move(l1)), owner_(l1_->add_owner()), facts_(cloud_)
@@ -109,14 +118,24 @@ VertexFormat ChunkFeed::format_of(const CloudStyle& usable, const std::vector<Cl
     return format;
 }
 
-bool ChunkFeed::has_failed(NodeId node)
+void ChunkFeed::begin_frame()
 {
-    const auto found = failed_.find(node);
-    if (found == failed_.end()) return false;
-    if (Clock::now() - found->second < std::chrono::duration<double>(gl_tuning().loading.retry_after)) return true;
-    failed_.erase(found);
-    if (failed_.empty()) error_.clear();
-    return false;
+    facts_.begin_frame();
+    for (auto at = failed_.begin(); at != failed_.end();) {
+        const bool is_old = seconds_since(at->second) >= gl_tuning().loading.retry_after;
+        at = is_old ? failed_.erase(at) : std::next(at);
+    }
+}
+
+double ChunkFeed::seconds_to_retry() const
+{
+    constexpr double least = 0.01;
+    double seconds = 0;
+    for (const auto& [node, when] : failed_) {
+        const double left = std::max(least, gl_tuning().loading.retry_after - seconds_since(when));
+        seconds = seconds > 0 ? std::min(seconds, left) : left;
+    }
+    return seconds;
 }
 
 void ChunkFeed::fail(NodeId node, std::string error)

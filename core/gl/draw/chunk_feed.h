@@ -52,10 +52,10 @@ public:
     // The nodes that a view will want later and that are not in video memory; none while many are missing now.
     std::vector<NodeId> ahead_of(const DetailSelection& later, std::size_t missing_now) const;
     // Whether loading the node failed recently.
-    bool has_failed(NodeId node);
+    bool has_failed(NodeId node) const { return failed_.count(node) != 0; }
 
-    // Begins a frame: what was asked of fact_of() before counts no more.
-    void begin_frame() { facts_.begin_frame(); }
+    // Begins a frame: what was asked of fact_of() before counts no more, and failures of some time ago are forgotten.
+    void begin_frame();
     // What the colours of a usable style depend on as a whole; null for a style without such a fact, and while it is
     // not known: nothing is uploaded then.
     const CloudFact* fact_of(const CloudStyle& usable);
@@ -76,6 +76,8 @@ public:
     bool awaits_facts();
     // Why a chunk cannot be loaded at present; empty when all can.
     std::string error() const { return failed_.empty() ? std::string() : error_; }
+    // Seconds until a chunk that could not be loaded is loaded by a frame that wants it; 0: there is none.
+    double seconds_to_retry() const;
 
     // See DrawnCloud::set_wake().
     void set_wake(std::function<void()> wake);

@@ -272,6 +272,9 @@ struct Renderer::Impl {
                 clouds[t].classes = frame.clouds[t].feed->classes();
             clouds[t].error = frame.clouds[t].feed->error();
             if (!clouds[t].error.empty()) report.error = clouds[t].error;
+            const double retry = frame.clouds[t].feed->seconds_to_retry();
+            if (retry > 0)
+                report.retry_seconds = report.retry_seconds > 0 ? std::min(report.retry_seconds, retry) : retry;
         }
         report.clouds = std::move(clouds);
         report.programs = splats.programs() + compositor.programs();

@@ -140,6 +140,8 @@ struct FrameReport {
     bool refining = false;   // the picture is not final yet
     bool smoothing = false;  // and all that it lacks is frames for the mean
     bool repaint = false;    // ask for another frame at once; implies refining
+    // Seconds after which a frame loads again what could not be loaded; 0: nothing failed.
+    double retry_seconds = 0;
     // The last background load error or OpenGL error, or why a cloud cannot be drawn: its extent is below 1e-33 or
     // above 1e30, or the view's numbers are above 1e35. Empty if none.
     std::string error;

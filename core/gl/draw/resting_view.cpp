@@ -90,7 +90,7 @@ public:
         show_when_without_gaps();
         fill_report(error);
         if (stuck && has_more()) report_.error = "the video memory is too small for the rest of the points in view";
-        report_.refining = has_more() && !stuck;
+        report_.refining = (has_more() || can_add_left_out()) && !stuck;
         report_.repaint = report_.refining && goes_on();
     }
 
@@ -113,6 +113,13 @@ private:
     FrameCloud& cloud_at(std::size_t i) const { return frame_.clouds[place_at(i).tree]; }
     std::size_t total() const { return rest_.all.order.size(); }
     bool has_more() const { return rest_.added < total(); }
+    // What could not be loaded at first is loaded again some time later.
+    bool can_add_left_out() const
+    {
+        return std::any_of(rest_.left_out.begin(), rest_.left_out.end(), [this](std::size_t i) {
+            return is_current(i) || !cloud_at(i).feed->has_failed(node_at(i).node);
+        });
+    }
     std::uint64_t pages_at(std::size_t i) const
     {
         const std::uint64_t per_page = L1Cache::points_per_page(cloud_at(i).format);

@@ -3,6 +3,7 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/gl/tuning.h"
 #include "pcm/io/crs/height_unit.h"
+#include "pcm/remote/transfers.h"
 #include "plugin/meshlab/native_drawing.h"
 #include "plugin/meshlab/render/layer_watch.h"
 #include "plugin/meshlab/render/sample_watch.h"
@@ -228,9 +229,11 @@ void View::draw_scene(const Settings& settings)
     draw_legends(drawn, settings.colour, tile);
     if (report_.repaint) {
         QTimer::singleShot(0, &view_.widget(), SLOT(update()));
-    } else if (report_.refining && !look_again_) {
+    } else if ((report_.refining || report_.retry_seconds > 0) && !look_again_) {
         look_again_ = true;
-        QTimer::singleShot(look_again_ms, this, [this] {
+        const int wait_ms =
+            report_.refining ? look_again_ms : static_cast<int>(std::ceil(1000 * report_.retry_seconds));
+        QTimer::singleShot(wait_ms, this, [this] {
             look_again_ = false;
             view_.update();
         });
@@ -417,6 +420,7 @@ void View::publish_state()
         if (!cloud.error.empty()) error = QString::fromStdString(cloud.error);
         if (!cloud.notice.empty()) notice = QString::fromStdString(cloud.notice);
     }
+    if (error.isEmpty() && report_.refining) error = QString::fromStdString(network_trouble());
     QVariantMap state;
     state["drawing"] = any;
     qulonglong hidden = 0;
