@@ -13,6 +13,16 @@ namespace {
 constexpr std::uint64_t largest_message = std::uint64_t(1) << 28;
 constexpr int ask_tag = 1, answer_tag = 2;
 
+using Clock = std::chrono::steady_clock;
+
+// Chosen: a tenth of the wait, so that a wait of a second is noticed by some 80 calls of MPI; the shortest pause is
+// what Linux rounds timers to, and the longest lets ranks that wait for minutes use a thousandth of a processor.
+std::chrono::nanoseconds next_pause(Clock::time_point begin)
+{
+    return std::clamp<std::chrono::nanoseconds>((Clock::now() - begin) / 10, std::chrono::microseconds(50),
+                                                std::chrono::milliseconds(10));
+}
+
 void check(int result, const char* what)
 {
     if (result != MPI_SUCCESS) throw Error(ErrorCode::io, {}, std::string("MPI failed: ") + what);
@@ -35,7 +45,11 @@ MpiTeam::MpiTeam()
 
 MpiTeam::~MpiTeam()
 {
-    ended_ = true;
+    {
+        const std::lock_guard lock(counters_mutex_);
+        ended_ = true;
+    }
+    counted_.notify_all();
     if (server_.joinable()) server_.join();
 }
 
@@ -49,7 +63,7 @@ void MpiTeam::do_and_wait(const Start& start)
         start(request);
     }
     constexpr int quick_tries = 20;
-    std::chrono::microseconds pause(20);
+    const Clock::time_point begin = Clock::now();
     for (int tries = 0;; ++tries) {
         int done = 0;
         {
@@ -57,12 +71,10 @@ void MpiTeam::do_and_wait(const Start& start)
             check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "MPI_Test");
         }
         if (done) return;
-        if (tries < quick_tries) {
+        if (tries < quick_tries)
             std::this_thread::yield();
-            continue;
-        }
-        std::this_thread::sleep_for(pause);
-        pause = std::min(pause * 3 / 2, std::chrono::microseconds(1000));
+        else
+            std::this_thread::sleep_for(next_pause(begin));
     }
 }
 
@@ -171,6 +183,8 @@ std::vector<Team::Bytes> MpiTeam::exchange(std::vector<Bytes> bytes)
 std::uint64_t MpiTeam::count(std::uint64_t counter)
 {
     const std::lock_guard lock(counters_mutex_);
+    last_count_ = Clock::now();
+    counted_.notify_all();  // the others are likely to ask now
     return counters_[counter]++;
 }
 
@@ -190,22 +204,28 @@ std::uint64_t MpiTeam::next(std::uint64_t counter)
 
 void MpiTeam::serve_counters()
 {
+    std::unique_lock lock(counters_mutex_);
     while (!ended_) {
-        int asked = 0;
-        {
-            const std::lock_guard lock(mpi_mutex_);
-            MPI_Status status;
-            check(MPI_Iprobe(MPI_ANY_SOURCE, ask_tag, counter_comm_, &asked, &status), "MPI_Iprobe");
-            if (asked) {
-                std::uint64_t counter = 0;
-                check(MPI_Recv(&counter, 1, MPI_UINT64_T, status.MPI_SOURCE, ask_tag, counter_comm_, MPI_STATUS_IGNORE),
-                      "MPI_Recv");
-                const std::uint64_t number = count(counter);
-                check(MPI_Send(&number, 1, MPI_UINT64_T, status.MPI_SOURCE, answer_tag, counter_comm_), "MPI_Send");
-            }
-        }
-        if (!asked) std::this_thread::sleep_for(std::chrono::microseconds(500));
+        lock.unlock();
+        const bool answered = answer_one();
+        lock.lock();
+        if (!answered) counted_.wait_for(lock, next_pause(last_count_));
     }
+}
+
+bool MpiTeam::answer_one()
+{
+    const std::lock_guard lock(mpi_mutex_);
+    int asked = 0;
+    MPI_Status status;
+    check(MPI_Iprobe(MPI_ANY_SOURCE, ask_tag, counter_comm_, &asked, &status), "MPI_Iprobe");
+    if (!asked) return false;
+    std::uint64_t counter = 0;
+    check(MPI_Recv(&counter, 1, MPI_UINT64_T, status.MPI_SOURCE, ask_tag, counter_comm_, MPI_STATUS_IGNORE),
+          "MPI_Recv");
+    const std::uint64_t number = count(counter);
+    check(MPI_Send(&number, 1, MPI_UINT64_T, status.MPI_SOURCE, answer_tag, counter_comm_), "MPI_Send");
+    return true;
 }
 
 }  // namespace pcm::cli
