@@ -31,7 +31,7 @@ public:
 
     Bytes broadcast(unsigned from, Bytes bytes) override;
     std::vector<Bytes> gather(Bytes bytes) override;
-    void connect(const std::vector<unsigned>& ranks) override;
+    void connect(const std::vector<unsigned>& ranks) override { neighbours_.assign(ranks.begin(), ranks.end()); }
     std::vector<Bytes> exchange(std::vector<Bytes> bytes) override;
     std::uint64_t next(std::uint64_t counter) override;
 
@@ -40,14 +40,16 @@ public:
 
 private:
     template <class Start>
+    void do_and_wait(std::size_t operations, const Start& start);
+    template <class Start>
     void do_and_wait(const Start& start);
     void serve_counters();
     bool answer_one();  // false where nobody asks
     std::uint64_t count(std::uint64_t counter);
 
     int rank_ = 0, size_ = 1, ranks_of_machine_ = 1;
-    MPI_Comm comm_ = MPI_COMM_NULL, counter_comm_ = MPI_COMM_NULL, neighbours_ = MPI_COMM_NULL;
-    std::size_t degree_ = 0;
+    MPI_Comm comm_ = MPI_COMM_NULL, counter_comm_ = MPI_COMM_NULL;
+    std::vector<int> neighbours_;
     std::uint64_t bytes_exchanged_ = 0;
     std::mutex mpi_mutex_, ask_mutex_, counters_mutex_;
     // Rank 0's, under counters_mutex_.
