@@ -57,11 +57,12 @@ class Mpi(unittest.TestCase):
         cls.run_program("pcmlab", "build", *arguments, "-o", cls.folder / name, *OPTIONS)
         return cls.folder / name
 
-    def command(self, ranks, output, *arguments):
-        return [*LAUNCHER, "-n", str(ranks), BIN / "pcmlab-mpi", "build", *arguments, "-o", output, *OPTIONS]
+    def command(self, ranks, output, *arguments, environment=()):
+        return [*LAUNCHER, *[word for name in environment for word in ("-x", name)], "-n", str(ranks), BIN / "pcmlab-mpi", "build", *arguments, "-o", output, *OPTIONS]
 
-    def together(self, ranks, output, *arguments):
-        return subprocess.run(self.command(ranks, output, *arguments), capture_output=True, text=True, check=False, timeout=300)
+    def together(self, ranks, output, *arguments, environment=None):
+        command = self.command(ranks, output, *arguments, environment=environment or ())
+        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, env={**os.environ, **(environment or {})})
 
     def files(self, folder):
         return {file.name: file.read_bytes() for file in folder.iterdir() if file.name != "lock"}
@@ -94,15 +95,59 @@ class Mpi(unittest.TestCase):
                 self.assert_same(self.folder / "mpi.pct", other)
                 shutil.rmtree(other)
 
-    def test_tiles(self):
+    def test_five_hundred_tiles(self):
+        """Slices of one cloud: its header with another count, and some of its records."""
         tiles = self.folder / "tiles"
         tiles.mkdir()
-        for number in range(40):
-            self.run_program("pcmlab", "generate", tiles / f"{number:02}.las", "-n", "5000", "--no-truth", "--seed", number + 1, "-q")
+        whole = self.scene.read_bytes()
+        begin, size, each = int.from_bytes(whole[96:100], "little"), int.from_bytes(whole[105:107], "little"), 200
+        self.assertEqual(whole[25], 2)  # LAS 1.2, whose counts are changed here
+        for number in range(500):
+            at = begin + number * each * size
+            counts = each.to_bytes(4, "little") * 2 + bytes(16)
+            (tiles / f"{number:03}.las").write_bytes(whole[:107] + counts + whole[131:begin] + whole[at : at + each * size])
         other = self.built("other.pct", tiles)
         run = self.together(2, self.folder / "mpi.pct", tiles)
         self.assertEqual(run.returncode, 0, run.stderr)
         self.assert_same(self.folder / "mpi.pct", other)
+        shutil.rmtree(other)
+
+    def test_bins_that_are_divided_again(self):
+        """A third of the points lies in a clump, and none of every 16th point, of which the sample is."""
+        whole = bytearray(self.scene.read_bytes())
+        begin, size = int.from_bytes(whole[96:100], "little"), int.from_bytes(whole[105:107], "little")
+        for at in (begin + number * size for number in range(600_000) if 0 < number % 16 < 6):
+            for axis in range(3):
+                value = int.from_bytes(whole[at + 4 * axis : at + 4 * axis + 4], "little", signed=True)
+                whole[at + 4 * axis : at + 4 * axis + 4] = (value // 1000).to_bytes(4, "little", signed=True)
+        clump = self.folder / "clump.las"
+        clump.write_bytes(whole)
+        other = self.built("other.pct", clump)
+        jobs = self.folder / "mpi.pct.part" / "jobs" / "divisions"
+        process = subprocess.Popen(self.command(3, self.folder / "mpi.pct", clump), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+        divided = False
+        while process.poll() is None:
+            divided = divided or jobs.exists()
+            time.sleep(0.01)
+        self.assertEqual(process.returncode, 0, process.stderr.read())
+        process.stderr.close()
+        self.assertTrue(divided)
+        self.assert_same(self.folder / "mpi.pct", other)
+        shutil.rmtree(other)
+
+    def test_a_shared_folder_without_locks_holes_and_exchange_of_names(self):
+        """As Lustre and NFS may be mounted; the second build replaces the tree of the first."""
+        output = self.folder / "plain.pct"
+        without = {
+            "LD_PRELOAD": str(BIN.parent / "tests" / "faults" / "libpcm_faults.so"),
+            "PCM_FAULT": "count",
+            "PCM_FAULT_WITHOUT": "flock,holes,exchange,tmpfile,linkat",
+            "PCM_FAULT_UNDER": str(self.folder.resolve()),
+        }
+        for more in ([], ["--overwrite"]):
+            run = self.together(2, output, self.scene, *more, environment=without)
+            self.assertEqual(run.returncode, 0, run.stderr)
+        self.assert_same(output, self.tree)
 
     def test_killed_processes_end_the_job_and_the_next_one_goes_on(self):
         chance = random.Random(11)

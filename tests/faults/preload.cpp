@@ -8,8 +8,8 @@
 //   PCM_FAULT_AT      the number of the call, from 1
 //   PCM_FAULT_COUNT   a file that gets the number of calls made, when the program ends by itself
 //   PCM_FAULT_WITHOUT tmpfile: the file system has no files without names; linkat: they cannot be given names; flock:
-//   it
-//                     has no locks
+//                     it has no locks; holes: space cannot be released within files; exchange: two names cannot be
+//                     exchanged
 //
 // kill ends the process instead of the call; torn does so after half of what a write was to write. full: from that call
 // on, what needs space fails with ENOSPC, as on a disk that stays full. eio: that one call fails with EIO. late: that
@@ -43,7 +43,7 @@ enum class Verdict { make, fail, make_and_fail };
 struct Plan {
     Kind kind = Kind::none;
     Counted counted = Counted::changes;
-    bool tmpfile = true, linkat = true, flock = true;
+    bool tmpfile = true, linkat = true, flock = true, holes = true, exchange = true;
     long at = 0;
     char under[PATH_MAX] = "";
     std::size_t under_length = 0;
@@ -73,6 +73,8 @@ struct Plan {
             tmpfile = !std::strstr(without, "tmpfile");
             linkat = !std::strstr(without, "linkat");
             flock = !std::strstr(without, "flock");
+            holes = !std::strstr(without, "holes");
+            exchange = !std::strstr(without, "exchange");
         }
         if (kind == Kind::none) std::abort();
         std::snprintf(under, sizeof under, "%s", folder);
@@ -307,8 +309,6 @@ PCM_CALL(int, mkdirat, space, counts(folder, path), (int folder, const char* pat
 PCM_CALL(int, rename, nothing, counts(from) || counts(to), (const char* from, const char* to) noexcept, (from, to))
 PCM_CALL(int, renameat, nothing, counts(f, from) || counts(t, to),
          (int f, const char* from, int t, const char* to) noexcept, (f, from, t, to))
-PCM_CALL(int, renameat2, nothing, counts(f, from) || counts(t, to),
-         (int f, const char* from, int t, const char* to, unsigned flags) noexcept, (f, from, t, to, flags))
 PCM_CALL(int, link, space, counts(to), (const char* from, const char* to) noexcept, (from, to))
 PCM_CALL(int, unlink, nothing, counts(path), (const char* path) noexcept, (path))
 PCM_CALL(int, unlinkat, nothing, counts(folder, path), (int folder, const char* path, int flags) noexcept,
@@ -316,10 +316,30 @@ PCM_CALL(int, unlinkat, nothing, counts(folder, path), (int folder, const char* 
 PCM_CALL(int, remove, nothing, counts(path), (const char* path) noexcept, (path))
 PCM_CALL(int, rmdir, nothing, counts(path), (const char* path) noexcept, (path))
 
+int renameat2(int f, const char* from, int t, const char* to, unsigned flags) noexcept
+{
+    const bool counted = counts(f, from) || counts(t, to);
+    if (counted && !plan().exchange && flags != 0) {
+        errno = EINVAL;
+        return -1;
+    }
+    return run(counted, Counted::changes, Needs::nothing, [&] {
+        return next<int (*)(int, const char*, int, const char*, unsigned)>("renameat2")(f, from, t, to, flags);
+    });
+}
+
 // Freeing space needs none; a program must do without either.
-PCM_CALL(int, fallocate, nothing, counts(file), (int file, int mode, off_t offset, off_t length),
-         (file, mode, offset, length))
-PCM_CALL(int, fallocate64, nothing, counts(file), (int file, int mode, off_t offset, off_t length),
-         (file, mode, offset, length))
+#define PCM_FALLOCATE(name)                                                                                   \
+    int name(int file, int mode, off_t offset, off_t length)                                                  \
+    {                                                                                                         \
+        if (!plan().holes && counts(file)) {                                                                  \
+            errno = EOPNOTSUPP;                                                                               \
+            return -1;                                                                                        \
+        }                                                                                                     \
+        return run(counts(file), Counted::changes, Needs::nothing,                                            \
+                   [&] { return next<int (*)(int, int, off_t, off_t)>(#name)(file, mode, offset, length); }); \
+    }
+PCM_FALLOCATE(fallocate)
+PCM_FALLOCATE(fallocate64)
 
 }  // extern "C"

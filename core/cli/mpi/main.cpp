@@ -1,6 +1,7 @@
 // pcmlab-mpi: a build by several processes, of one machine or many, that share a folder.
 #include "pcm/cli/mpi/mpi_team.h"
 #include "pcm/cli/operation_command.h"
+#include "pcm/system/peak_memory.h"
 
 #include <unistd.h>
 #include <chrono>
@@ -80,8 +81,9 @@ int main(int argc, char** argv)
         const pcm::ops::Row& build = *pcm::ops::find_operation("build");
         code = pcm::cli::run_program("pcmlab-mpi", help, {pcm::cli::operation_command(build, set_up)}, argc, argv);
         if (code == 0 && std::getenv("PCM_MPI_REPORT"))
-            std::fprintf(stderr, "rank %u: %llu bytes to neighbours\n", team.rank(),
-                         static_cast<unsigned long long>(team.bytes_exchanged()));
+            std::fprintf(stderr, "rank %u: %llu bytes to neighbours, peak memory %llu bytes\n", team.rank(),
+                         static_cast<unsigned long long>(team.bytes_exchanged()),
+                         static_cast<unsigned long long>(pcm::peak_memory_bytes()));
         // The others wait for this one, or fail in the same way.
         if (code == 1) MPI_Abort(MPI_COMM_WORLD, code);
     }

@@ -11,12 +11,24 @@ namespace {
 
 // Chosen: counts of MPI 3.1 are int, and messages of this size are as quick as larger ones.
 constexpr std::uint64_t largest_message = std::uint64_t(1) << 28;
-constexpr int ask_tag = 1, answer_tag = 2;
+constexpr int ask_tag = 1, answer_tag = 2, size_tag = 3, bytes_tag = 4;
+
+using Clock = std::chrono::steady_clock;
+
+// Chosen: a tenth of the wait, so that a wait of a second is noticed by some 80 calls of MPI; the shortest pause is
+// what Linux rounds timers to, and the longest lets ranks that wait for minutes use a thousandth of a processor.
+std::chrono::nanoseconds next_pause(Clock::time_point begin)
+{
+    return std::clamp<std::chrono::nanoseconds>((Clock::now() - begin) / 10, std::chrono::microseconds(50),
+                                                std::chrono::milliseconds(10));
+}
 
 void check(int result, const char* what)
 {
     if (result != MPI_SUCCESS) throw Error(ErrorCode::io, {}, std::string("MPI failed: ") + what);
 }
+
+std::size_t messages_of(std::uint64_t bytes) { return (bytes + largest_message - 1) / largest_message; }
 
 }  // namespace
 
@@ -35,35 +47,44 @@ MpiTeam::MpiTeam()
 
 MpiTeam::~MpiTeam()
 {
-    ended_ = true;
+    {
+        const std::lock_guard lock(counters_mutex_);
+        ended_ = true;
+    }
+    counted_.notify_all();
     if (server_.joinable()) server_.join();
 }
 
-// Starts an operation, start(request), and sleeps until it is done.
+// Starts operations, start(requests), and sleeps until all of them are done.
 template <class Start>
-void MpiTeam::do_and_wait(const Start& start)
+void MpiTeam::do_and_wait(std::size_t operations, const Start& start)
 {
-    MPI_Request request;
+    std::vector<MPI_Request> requests(operations, MPI_REQUEST_NULL);
     {
         const std::lock_guard lock(mpi_mutex_);
-        start(request);
+        start(requests.data());
     }
-    constexpr int quick_tries = 20;
-    std::chrono::microseconds pause(20);
+    constexpr int quick_tries = 3;
+    const Clock::time_point begin = Clock::now();
     for (int tries = 0;; ++tries) {
         int done = 0;
         {
             const std::lock_guard lock(mpi_mutex_);
-            check(MPI_Test(&request, &done, MPI_STATUS_IGNORE), "MPI_Test");
+            check(MPI_Testall(static_cast<int>(operations), requests.data(), &done, MPI_STATUSES_IGNORE),
+                  "MPI_Testall");
         }
         if (done) return;
-        if (tries < quick_tries) {
+        if (tries < quick_tries)
             std::this_thread::yield();
-            continue;
-        }
-        std::this_thread::sleep_for(pause);
-        pause = std::min(pause * 3 / 2, std::chrono::microseconds(1000));
+        else
+            std::this_thread::sleep_for(next_pause(begin));
     }
+}
+
+template <class Start>
+void MpiTeam::do_and_wait(const Start& start)
+{
+    do_and_wait(1, [&](MPI_Request* request) { start(*request); });
 }
 
 Team::Bytes MpiTeam::broadcast(unsigned from, Bytes bytes)
@@ -116,61 +137,46 @@ std::vector<Team::Bytes> MpiTeam::gather(Bytes bytes)
     return all;
 }
 
-void MpiTeam::connect(const std::vector<unsigned>& ranks)
-{
-    wait();  // what follows waits without sleeping
-    const std::lock_guard lock(mpi_mutex_);
-    if (neighbours_ != MPI_COMM_NULL) MPI_Comm_free(&neighbours_);
-    std::vector<int> numbers(ranks.begin(), ranks.end());
-    degree_ = numbers.size();
-    numbers.push_back(0);  // so that there is an address
-    check(MPI_Dist_graph_create_adjacent(comm_, static_cast<int>(degree_), numbers.data(), MPI_UNWEIGHTED,
-                                         static_cast<int>(degree_), numbers.data(), MPI_UNWEIGHTED, MPI_INFO_NULL, 0,
-                                         &neighbours_),
-          "MPI_Dist_graph_create_adjacent");
-}
-
+// Messages to and from neighbours, not MPI_Neighbor_alltoallv(): its communicator can only be made by a call that waits
+// without sleeping, and counts of its bytes end at 2 GiB.
 std::vector<Team::Bytes> MpiTeam::exchange(std::vector<Bytes> bytes)
 {
-    std::vector<std::uint64_t> out(degree_ + 1), in(degree_ + 1);
-    for (std::size_t n = 0; n < degree_; ++n) out[n] = bytes[n].size();
-    do_and_wait([&](MPI_Request& request) {
-        check(MPI_Ineighbor_alltoall(out.data(), 1, MPI_UINT64_T, in.data(), 1, MPI_UINT64_T, neighbours_, &request),
-              "MPI_Ineighbor_alltoall");
+    const std::size_t degree = neighbours_.size();
+    std::vector<std::uint64_t> out(degree), in(degree);
+    for (std::size_t n = 0; n < degree; ++n) out[n] = bytes[n].size();
+    do_and_wait(2 * degree, [&](MPI_Request* requests) {
+        for (std::size_t n = 0; n < degree; ++n) {
+            check(MPI_Irecv(&in[n], 1, MPI_UINT64_T, neighbours_[n], size_tag, comm_, requests++), "MPI_Irecv");
+            check(MPI_Isend(&out[n], 1, MPI_UINT64_T, neighbours_[n], size_tag, comm_, requests++), "MPI_Isend");
+        }
     });
-    std::vector<int> out_counts, out_places, in_counts, in_places;
-    std::uint64_t out_size = 0, in_size = 0;
-    for (std::size_t n = 0; n < degree_; ++n) {
-        out_counts.push_back(static_cast<int>(out[n]));
-        out_places.push_back(static_cast<int>(out_size));
-        in_counts.push_back(static_cast<int>(in[n]));
-        in_places.push_back(static_cast<int>(in_size));
-        out_size += out[n];
-        in_size += in[n];
+    std::vector<Bytes> received(degree);
+    std::size_t messages = 0;
+    for (std::size_t n = 0; n < degree; ++n) {
+        received[n].resize(in[n]);
+        messages += messages_of(in[n]) + messages_of(out[n]);
+        bytes_exchanged_ += out[n];
     }
-    if (std::max(out_size, in_size) >= std::uint64_t(1) << 31)
-        throw Error(ErrorCode::unsupported, {}, "the points at the border of a rank's bins are more than 2 GiB",
-                    "build with more ranks");
-    Bytes sent, received(in_size + 1);
-    sent.reserve(out_size + 1);
-    for (const Bytes& of_rank : bytes) sent.insert(sent.end(), of_rank.begin(), of_rank.end());
-    sent.push_back({});
-    for (auto* counts : {&out_counts, &out_places, &in_counts, &in_places}) counts->push_back(0);
-    do_and_wait([&](MPI_Request& request) {
-        check(MPI_Ineighbor_alltoallv(sent.data(), out_counts.data(), out_places.data(), MPI_BYTE, received.data(),
-                                      in_counts.data(), in_places.data(), MPI_BYTE, neighbours_, &request),
-              "MPI_Ineighbor_alltoallv");
+    do_and_wait(messages, [&](MPI_Request* requests) {
+        for (std::size_t n = 0; n < degree; ++n) {
+            for (std::uint64_t at = 0; at < in[n]; at += largest_message)
+                check(MPI_Irecv(received[n].data() + at, static_cast<int>(std::min(largest_message, in[n] - at)),
+                                MPI_BYTE, neighbours_[n], bytes_tag, comm_, requests++),
+                      "MPI_Irecv");
+            for (std::uint64_t at = 0; at < out[n]; at += largest_message)
+                check(MPI_Isend(bytes[n].data() + at, static_cast<int>(std::min(largest_message, out[n] - at)),
+                                MPI_BYTE, neighbours_[n], bytes_tag, comm_, requests++),
+                      "MPI_Isend");
+        }
     });
-    bytes_exchanged_ += out_size;
-    std::vector<Bytes> all;
-    for (std::size_t n = 0; n < degree_; ++n)
-        all.emplace_back(received.begin() + in_places[n], received.begin() + in_places[n] + in_counts[n]);
-    return all;
+    return received;
 }
 
 std::uint64_t MpiTeam::count(std::uint64_t counter)
 {
     const std::lock_guard lock(counters_mutex_);
+    last_count_ = Clock::now();
+    counted_.notify_all();  // the others are likely to ask now
     return counters_[counter]++;
 }
 
@@ -190,22 +196,28 @@ std::uint64_t MpiTeam::next(std::uint64_t counter)
 
 void MpiTeam::serve_counters()
 {
+    std::unique_lock lock(counters_mutex_);
     while (!ended_) {
-        int asked = 0;
-        {
-            const std::lock_guard lock(mpi_mutex_);
-            MPI_Status status;
-            check(MPI_Iprobe(MPI_ANY_SOURCE, ask_tag, counter_comm_, &asked, &status), "MPI_Iprobe");
-            if (asked) {
-                std::uint64_t counter = 0;
-                check(MPI_Recv(&counter, 1, MPI_UINT64_T, status.MPI_SOURCE, ask_tag, counter_comm_, MPI_STATUS_IGNORE),
-                      "MPI_Recv");
-                const std::uint64_t number = count(counter);
-                check(MPI_Send(&number, 1, MPI_UINT64_T, status.MPI_SOURCE, answer_tag, counter_comm_), "MPI_Send");
-            }
-        }
-        if (!asked) std::this_thread::sleep_for(std::chrono::microseconds(500));
+        lock.unlock();
+        const bool answered = answer_one();
+        lock.lock();
+        if (!answered) counted_.wait_for(lock, next_pause(last_count_));
     }
+}
+
+bool MpiTeam::answer_one()
+{
+    const std::lock_guard lock(mpi_mutex_);
+    int asked = 0;
+    MPI_Status status;
+    check(MPI_Iprobe(MPI_ANY_SOURCE, ask_tag, counter_comm_, &asked, &status), "MPI_Iprobe");
+    if (!asked) return false;
+    std::uint64_t counter = 0;
+    check(MPI_Recv(&counter, 1, MPI_UINT64_T, status.MPI_SOURCE, ask_tag, counter_comm_, MPI_STATUS_IGNORE),
+          "MPI_Recv");
+    const std::uint64_t number = count(counter);
+    check(MPI_Send(&number, 1, MPI_UINT64_T, status.MPI_SOURCE, answer_tag, counter_comm_), "MPI_Send");
+    return true;
 }
 
 }  // namespace pcm::cli
