@@ -24,7 +24,7 @@ public:
     // the noise, one standard deviation.
     static double edge_for(double step, double noise);
 
-    // Memory: about 200 bytes per cube with points, of which there are no more than points.
+    // Memory: 176 bytes per cube with points, of which there are no more than points, and 352 per brick of 64 cubes.
     std::unique_ptr<Judge> judge() const override;
     double margin() const override { return 2 * edge_; }
     const PlaceTest& counts() const override { return near_; }

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <utility>
 
 namespace pcm {
@@ -53,6 +54,8 @@ bool on_border(const Box3d& box, const Vec3d& p)
 struct Unit {
     Box3d box, reach;  // reach: grown by the distance
     bool queued = false, visited = false, complete = false;
+    // Points that do not pass the test of what is around them, known after a visit: growth does not change them.
+    std::optional<PointSet> failing;
 };
 
 class Growth {
@@ -223,6 +226,7 @@ private:
             for (std::size_t i = 0; i < found.indices.size(); ++i) {
                 const Vec3d p = position(found, found.indices[i]);
                 const bool is_known = reached.contains(found.node, found.numbers[i]);
+                if (!is_known && unit.failing && unit.failing->contains(found.node, found.numbers[i])) continue;
                 open += !is_known;
                 // What an earlier visit has reached has spread in this unit already. A point on the unit's border may
                 // also be one of a neighbour, which has reached it.
@@ -232,7 +236,7 @@ private:
                 known.push_back(is_known);
             }
         });
-        if (options_.surroundings && open > 0) open -= leave_out(unit, points, places, known);
+        if (options_.surroundings && open > 0 && !unit.failing) open -= leave_out(unit, points, places, known);
         std::size_t found = 0;
         if (open > 0) {
             Flood flood(std::move(points), unit.box, distance_);
@@ -248,13 +252,17 @@ private:
     }
 
     // What is not known to be reached and does not pass the test of what is around it; returns how many these were.
-    std::size_t leave_out(const Unit& unit, std::vector<Vec3d>& points, std::vector<Place>& places,
+    std::size_t leave_out(Unit& unit, std::vector<Vec3d>& points, std::vector<Place>& places,
                           std::vector<bool>& known) const
     {
         const auto judge = judge_of(unit.box);
+        std::map<NodeId, std::vector<std::uint32_t>> failing;
         std::size_t kept = 0;
         for (std::size_t i = 0; i < points.size(); ++i) {
-            if (!known[i] && !judge->passes(points[i])) continue;
+            if (!known[i] && !judge->passes(points[i])) {
+                failing[places[i].node].push_back(places[i].number);
+                continue;
+            }
             points[kept] = points[i];
             places[kept] = places[i];
             known[kept++] = known[i];
@@ -263,6 +271,8 @@ private:
         points.resize(kept);
         places.resize(kept);
         known.resize(kept);
+        unit.failing.emplace(reached_.shared_tree());
+        for (const auto& [node, numbers] : failing) unit.failing->combine(SetOperation::add, node, numbers);
         return left_out;
     }
 
