@@ -38,7 +38,7 @@ private:
     double next_ = 0.2;  // seconds
 };
 
-// Why the latest request of this process waits to be sent again, for a person who waits for it; empty when it was
+// Why the latest request of this process is to be sent again, as text for a person; empty when it was
 // answered, or given up. Any thread.
 std::string network_trouble();
 void set_network_trouble(const std::string& text);

@@ -4,7 +4,7 @@ import re
 import sys
 import unittest
 
-from meshlab import SOURCE, MeshLabTest, pcmlab
+from meshlab import SOURCE, MeshLabTest, different, pcmlab
 
 sys.path.insert(0, str(SOURCE / "tests" / "remote"))
 from range_server import RangeServer
@@ -87,7 +87,8 @@ class Addresses(MeshLabTest):
                 quit
                 """)
         self.assertDriven(away)
-        # What had come was shown meanwhile; afterwards the picture is that of the folder.
+        # What had come was shown meanwhile; afterwards the picture is that of the folder, but for pixels where points of equal depth
+        # were drawn in another order.
         shown = int(re.search(r"picture \S+back.png 800x600, (\d+) points", away.text)[1])
         self.assertGreater(shown, 100000)
         self.assertLess(shown, 6000000)
@@ -102,7 +103,7 @@ class Addresses(MeshLabTest):
             quit
             """)
         self.assertDriven(here)
-        self.assertEqual(self.result("again.png").read_bytes(), self.result("never_away.png").read_bytes())
+        self.assertLess(different(self.result("again.png"), self.result("never_away.png")), 1e-4)
 
 
 if __name__ == "__main__":

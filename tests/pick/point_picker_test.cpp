@@ -9,6 +9,7 @@
 #include "pcm/tree/point_size.h"
 #include "tests/clouds.h"
 #include "tests/memory_reader.h"
+#include "tests/sanitizers.h"
 #include "tests/support.h"
 #include "tests/view/random_views.h"
 
@@ -213,7 +214,7 @@ TEST_P(PointPickerTest, FindsWhatALookAtEveryPointFinds)
     PointPicker picker(cloud_->cache());
     std::mt19937_64 random(7);
     int hits = 0, between = 0;
-    for (int i = 0; i < 1500; ++i) {
+    for (int i = 0; i < tries(1500, 300); ++i) {
         SCOPED_TRACE(i);
         const PickRay ray = random_ray(random);
         PickOptions options;
@@ -240,8 +241,8 @@ TEST_P(PointPickerTest, FindsWhatALookAtEveryPointFinds)
         EXPECT_EQ(found.hit->depth, depth);
         EXPECT_EQ(found.hit->size, options.fitted ? expected->fitted : expected->size);
     }
-    EXPECT_GT(hits, 300);
-    if (GetParam() != Cloud::coincident && GetParam() != Cloud::single) EXPECT_GT(between, 100);
+    EXPECT_GT(hits, tries(300, 60));
+    if (GetParam() != Cloud::coincident && GetParam() != Cloud::single) EXPECT_GT(between, tries(100, 20));
 }
 
 TEST_P(PointPickerTest, FindsWhatConditionsAndClipsLeave)
@@ -250,7 +251,7 @@ TEST_P(PointPickerTest, FindsWhatConditionsAndClipsLeave)
     std::mt19937_64 random(8);
     std::uniform_real_distribution<double> unit(0, 1);
     int hits = 0, changed = 0;
-    for (int i = 0; i < 600; ++i) {
+    for (int i = 0; i < tries(600, 120); ++i) {
         SCOPED_TRACE(i);
         const PickRay ray = random_ray(random);
         PickOptions options;
@@ -276,8 +277,8 @@ TEST_P(PointPickerTest, FindsWhatConditionsAndClipsLeave)
         ASSERT_EQ(std::tie(found.hit->node, found.hit->index), std::tie(expected->node, expected->index));
     }
     if (GetParam() == Cloud::single) return;
-    EXPECT_GT(hits, 20);
-    EXPECT_GT(changed, 20);
+    EXPECT_GT(hits, tries(20, 4));
+    EXPECT_GT(changed, tries(20, 4));
 }
 
 // With the answer known from the beginning, those chunks are looked at that can hold a better one: of each level no
@@ -287,7 +288,7 @@ TEST_P(PointPickerTest, LooksAtNoMoreChunksThanTheSizesOfTheirLevelsAsk)
     PointPicker picker(cloud_->cache());
     const Tree& tree = *cloud_->tree();
     std::mt19937_64 random(12);
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < tries(200, 40); ++i) {
         SCOPED_TRACE(i);
         const PickRay ray = random_ray(random);
         const PickOptions options;
@@ -310,7 +311,7 @@ TEST_P(PointPickerTest, EndsWhereTheRayOrAnotherHitEndsIt)
     PointPicker picker(cloud_->cache());
     std::mt19937_64 random(9);
     int nearer = 0;
-    for (int i = 0; i < 600; ++i) {
+    for (int i = 0; i < tries(600, 120); ++i) {
         SCOPED_TRACE(i);
         PickRay ray = random_ray(random);
         PickOptions options;
@@ -335,7 +336,7 @@ TEST_P(PointPickerTest, EndsWhereTheRayOrAnotherHitEndsIt)
         ++nearer;
         EXPECT_EQ(std::tie(found->node, found->index), std::tie(expected->node, expected->index));
     }
-    if (GetParam() == Cloud::volume) EXPECT_GT(nearer, 4);
+    if (GetParam() == Cloud::volume) EXPECT_GT(nearer, tries(4, 0));
 }
 
 // A known hit is the answer where no point is nearer, even one of another cloud.
@@ -343,7 +344,7 @@ TEST_P(PointPickerTest, AKnownHitStandsWhereNothingIsNearer)
 {
     PointPicker picker(cloud_->cache());
     std::mt19937_64 random(19);
-    for (int i = 0; i < 200; ++i) {
+    for (int i = 0; i < tries(200, 40); ++i) {
         SCOPED_TRACE(i);
         const PickRay ray = random_ray(random);
         const PickResult alone = picker.exact(ray);
@@ -380,7 +381,7 @@ TEST_P(PointPickerTest, InMemoryReadsNothingAndKnowsAllOnceAllIsThere)
     cloud_->cache().set_capacity(64 << 20);
     for (NodeId id = 0; id < cloud_->tree()->nodes().size(); ++id)
         cloud_->cache().get(id, ColumnSet::whole(cloud_->info().schema));
-    for (int i = 0; i < 300; ++i) {
+    for (int i = 0; i < tries(300, 60); ++i) {
         const PickRay ray = random_ray(random);
         const PickResult first = picker.in_memory(ray), exact = picker.exact(ray);
         EXPECT_EQ(exact.read, 0u);
@@ -437,7 +438,7 @@ TEST(PointPicker, DoesNotPickThroughAClosedSurface)
     PointPicker picker(cloud->cache());
     std::mt19937_64 random(1);
     std::uniform_real_distribution<double> inside(0.5, 9.4);
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0; i < tries(500, 100); ++i) {
         const PickRay ray = PickRay::along({4e5 + inside(random), 5e6 + inside(random), 20}, {0, 0, -1}, 0, 2e-4);
         const auto hit = picker.exact(ray).hit;
         ASSERT_TRUE(hit);
