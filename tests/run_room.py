@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs the tests of one executable in few processes, and reports each test by its name, as CTest does.
 
-    run_room.py --program test_cloud --name asan.cloud --report asan.cloud.xml [--part 1/3] [--patience SECONDS]
+    run_room.py --program test_cloud --name asan.cloud --report asan.cloud.xml [--part 1/3] [--only PATTERN]... [--patience SECONDS]
 
 For the sanitizers, under which a process a test costs more than most tests. A test that crashes, or that takes longer than
 the patience, is reported as failed with what it printed; the tests after it run in a further process. What a process reports
@@ -12,6 +12,7 @@ With PCM_FAILED_AGAIN=1 in the environment only the tests that failed in the rep
 report is then NAME-again.xml beside it.
 """
 import argparse
+import fnmatch
 import os
 import pathlib
 import re
@@ -45,6 +46,14 @@ def suites_of(program):
         elif line.startswith("  ") and suite is not None:
             suite.append(next(reversed(suites)) + name.strip())
     return suites
+
+
+def chosen(suites, patterns):
+    """The tests whose names match one of the patterns; all of them where there is none."""
+    if not patterns:
+        return suites
+    return {suite: [test for test in tests if any(fnmatch.fnmatchcase(test, pattern) for pattern in patterns)]
+            for suite, tests in suites.items()}
 
 
 def is_disabled(test):
@@ -163,6 +172,7 @@ def main():
     parser.add_argument("--name", required=True, help="what the names of the tests begin with")
     parser.add_argument("--report", required=True, type=pathlib.Path)
     parser.add_argument("--part", default="1/1", help="which of how many parts")
+    parser.add_argument("--only", action="append", default=[], metavar="PATTERN", help="tests whose names match, such as *Thread*; may be repeated")
     parser.add_argument("--patience", type=float, default=600, help="seconds a test may take")
     arguments = parser.parse_args()
     report = arguments.report
@@ -174,7 +184,7 @@ def main():
     else:
         report.unlink(missing_ok=True)
         part, parts = map(int, arguments.part.split("/"))
-        cases = run_all(arguments.program, part_of(suites_of(arguments.program), part, parts), arguments.patience)
+        cases = run_all(arguments.program, part_of(chosen(suites_of(arguments.program), arguments.only), part, parts), arguments.patience)
     cases = {f"{report.stem if test == END else arguments.name}.{test}": case for test, case in cases.items()}
     write(report, cases)
     failed = [test for test, case in cases.items() if case.status == "fail"]

@@ -100,6 +100,12 @@ class RunRoom(unittest.TestCase):
         self.assertEqual((code, states), (1, {"room.A.a": "run", "room.end": "fail"}))
         self.assertIn("found a leak\nthe process ended with 23 after its tests", text)
 
+    def test_only_those_that_match_run(self):
+        tests = {"A.ManyThreads": "", "A.b": "fail", "B/0.OneThread/1": "", "B/0.CanBeCancelled": ""}
+        code, _, states = self.run_on(tests, "--only=*Thread*", "--only=*Cancel*")
+        self.assertEqual((code, states), (0, {"room.A.ManyThreads": "run", "room.B/0.OneThread/1": "run", "room.B/0.CanBeCancelled": "run"}))
+        self.assertEqual(self.run_on(tests, "--only=*Nothing*")[:2], (1, "0 passed, 0 failed, 0 skipped\n"))
+
     def test_parts_hold_all_and_tear_no_suite(self):
         tests = {f"{suite}.{i}": "" for suite in "ABCDE" for i in range(3)}
         parts = [self.run_on(tests, "--part", f"{i}/2")[2] for i in (1, 2)]
