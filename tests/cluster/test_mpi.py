@@ -157,7 +157,9 @@ class Mpi(unittest.TestCase):
         self.assertEqual(self.together(2, output, self.scene).returncode, 0)
         seconds = time.monotonic() - begun
         self.assert_same(output, self.tree)
-        for tree in range(self.trees_to_kill):
+        for tree in range(4 * self.trees_to_kill):  # on a machine where builds end before they are killed
+            if tree >= self.trees_to_kill and kills > self.trees_to_kill:
+                break
             for _ in range(4):
                 process = subprocess.Popen(self.command(chance.choice((1, 2, 3)), output, self.scene), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
                 begun = time.monotonic()
@@ -184,7 +186,7 @@ class Mpi(unittest.TestCase):
                     run = self.together(2, output, self.scene)
                     self.assertEqual(run.returncode, 0, run.stderr)
             self.assert_same(output, self.tree, was_killed)
-        self.assertGreater(kills, 0)  # how many depends on the machine
+        self.assertGreater(kills, self.trees_to_kill)
 
     def test_one_that_fails_is_named_and_nothing_is_published(self):
         tiles = self.folder / "bad"
