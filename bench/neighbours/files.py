@@ -4,8 +4,9 @@
     files.py --bin BUILD/bin --work FOLDER [--points 400000,1000000,4000000,10000000] [--rounds 3]
 
 Seconds of the processor of whole processes on one thread, medians. Ours read a LAS file and write a PLY file, or read
-and write trees; PCL's programs (bench_filters_pcl and bench_voxels_pcl, built with PCM_BENCH_PEERS=ON) read doubles and
-write floats, doubles or bytes. Prints Markdown.
+and write trees, with all attributes; PCL's programs (bench_filters_pcl and bench_voxels_pcl, built with
+PCM_BENCH_PEERS=ON) read doubles and write floats, doubles or bytes: positions alone. The voxel grid also runs on a PLY
+file of the positions that PCL reads. Prints Markdown.
 """
 import argparse
 import pathlib
@@ -20,6 +21,15 @@ NEIGHBOURS, SIGMAS, VOXEL = 16, 2, 0.1
 OURS = {"normals": ["-k", NEIGHBOURS, "--no-confidence"], "outliers": ["-k", NEIGHBOURS, "-a", SIGMAS], "voxel": ["-s", VOXEL]}
 
 
+def positions_as_ply(raw):
+    """The positions, doubles in a file, with the header that makes them a PLY file."""
+    ply = raw.with_suffix(".ply")
+    header = "".join(f"property double {axis}\n" for axis in "xyz")
+    ply.write_bytes(f"ply\nformat binary_little_endian 1.0\nelement vertex {raw.stat().st_size // 24}\n{header}end_header\n".encode()
+                    + raw.read_bytes())
+    return ply
+
+
 def commands(bench, tree, raw):
     """For each filter: who, and the command."""
     las, common = tree.with_suffix(".las"), ["-q", "-t", 1, "--overwrite"]
@@ -28,6 +38,7 @@ def commands(bench, tree, raw):
         yield name, "LAS to PLY", [bench.bin / "pcmlab", name, las, "-o", ply, *options, *common]
         yield name, "tree to tree", [bench.bin / "pcmlab", name, tree, "-o", pct, *options, *common]
         if name == "voxel":
+            yield name, "positions alone, PLY to PLY", [bench.bin / "pcmlab", name, positions_as_ply(raw), "-o", ply, *options, *common]
             program, arguments = "bench_voxels_pcl", [VOXEL, 1, raw, result]
         else:
             program, arguments = "bench_filters_pcl", [name, NEIGHBOURS, 1, SIGMAS, 0, raw, result]

@@ -17,6 +17,8 @@ struct StatedRange {
     bool empty = false;
 };
 
+constexpr const char* replaced_text = "this file has been replaced on the server since it was opened";
+
 std::optional<StatedRange> parse_range(const char* text)
 {
     StatedRange range;
@@ -49,10 +51,11 @@ struct RemoteObject::Try {
     bool done = false;
 };
 
-bool is_unreachable(const Error& error)
-{
-    return error.code() == ErrorCode::io && std::string(error.what()).find(unreachable_text) != std::string::npos;
-}
+bool is_unreachable(const Error& error) { return error.code() == ErrorCode::io && is_unreachable(error.what()); }
+
+bool is_unreachable(const std::string& text) { return text.find(unreachable_text) != std::string::npos; }
+
+bool is_replaced(const std::string& text) { return text.find(replaced_text) != std::string::npos; }
 
 RemoteObject::RemoteObject(const std::filesystem::path& address)
     : address_(address), target_(target_of(Url::parse(address))), url_(target_.url)
@@ -74,8 +77,7 @@ void RemoteObject::assume(const RemoteVersion& version) const
 
 void RemoteObject::refuse_replaced() const
 {
-    throw Error(ErrorCode::io, address_, "this file has been replaced on the server since it was opened",
-                "open the tree again");
+    throw Error(ErrorCode::io, address_, replaced_text, "open the tree again when all of its files are there");
 }
 
 // The first answer says what the file is; each later one must say the same.

@@ -82,5 +82,9 @@ private:
 
 // Whether the error is that no server answered.
 bool is_unreachable(const Error& error);
+// The same of an error's text, which is all that a cache keeps of it.
+bool is_unreachable(const std::string& text);
+// Whether an error's text is that the file has been replaced since it was opened.
+bool is_replaced(const std::string& text);
 
 }  // namespace pcm

@@ -1,5 +1,6 @@
 #include "plugin/scene/open_clouds.h"
 
+#include "pcm/system/tree_folder.h"
 #include "pcm/threads/thread_count.h"
 
 #include <sys/stat.h>
@@ -8,8 +9,28 @@
 #include <map>
 #include <string>
 #include <tuple>
+#include <utility>
 
 namespace pcm::host {
+namespace {
+
+std::shared_ptr<PointCloud>& opened_already()
+{
+    static auto& cloud = *new std::shared_ptr<PointCloud>;
+    return cloud;
+}
+
+}  // namespace
+
+OpenedAlready::OpenedAlready(std::shared_ptr<PointCloud> cloud) { opened_already() = std::move(cloud); }
+OpenedAlready::~OpenedAlready() { opened_already().reset(); }
+
+L2Options cache_of_opened()
+{
+    L2Options cache;
+    cache.threads = std::clamp(thread_count(0) / 2, 1u, 4u);
+    return cache;
+}
 
 std::shared_ptr<PointCloud> open_cloud(const std::filesystem::path& path)
 {
@@ -17,8 +38,8 @@ std::shared_ptr<PointCloud> open_cloud(const std::filesystem::path& path)
     using Key = std::tuple<std::string, std::uint64_t, std::uint64_t, std::int64_t>;
     static auto& clouds = *new std::map<Key, std::weak_ptr<PointCloud>>;
 
-    L2Options cache;
-    cache.threads = std::clamp(thread_count(0) / 2, 1u, 4u);
+    if (const auto& cloud = opened_already(); cloud && same_tree_folder(cloud->tree()->folder(), path)) return cloud;
+    const L2Options cache = cache_of_opened();
     for (auto it = clouds.begin(); it != clouds.end();) it = it->second.expired() ? clouds.erase(it) : std::next(it);
     std::error_code ignored;
     const std::string canonical = std::filesystem::canonical(tree_folder_of(path), ignored).string();

@@ -1,7 +1,10 @@
 """Trees on a server: opened by their address in a script and in the window, and looked at over round trips of 60 ms."""
 
+import os
 import re
+import shutil
 import sys
+import threading
 import unittest
 
 from meshlab import SOURCE, MeshLabTest, different, pcmlab
@@ -109,6 +112,65 @@ class Addresses(MeshLabTest):
         self.assertDriven(here)
         self.assertLess(different(self.result("again.png"), self.result("never_away.png")), 1e-4)
         self.assertLess(different(self.result("moved.png"), self.result("never_away.png")), 0.5)  # coarser, and nowhere blank
+
+    def test_a_tree_that_is_replaced_on_its_server_is_opened_again(self):
+        _, town = self.generate("town", 5000000, "--extent", 90, "--origin", "500000,4800000,100")
+        # The same bounds, and a hole.
+        edited, points, other = self.folder / "edited.pct", self.folder / "other.las", self.folder / "other.pct"
+        pcmlab("delete", town, "-o", edited, "--box", 500030, 4800030, 0, 500060, 4800060, 500)
+        pcmlab("convert", edited, points)
+        pcmlab("build", points, "-o", other)
+        with RangeServer(self.folder) as server:
+            changing = threading.Lock()
+            asked, changed = [], []  # number of requests when the data were replaced; whether the index was
+
+            def replace():
+                """The data first, and the index when it has been looked at twice meanwhile."""
+                with changing:
+                    if len(server.requests) > 8 and not asked:
+                        shutil.copy(other / "chunks-000.bpc", self.folder / "part")
+                        os.replace(self.folder / "part", town / "chunks-000.bpc")
+                        asked.append(len(server.requests))
+                    if asked and not changed and sum("index.pct" in path for _, path, _ in server.requests[asked[0]:]) > 2:
+                        shutil.copy(other / "index.pct", self.folder / "part")
+                        os.replace(self.folder / "part", town / "index.pct")
+                        changed.append(True)
+                return False
+
+            server.is_away = replace
+            there = self.own_gui(f"""
+                wait-view
+                view-size 800 600
+                trigger Open Point Cloud Tree by Address
+                set Address = {server.address("town.pct")}
+                press Apply
+                wait-layers 1
+                press Close
+                wait-status has been replaced on the server
+                wheel -8
+                screen {self.result("replaced.png")}
+                wait-log has been replaced on its server, and is opened again
+                wait-no-status has been replaced
+                wait-status complete, full resolution
+                wait-standing
+                picture {self.result("opened_again.png")}
+                quit
+                """)
+        self.assertDriven(there)
+        self.assertIn("shows the changed tree", there.text)
+        here = self.own_gui(f"""
+            wait-view
+            view-size 800 600
+            open {other}
+            wait-layers 1
+            wheel -8
+            wait-status complete, full resolution
+            wait-standing
+            picture {self.result("the_other.png")}
+            quit
+            """)
+        self.assertDriven(here)
+        self.assertLess(different(self.result("opened_again.png"), self.result("the_other.png")), 1e-4)
 
 
 if __name__ == "__main__":

@@ -124,7 +124,9 @@ void MergedReader::look_at_header(const Source& source, const PointReader& reade
     for (const std::string& note : info.notes) notes.add(note, source.path);
     Part part;
     part.points = info.points;
+    part.points_before = info_.points;
     part.weight = size_in_bytes(source.path);
+    part.weight_before = total_weight_;
     part.shape = shape_of(info, source.path, notes);
     part.grid = info.grid;
     part.notes = info.notes.size();
@@ -415,7 +417,6 @@ void MergedReader::end_part()
         info_.skipped.lines = faults_.lines();
         take_late(info, part, sources_[current_].path);
     }
-    weight_before_ += part.weight;
     open_.reset();
     part_points_ = 0;
     ++current_;
@@ -436,22 +437,18 @@ void MergedReader::seek(std::uint64_t index)
         throw Error(ErrorCode::invalid_argument, sources_[0].path,
                     "point " + std::to_string(index) + " was requested, the cloud has " + std::to_string(info_.points));
     rewind();
-    for (current_ = 0; current_ < parts_.size(); ++current_) {
-        if (index < parts_[current_].points) {
-            open(current_).seek(index);
-            part_points_ = index;
-            return;
-        }
-        index -= parts_[current_].points;
-        weight_before_ += parts_[current_].weight;
-    }
+    const auto after = std::upper_bound(parts_.begin(), parts_.end(), index,
+                                        [](std::uint64_t i, const Part& part) { return i < part.points_before; });
+    current_ = index == info_.points ? parts_.size() : static_cast<std::size_t>(after - parts_.begin()) - 1;
+    if (current_ == parts_.size()) return;
+    part_points_ = index - parts_[current_].points_before;
+    open(current_).seek(part_points_);
 }
 
 void MergedReader::rewind()
 {
     current_ = 0;
     part_points_ = 0;
-    weight_before_ = 0;
     info_.skipped.lines = info_.skipped.incomplete_files = 0;
     info_.move_error = 0;
     faults_ = ReadFaults();
@@ -480,7 +477,7 @@ void MergedReader::move_to_grid(std::size_t part, Points&... points)
 double MergedReader::fraction_read() const
 {
     if (current_ == parts_.size()) return 1.0;
-    double done = weight_before_;
+    double done = parts_[current_].weight_before;
     if (open_ && open_part_ == current_) done += parts_[current_].weight * open_->fraction_read();
     return std::clamp(done / total_weight_, 0.0, 1.0);
 }

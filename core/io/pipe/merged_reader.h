@@ -89,9 +89,9 @@ public:
 private:
     // What is kept of a file between reading its header and its points.
     struct Part {
-        std::uint64_t points = 0;
-        double weight = 1;      // its share of the work, in bytes
-        std::size_t shape = 0;  // in shapes_
+        std::uint64_t points = 0, points_before = 0;  // before: of all earlier parts
+        double weight = 1, weight_before = 0;         // share of the work, in bytes
+        std::size_t shape = 0;                        // in shapes_
         std::optional<Grid> grid;
         std::size_t notes = 0;  // number of notes about its header
         std::string format;
@@ -140,7 +140,6 @@ private:
     std::uint32_t scans_ = 0;                // number in all files
     std::optional<std::size_t> scan_place_;  // place of their numbers in the merged schema
     double total_weight_ = 0;
-    double weight_before_ = 0;  // weight of the parts that have been read completely
     std::uint64_t metadata_bytes_ = 0;
 
     std::size_t current_ = 0;

@@ -10,6 +10,7 @@
 #include "plugin/overlay/aside.h"
 #include "plugin/overlay/overlay.h"
 #include "plugin/overlay/snapshot_tile.h"
+#include "plugin/scene/replaced_trees.h"
 #include "plugin/scene/scene_state.h"
 #include "plugin/scene/selected_colour.h"
 #include "plugin/scene/text.h"
@@ -226,6 +227,7 @@ void View::draw_scene(const Settings& settings)
     if (report_.clouds.size() != items.size()) report_.clouds.resize(items.size());
     for (std::size_t i = 0; i < drawn.size(); ++i) layers_[drawn[i]->id()].report = i;
     log_notices(drawn, settings.style);
+    look_for_replaced(drawn);
     draw_legends(drawn, settings.colour, tile);
     if (report_.repaint) {
         QTimer::singleShot(0, &view_.widget(), SLOT(update()));
@@ -316,6 +318,17 @@ void View::log_notices(const std::vector<SceneLayer*>& drawn, const CloudStyle& 
         if (notice.empty() || !layers_[drawn[i]->id()].noticed.emplace(asked.splats, asked.colour, notice).second)
             continue;
         view_.scene().log(LogLevel::system, drawn[i]->label() + ": " + QString::fromStdString(notice));
+    }
+}
+
+// The error names the file of the tree that could not be read.
+void View::look_for_replaced(const std::vector<SceneLayer*>& drawn)
+{
+    if (report_.error.empty()) return;
+    for (const SceneLayer* layer : drawn) {
+        const std::shared_ptr<const Tree> tree = layers_[layer->id()].painted->cloud().tree();
+        if (report_.error.find(tree->folder().string()) == std::string::npos) continue;
+        view_.scene().part<ReplacedTrees>().could_not_load(*tree, report_.error);
     }
 }
 

@@ -82,6 +82,7 @@ private:
     bool click_legend(const QEvent& event);
     bool edit_legend(const QEvent& event);
     void log_notices(const std::vector<SceneLayer*>& drawn, const CloudStyle& asked);
+    void look_for_replaced(const std::vector<SceneLayer*>& drawn);
     void drop(Layer& layer);
     void drop_picture();
     void reconcile();
