@@ -36,6 +36,9 @@ fetch_pymeshlab_sdk() { "$root/packaging/meshlab-sdk" "$pymeshlab_sdk" 2025.07 |
 # Where it cannot be fetched the backend PCL of fitting is left out, and its tests are skipped.
 fetch_pcl_sdk() { "$root/packaging/pcl-sdk" "$root/build/pcl-sdk" || say "Without PCL: its backend is not built."; }
 
+# Where it cannot be fetched the tests of trees on it are skipped.
+fetch_nginx() { "$root/packaging/nginx-program" "$root/build/nginx" || say "Without nginx: the tests that read from it are skipped."; }
+
 # configure PRESET [OPTION...]: says everything only when it fails.
 configure() {
     local preset=$1 log=$root/build/$1/configure.log
