@@ -7,6 +7,7 @@
 #include <array>
 #include <cstring>
 #include <string>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 
@@ -16,9 +17,11 @@ namespace {
 // Stream: u8 mode, u8 base_bits, u16 0, u32 bytes of the whole stream, u64 smallest base (or the constant); then,
 // unless constant: a (u8 width, u8 shift) pair per block, the bases less the smallest in base_bits each, padded to a
 // byte, and the 128 differences of each block in width bits each (16 * width bytes; the last block is padded with
-// zeros).
-enum Mode : std::uint8_t { constant = 0, frame_of_reference = 1, delta = 2 };
+// zeros). Where values are listed: u8 mode, u8 0, u16 values less one, u32 bytes, u64 0; then the values in ascending
+// order and the place of each value of the sequence among them, both as streams of the other modes.
+enum Mode : std::uint8_t { constant = 0, frame_of_reference = 1, delta = 2, listed = 3 };
 constexpr std::size_t stream_header = 16;
+constexpr std::size_t most_listed = 256;
 
 int bit_length(std::uint64_t v) { return v ? 64 - __builtin_clzll(v) : 0; }
 std::uint64_t low_mask(int bits) { return bits >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << bits) - 1; }
@@ -205,29 +208,93 @@ StreamHeader read_stream_header(const std::byte* data, std::size_t size, int wor
     if (header.bytes < stream_header || header.bytes > size) throw refused("its length does not fit the column", path);
     if (header.low > low_mask(word_bits)) throw refused("a value does not fit its type", path);
     if (header.mode == constant) return header;
-    if (header.mode != frame_of_reference && header.mode != delta) throw refused("unknown mode", path);
+    if (header.mode != frame_of_reference && header.mode != delta && header.mode != listed)
+        throw refused("unknown mode", path);
     if (header.base_bits > word_bits) throw refused("base wider than its type", path);
     return header;
 }
 
-}  // namespace
+// The distinct values of a sequence that has few.
+template <class Word>
+class ValueList {
+public:
+    // False where there are more than most_listed.
+    bool take(const Word* values, std::size_t count)
+    {
+        for (std::size_t i = 0; i < count; ++i) {
+            Slot& slot = slot_of(values[i]);
+            if (slot.used) continue;
+            if (sorted_.size() == most_listed) return false;
+            slot.used = true;
+            slot.value = values[i];
+            sorted_.push_back(values[i]);
+        }
+        std::sort(sorted_.begin(), sorted_.end());
+        for (std::size_t place = 0; place < sorted_.size(); ++place)
+            slot_of(sorted_[place]).place = static_cast<Word>(place);
+        return true;
+    }
+    const std::vector<Word>& sorted() const { return sorted_; }
+    Word place_of(Word value) { return slot_of(value).place; }
+
+private:
+    struct Slot {
+        Word value = 0, place = 0;
+        bool used = false;
+    };
+    static constexpr int slot_bits = 10;
+
+    // The value's, or the free one where it would be.
+    Slot& slot_of(Word value)
+    {
+        constexpr std::uint64_t odd = 0x9e3779b97f4a7c15;
+        std::size_t at = static_cast<std::size_t>(std::uint64_t(value) * odd >> (64 - slot_bits));
+        while (slots_[at].used && slots_[at].value != value) at = (at + 1) & (slots_.size() - 1);
+        return slots_[at];
+    }
+
+    std::array<Slot, std::size_t(1) << slot_bits> slots_;
+    std::vector<Word> sorted_;
+};
+
+// How a sequence is written in one of the modes that list no values.
+struct PlainStream {
+    SequenceShape shape;
+    std::uint64_t low = 0;
+    bool is_constant = false;
+    int base_bits = 0;
+    std::size_t bytes = 0;
+};
 
 template <class Word>
-void pack(const Word* values, std::size_t count, std::vector<std::byte>& out)
+PlainStream plain_stream(const Word* values, std::size_t count)
 {
-    const std::size_t start = out.size();
-    const auto [use_delta, bits, shapes] = choose_shapes(values, count);
-    const std::size_t blocks = shapes.size();
+    PlainStream stream;
+    stream.shape = choose_shapes(values, count);
+    const std::vector<BlockShape>& shapes = stream.shape.blocks;
     std::uint64_t low = shapes[0].base, high = low;
     for (const BlockShape& shape : shapes) {
         low = std::min(low, shape.base);
         high = std::max(high, shape.base);
     }
-    const bool is_constant = !use_delta && bits == 0 && low == high;
-    const int base_bits = is_constant ? 0 : bit_length(high - low);
-    const std::size_t table = is_constant ? 0 : blocks * 2 + (blocks * static_cast<std::size_t>(base_bits) + 7) / 8;
-    const std::size_t payload = bits * (codec_block / 8);
-    const std::size_t bytes = stream_header + table + payload;
+    stream.low = low;
+    stream.is_constant = !stream.shape.use_delta && stream.shape.bits == 0 && low == high;
+    stream.base_bits = stream.is_constant ? 0 : bit_length(high - low);
+    const std::size_t table =
+        stream.is_constant ? 0
+                           : shapes.size() * 2 + (shapes.size() * static_cast<std::size_t>(stream.base_bits) + 7) / 8;
+    stream.bytes = stream_header + table + stream.shape.bits * (codec_block / 8);
+    return stream;
+}
+
+template <class Word>
+void put(const PlainStream& stream, const Word* values, std::size_t count, std::vector<std::byte>& out)
+{
+    const std::size_t start = out.size();
+    const auto& [use_delta, bits, shapes] = stream.shape;
+    const auto [low, is_constant, base_bits, bytes] =
+        std::tuple(stream.low, stream.is_constant, stream.base_bits, stream.bytes);
+    const std::size_t blocks = shapes.size();
     if (bytes > 0xffffffffu) throw Error(ErrorCode::unsupported, {}, "a column of more than 4 GiB in one chunk");
     out.resize(start + bytes);
     std::byte* to = out.data() + start;
@@ -263,13 +330,42 @@ void pack(const Word* values, std::size_t count, std::vector<std::byte>& out)
     }
 }
 
+// Appends the sequence with its values listed, where they are few and that takes less than `plain`.
 template <class Word>
-std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::size_t count,
-                   const std::filesystem::path& path)
+bool put_listed(const PlainStream& plain, const Word* values, std::size_t count, std::vector<std::byte>& out)
+{
+    // Fewer bits than this for a value are hardly more than a place among many takes.
+    constexpr std::size_t least_bits = 9;
+    if (plain.shape.bits < least_bits * plain.shape.blocks.size()) return false;
+    ValueList<Word> list;
+    if (!list.take(values, count)) return false;
+    std::vector<Word> places(count);
+    for (std::size_t i = 0; i < count; ++i) places[i] = list.place_of(values[i]);
+    const std::vector<Word>& sorted = list.sorted();
+    const PlainStream of_values = plain_stream(sorted.data(), sorted.size());
+    const PlainStream of_places = plain_stream(places.data(), count);
+    const std::size_t bytes = stream_header + of_values.bytes + of_places.bytes;
+    if (bytes >= plain.bytes) return false;
+    const std::size_t start = out.size();
+    out.resize(start + stream_header);
+    out[start] = static_cast<std::byte>(listed);
+    const auto last = static_cast<std::uint16_t>(sorted.size() - 1);
+    const auto size32 = static_cast<std::uint32_t>(bytes);
+    std::memcpy(out.data() + start + 2, &last, 2);
+    std::memcpy(out.data() + start + 4, &size32, 4);
+    put(of_values, sorted.data(), sorted.size(), out);
+    put(of_places, places.data(), count, out);
+    return true;
+}
+
+template <class Word>
+std::size_t unpack_plain(const std::byte* data, std::size_t size, Word* values, std::size_t count,
+                         const std::filesystem::path& path)
 {
     constexpr int word_bits = sizeof(Word) * 8;
     const auto refuse = [&](const char* what) { return refused(what, path); };
     const auto [mode, base_bits, bytes, low] = read_stream_header(data, size, word_bits, path);
+    if (mode == listed) throw refuse("a list within a list");
     if (mode == constant) {
         std::fill(values, values + count, static_cast<Word>(low));
         return bytes;
@@ -311,6 +407,39 @@ std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::s
     }
     if (left != 0) throw refuse("longer than its blocks");
     return bytes;
+}
+
+}  // namespace
+
+template <class Word>
+void pack(const Word* values, std::size_t count, std::vector<std::byte>& out)
+{
+    const PlainStream plain = plain_stream(values, count);
+    if (!put_listed(plain, values, count, out)) put(plain, values, count, out);
+}
+
+template <class Word>
+std::size_t unpack(const std::byte* data, std::size_t size, Word* values, std::size_t count,
+                   const std::filesystem::path& path)
+{
+    const StreamHeader header = read_stream_header(data, size, sizeof(Word) * 8, path);
+    if (header.mode != listed) return unpack_plain(data, size, values, count, path);
+    std::uint16_t last = 0;
+    std::memcpy(&last, data + 2, 2);
+    const std::size_t number = std::size_t(last) + 1;
+    if (number > most_listed) throw refused("too many listed values", path);
+    std::array<Word, most_listed> list;
+    std::size_t at = stream_header;
+    at += unpack_plain(data + at, header.bytes - at, list.data(), number, path);
+    at += unpack_plain(data + at, header.bytes - at, values, count, path);
+    if (at != header.bytes) throw refused("longer than its lists", path);
+    for (std::size_t i = 1; i < number; ++i)
+        if (list[i] <= list[i - 1]) throw refused("listed values out of order", path);
+    Word largest = 0;
+    for (std::size_t i = 0; i < count; ++i) largest = std::max(largest, values[i]);
+    if (largest >= number) throw refused("a place beyond its list", path);
+    for (std::size_t i = 0; i < count; ++i) values[i] = list[static_cast<std::size_t>(values[i])];
+    return header.bytes;
 }
 
 template void pack(const std::uint32_t*, std::size_t, std::vector<std::byte>&);

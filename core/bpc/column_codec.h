@@ -2,7 +2,9 @@
 //
 // Blocks are stored either as differences from their smallest value (frame of reference) or as zigzag differences
 // between consecutive values, whichever is smaller for the whole sequence. Low bits that are zero in all differences of
-// a block are not stored. A sequence of one repeated value takes 16 bytes. The layout is in FORMAT.md.
+// a block are not stored. A sequence of one repeated value takes 16 bytes. Where a sequence has few values that lie far
+// apart, as colours of 8 bits do that were stretched to 16, they are listed, and their places are packed so. The layout
+// is in FORMAT.md.
 #pragma once
 
 #include <cstddef>
