@@ -6,6 +6,7 @@
 #include "pcm/build/nodes/data_files.h"
 #include "pcm/build/written_tree.h"
 #include "pcm/cluster/input_jobs.h"
+#include "pcm/cluster/rank_error.h"
 #include "pcm/cluster/subtree_jobs.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
@@ -164,18 +165,14 @@ BuildReport build_tree_by(Team& team, const std::vector<fs::path>& inputs, const
 {
     check_build_options(options);
     output_tree(output);  // refuses what cannot be a tree's name
-    const std::string rank = team.size() > 1 ? " (on rank " + std::to_string(team.rank()) + ")" : "";
-    try {
-        return TeamBuild(team, inputs, output, options, then).run();
-    } catch (const Error& error) {
-        if (error.is_done()) throw;
-        const Error known = renamed(error, build_folder_of(output) / "tree", output);  // users know the tree's name
-        throw Error(known.code(), known.path(), without_path(known) + rank);
-    } catch (const fs::filesystem_error& error) {
-        throw Error::from_errno(error.code().value(), error.path1(), "working in the folder" + rank);
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::io, output, "the system has no memory left" + rank, "lower the memory of the build");
-    }
+    return named_by_rank(team, output, [&] {
+        try {
+            return TeamBuild(team, inputs, output, options, then).run();
+        } catch (const Error& error) {
+            if (error.is_done()) throw;
+            throw renamed(error, build_folder_of(output) / "tree", output);  // users know the tree's name
+        }
+    });
 }
 
 bool was_built_by_team(const fs::path& output)
