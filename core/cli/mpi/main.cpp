@@ -25,7 +25,7 @@ constexpr const char* help =
     "command, with any number of processes. --memory and --threads are each process's";
 
 // The operations that several processes can do together.
-constexpr std::array operations{"build", "verify"};
+constexpr std::array operations{"build", "verify", "normals", "radii", "outliers"};
 
 // Whether the command line names an operation of pcmlab's that is not among these, which is then reported.
 bool is_refused(int argc, char** argv)
