@@ -25,7 +25,7 @@ constexpr const char* help =
     "command, with any number of processes. --memory and --threads are each process's";
 
 // The operations that several processes can do together.
-constexpr std::array operations{"build", "verify", "normals", "radii", "outliers"};
+constexpr std::array operations{"build", "verify", "normals", "radii", "outliers", "convert"};
 
 // Whether the command line names an operation of pcmlab's that is not among these, which is then reported.
 bool is_refused(int argc, char** argv)
@@ -101,9 +101,10 @@ int main(int argc, char** argv)
         bool quiet = false;
         for (int a = 1; a < argc; ++a)
             for (const char* word : {"-q", "--quiet", "--json"}) quiet = quiet || std::strcmp(argv[a], word) == 0;
-        const auto set_up = [&](pcm::ops::Context& context, const std::vector<std::string>&) {
+        const auto set_up = [&](pcm::ops::Context& context, const std::vector<std::string>& words) {
             if (silence) silence->end_for_errors();
             context.team = &team;
+            context.words = words;
             context.progress = {};
             if (team.rank() == 0 && !quiet) context.progress = progress_lines(team.size());
         };
