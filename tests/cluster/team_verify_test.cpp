@@ -24,7 +24,7 @@ class TeamVerify : public testing::Test {
 protected:
     void SetUp() override
     {
-        write_las(folder_ / "in.las", records(Shape::surface, 30'000, 6), {});
+        write_las(folder_ / "in.las", records(Shape::surface, 200'000, 6), {});
         build_tree({folder_ / "in.las"}, tree_, small_chunks());
     }
     void expect_same_findings(bool intact)
@@ -78,8 +78,8 @@ TEST_F(TeamVerify, FilesAroundTheChunks)
 // A point that was changed with its chunk's checksum is found by the sum over all ranks alone.
 TEST_F(TeamVerify, ChunksOfAnotherTree)
 {
-    std::vector<LasRecord> points = records(Shape::surface, 30'000, 6);
-    points[17'000].intensity = static_cast<std::uint16_t>(points[17'000].intensity + 1);
+    std::vector<LasRecord> points = records(Shape::surface, 200'000, 6);
+    points[170'000].intensity = static_cast<std::uint16_t>(points[170'000].intensity + 1);
     write_las(folder_ / "in.las", points, {});
     build_tree({folder_ / "in.las"}, folder_ / "other.pct", small_chunks());
     ASSERT_EQ(Tree::open(folder_ / "other.pct")->nodes().size(), Tree::open(tree_)->nodes().size());
