@@ -208,6 +208,12 @@ void BuildFolder::remove()
     fs::remove(part_);
 }
 
+void BuildFolder::discard()
+{
+    owned_ = false;
+    remove();
+}
+
 void BuildFolder::clear()
 {
     remove_all_but_marker();

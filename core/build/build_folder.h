@@ -56,6 +56,8 @@ public:
     // may not survive a loss of power, or when the remains of the build cannot be removed; after any other error the
     // old tree, if any, has the name.
     void publish();
+    // Removes the folder where nothing is to be published from it. Throws what removing throws.
+    void discard();
 
 private:
     void lock(bool made);

@@ -2,11 +2,12 @@
 
 #include "pcm/bpc/byte_order.h"
 #include "pcm/build/build_checkpoint.h"
-#include "pcm/build/build_folder.h"
 #include "pcm/build/nodes/data_files.h"
 #include "pcm/build/written_tree.h"
 #include "pcm/cluster/input_jobs.h"
+#include "pcm/cluster/rank_error.h"
 #include "pcm/cluster/subtree_jobs.h"
+#include "pcm/cluster/team_folder.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_path.h"
 #include "pcm/system/renamed_error.h"
@@ -20,9 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* jobs_name = "jobs";     // in the folder of the build
-constexpr JobFolder::Key build_job{"build"};  // its record: the build's identity
-
 class TeamBuild {
 public:
     TeamBuild(Team& team, const std::vector<fs::path>& inputs, const fs::path& output, const BuildOptions& options,
@@ -33,11 +31,11 @@ public:
 
     BuildReport run()
     {
-        const std::vector<std::byte> identity = common_identity();
-        open_folder(identity);
-        const JobFolder jobs(part_ / jobs_name, team_.rank(), options_.resume);
-        Workspace work(part_, options_.memory_bytes, options_.chunk_points, options_.threads, options_.progress);
-        const TeamWork all{team_, jobs, work, options_};
+        folder_.emplace(team_, output_, options_.overwrite, identity(), options_.resume);
+        note_what_was_found();
+        Workspace work(folder_->path(), options_.memory_bytes, options_.chunk_points, options_.threads,
+                       options_.progress);
+        const TeamWork all{team_, folder_->jobs(), work, options_};
         BinRows rows(found_);
         const AnyTop top = read_input(all, cloud_, found_, rows);
         std::visit([&](const auto& of) { make_tree(all, of, rows); }, top);
@@ -47,55 +45,26 @@ public:
     }
 
 private:
-    // Throws where another rank sees other files.
-    std::vector<std::byte> common_identity()
+    std::vector<std::byte> identity() const
     {
         std::vector<fs::path> files;
         for (const MergedReader::Source& source : cloud_.sources()) files.push_back(source.path);
-        std::vector<std::byte> mine = identity_of_build(files, options_);
-        if (team_.broadcast(0, mine) != mine)
-            throw Error(ErrorCode::invalid_argument, {},
-                        "rank " + std::to_string(team_.rank()) +
-                            " sees other input files, or has other options, than rank 0: paths, sizes, times and "
-                            "options have to be the same everywhere",
-                        "give paths of a folder that all machines share");
-        return mine;
+        return identity_of_build(files, options_);
     }
 
-    // Rank 0 takes the folder, and removes the work of another build.
-    void open_folder(const std::vector<std::byte>& identity)
+    void note_what_was_found()
     {
-        std::string name;
-        if (team_.rank() == 0) {
-            folder_.emplace(output_, options_.overwrite, Builders::a_team);
-            part_ = folder_->work();
-            const JobFolder jobs(part_ / jobs_name, 0, options_.resume);
-            if (folder_->left_over()) {
-                const bool same = options_.resume && jobs.is_done(build_job) && jobs.record(build_job) == identity;
-                if (same) {
-                    report_.notes.push_back("an interrupted build was resumed");
-                    jobs.remove_unfinished();
-                } else {
-                    report_.notes.push_back(
-                        "the remains of an interrupted build of other files or with other options were removed");
-                    folder_->clear();
-                }
-            }
-            jobs.begin(build_job.stage);
-            if (!jobs.is_done(build_job)) jobs.write(build_job, {}, identity);
-            name = part_.string();
-        }
-        ByteWriter out;
-        out.put_string(name);
-        const Team::Bytes bytes = team_.broadcast(0, std::move(out.bytes()));
-        ByteReader in(bytes.data(), bytes.size(), output_);
-        part_ = in.get_string();
+        if (folder_->found() == TeamFolder::Found::same_work)
+            report_.notes.push_back("an interrupted build was resumed");
+        if (folder_->found() == TeamFolder::Found::other_work)
+            report_.notes.push_back(
+                "the remains of an interrupted build of other files or with other options were removed");
     }
 
     template <class Coord>
     void make_tree(const TeamWork& all, const TopTree<Coord>& top, const BinRows& rows)
     {
-        const fs::path tree_folder = part_ / "tree";
+        const fs::path tree_folder = folder_->path() / "tree";
         DraftStore drafts;
         TeamTree tree;
         std::vector<double> spacings;
@@ -107,7 +76,7 @@ private:
             spacings = levels.spacings();
             tree = build_nodes(all, found_, top, bins, levels, tree_folder, drafts);
         } else if (team_.rank() == 0) {
-            DataFiles none(tree_folder, part_, 0);
+            DataFiles none(tree_folder, folder_->path(), 0);
             none.finish();
             tree.data_files = none.bytes();
         }
@@ -140,8 +109,8 @@ private:
         for (const Team::Bytes& bytes : peaks)
             report_.scratch_bytes += ByteReader(bytes.data(), bytes.size(), output_).get<std::uint64_t>();
         report_.outcome.seconds = work.watch.seconds();
-        if (then_) run_then(then_, folder_->tree(), output_, report_);
-        run_last_step(report_.outcome, [this] { folder_->publish(); });
+        if (then_) run_then(then_, folder_->build().tree(), output_, report_);
+        run_last_step(report_.outcome, [this] { folder_->build().publish(); });
         report_.notes.insert(report_.notes.begin(), found_.notes.begin(), found_.notes.end());
         report_.skipped = found_.skipped;
     }
@@ -151,8 +120,7 @@ private:
     const BuildOptions& options_;
     const WorkOnTree& then_;
     MergedReader cloud_;
-    std::optional<BuildFolder> folder_;  // rank 0's
-    fs::path part_;
+    std::optional<TeamFolder> folder_;
     Ingested found_;
     BuildReport report_;
 };
@@ -164,24 +132,14 @@ BuildReport build_tree_by(Team& team, const std::vector<fs::path>& inputs, const
 {
     check_build_options(options);
     output_tree(output);  // refuses what cannot be a tree's name
-    const std::string rank = team.size() > 1 ? " (on rank " + std::to_string(team.rank()) + ")" : "";
-    try {
-        return TeamBuild(team, inputs, output, options, then).run();
-    } catch (const Error& error) {
-        if (error.is_done()) throw;
-        const Error known = renamed(error, build_folder_of(output) / "tree", output);  // users know the tree's name
-        throw Error(known.code(), known.path(), without_path(known) + rank);
-    } catch (const fs::filesystem_error& error) {
-        throw Error::from_errno(error.code().value(), error.path1(), "working in the folder" + rank);
-    } catch (const std::bad_alloc&) {
-        throw Error(ErrorCode::io, output, "the system has no memory left" + rank, "lower the memory of the build");
-    }
-}
-
-bool was_built_by_team(const fs::path& output)
-{
-    std::error_code error;
-    return fs::exists(build_folder_of(output_tree(output)) / jobs_name, error);
+    return named_by_rank(team, output, [&] {
+        try {
+            return TeamBuild(team, inputs, output, options, then).run();
+        } catch (const Error& error) {
+            if (error.is_done()) throw;
+            throw renamed(error, build_folder_of(output) / "tree", output);  // users know the tree's name
+        }
+    });
 }
 
 }  // namespace pcm

@@ -24,7 +24,4 @@ BuildReport build_tree_by(Team& team, const std::vector<std::filesystem::path>& 
                           const std::filesystem::path& output, const BuildOptions& options,
                           const WorkOnTree& then = {});
 
-// Whether an interrupted build by a team has left its work for this tree.
-bool was_built_by_team(const std::filesystem::path& output);
-
 }  // namespace pcm

@@ -10,8 +10,17 @@
 
 namespace pcm {
 
-// Counters of share_jobs(), one a stage.
-enum JobCounter : std::uint64_t { count_batches, count_divisions, count_bins, count_subtrees, count_data_files };
+// Counters of the team (threads/team.h), one a stage.
+enum JobCounter : std::uint64_t {
+    count_batches,
+    count_divisions,
+    count_bins,
+    count_subtrees,
+    count_data_files,
+    count_chunks,
+    count_units,
+    count_nodes
+};
 
 struct TeamWork {
     Team& team;

@@ -66,6 +66,17 @@ void refuse_output(const CloudSources& inputs, const fs::path& output, bool over
         throw Error(ErrorCode::exists, output, "the output exists already", "choose another name, or overwrite it");
 }
 
+CloudSources checked_sources(const std::vector<fs::path>& inputs, const fs::path& output, const ConvertOptions& options)
+{
+    const std::string extension = extension_of(output);
+    refuse_idle_options(options, output, extension);
+    refuse_impossible_box(options.cloud.selection);
+    CloudSources sources(inputs, options.cloud);
+    refuse_output(sources, output, options.overwrite);
+    if (extension != tree_extension) check_writable_name(output);
+    return sources;
+}
+
 // Keeps only points with three finite coordinates.
 void drop_not_finite(PointBatch& batch)
 {
@@ -83,16 +94,19 @@ void append(std::vector<std::string>& notes, std::vector<std::string> more)
         if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(std::move(note));
 }
 
-std::unique_ptr<PointReader> open_selected(CloudSources& sources, const Selection& selection)
+std::unique_ptr<PointReader> open_selected(CloudSources& sources, const Selection& selection,
+                                           const ReadThrough& through)
 {
     auto points = sources.open();
+    if (through) points = through(std::move(points));
     if (!selection.chooses_points()) return points;
     return require_points(std::move(points), [&sources] { return sources.bounds(); });
 }
 
-ConvertReport convert_to_tree(CloudSources& sources, const fs::path& output, const ConvertOptions& options)
+ConvertReport convert_to_tree(CloudSources& sources, const fs::path& output, const ConvertOptions& options,
+                              const std::function<std::unique_ptr<PointReader>()>& open)
 {
-    const auto cloud = open_selected(sources, options.cloud.selection);
+    const auto cloud = open();
     BuildOptions build;
     build.memory_bytes = options.memory_bytes;
     build.threads = options.threads;
@@ -207,20 +221,25 @@ ConvertReport write_cloud(const std::function<std::unique_ptr<PointReader>()>& o
 }
 
 ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& output_as_given,
-                      const ConvertOptions& options)
+                      const ConvertOptions& options, const ReadThrough& through)
 {
     const fs::path output = without_slash(output_as_given);
-    const std::string extension = extension_of(output);
-    refuse_idle_options(options, output, extension);
-    refuse_impossible_box(options.cloud.selection);
-    CloudSources sources(inputs, options.cloud);
-    refuse_output(sources, output, options.overwrite);
-    const bool to_tree = extension == tree_extension;
-    if (!to_tree) check_writable_name(output);
-    const auto open = [&] { return open_selected(sources, options.cloud.selection); };
-    ConvertReport report = to_tree ? convert_to_tree(sources, output, options) : write_cloud(open, output, options);
+    CloudSources sources = checked_sources(inputs, output, options);
+    const auto open = [&] { return open_selected(sources, options.cloud.selection, through); };
+    ConvertReport report = extension_of(output) == tree_extension ? convert_to_tree(sources, output, options, open)
+                                                                  : write_cloud(open, output, options);
     report.notes.insert(report.notes.begin(), sources.notes().begin(), sources.notes().end());
     return report;
+}
+
+ConvertReport convert(const std::vector<fs::path>& inputs, const fs::path& output, const ConvertOptions& options)
+{
+    return convert(inputs, output, options, {});
+}
+
+void check_conversion(const std::vector<fs::path>& inputs, const fs::path& output, const ConvertOptions& options)
+{
+    checked_sources(inputs, without_slash(output), options);
 }
 
 }  // namespace pcm

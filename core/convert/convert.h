@@ -73,6 +73,15 @@ struct ConvertReport {
 ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
                       const ConvertOptions& options = {});
 
+// The same, with the inputs' points read through another reader, which gets that of the inputs and gives its points, or
+// what was known of them before.
+using ReadThrough = std::function<std::unique_ptr<PointReader>(std::unique_ptr<PointReader> inputs)>;
+ConvertReport convert(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
+                      const ConvertOptions& options, const ReadThrough& through);
+// Throws what convert() throws before it reads points.
+void check_conversion(const std::vector<std::filesystem::path>& inputs, const std::filesystem::path& output,
+                      const ConvertOptions& options);
+
 // Writes any cloud to a file: each call of `open` returns a reader at the beginning of the (already selected) cloud. An
 // existing file is replaced. It is called twice where convert() reads twice. The options `cloud` and those of trees
 // have no meaning here.

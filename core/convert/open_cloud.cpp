@@ -24,7 +24,7 @@ fs::path folder_of_tree(const fs::path& path)
 
 unsigned chunks_ahead(const ReadOptions& read) { return std::min(thread_count(read.threads), 8u); }
 
-std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions& options, const Selection& selection)
+std::unique_ptr<TreeReader> tree_reader(const fs::path& path, const CloudOptions& options, const Selection& selection)
 {
     const auto tree = Tree::open(path);
     std::optional<std::uint16_t> level = options.level;
@@ -33,7 +33,12 @@ std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions&
                     "level " + std::to_string(*level) + " was requested; this tree has levels 0 to " +
                         std::to_string(tree->info().levels - 1));
     if (options.max_points) level = tree->level_with_at_most(*options.max_points);
-    auto reader = std::make_unique<TreeReader>(tree, level, selection, chunks_ahead(options.read));
+    return std::make_unique<TreeReader>(tree, level, selection, chunks_ahead(options.read));
+}
+
+std::unique_ptr<PointReader> open_tree(const fs::path& path, const CloudOptions& options, const Selection& selection)
+{
+    auto reader = tree_reader(path, options, selection);
     if (!options.read.largest_coordinate) return reader;
     return std::make_unique<LimitedReader>(std::move(reader), *options.read.largest_coordinate);
 }
@@ -81,7 +86,8 @@ void CloudSources::add_tree(const fs::path& input)
     Selection box;  // trees are read only where they touch the box and the region
     box.box = options_.selection.box;
     box.region = options_.selection.region;
-    inputs_.sources.push_back({folder, [folder, options = options_, box] { return open_tree(folder, options, box); }});
+    inputs_.sources.push_back(
+        {folder, [folder, options = options_, box] { return pcm::open_tree(folder, options, box); }});
     trees_.push_back(folder);
 }
 
@@ -91,12 +97,19 @@ std::unique_ptr<PointReader> CloudSources::open()
     names_.clear();
     if (trees_.size() == 1 && paths_.size() == 1 && inputs_.left_out.empty()) {
         names_.push_back(paths_[0].filename().string());
-        return open_tree(paths_[0], options_, selection);
+        return pcm::open_tree(paths_[0], options_, selection);
     }
     auto merged = std::make_unique<MergedReader>(inputs_);
     for (const MergedReader::Source& source : merged->sources()) names_.push_back(source.path.filename().string());
     if (!selection.chooses_points() && !selection.chooses_attributes()) return merged;
     return std::make_unique<SelectedReader>(std::move(merged), selection, passed_);
+}
+
+std::unique_ptr<TreeReader> CloudSources::open_tree() const
+{
+    if (trees_.size() != 1 || paths_.size() != 1 || !inputs_.left_out.empty() || options_.read.largest_coordinate)
+        return nullptr;
+    return tree_reader(paths_[0], options_, options_.selection);
 }
 
 Box3d CloudSources::bounds() const

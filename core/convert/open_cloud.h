@@ -11,12 +11,16 @@
 
 namespace pcm {
 
+class TreeReader;
+
 class CloudSources {
 public:
     CloudSources(const std::vector<std::filesystem::path>& inputs, const CloudOptions& options);
 
     // A new reader at the beginning of the cloud.
     std::unique_ptr<PointReader> open();
+    // The reader where all inputs are one tree; else null.
+    std::unique_ptr<TreeReader> open_tree() const;
     // The names of those that the last open() reads: all but the bad files of ReadOptions::skip_bad_files.
     const std::vector<std::string>& names() const { return names_; }
     // Around all points of the trees, and around those of the files that a reader of open() has passed without

@@ -9,15 +9,10 @@
 #include <deque>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 namespace pcm {
 namespace {
-
-struct Counts {
-    std::uint64_t lines = 0, blobs = 0, too_few = 0, two_surfaces = 0, flipped = 0, limited = 0;
-};
 
 ScannerPlaces scanners_of(const NeighbourAttributeOptions& options, const TreeInfo& info)
 {
@@ -25,49 +20,33 @@ ScannerPlaces scanners_of(const NeighbourAttributeOptions& options, const TreeIn
                                                                          : ScannerPlaces();
 }
 
-// Keeps the values of one unit, and writes them at its end.
+// Keeps the values of one unit, and hands them on at its end.
 class PassVisitor final : public NeighbourhoodVisitor {
 public:
-    PassVisitor(L2Cache& cache, const NeighbourAttributeOptions& options, const AttributePlaces& places,
-                OrientationPropagation* propagation, std::mutex& mutex, NeighbourAttributeReport& report)
-        : cache_(cache),
+    PassVisitor(const TreeInfo& info, const NeighbourAttributeOptions& options, const AttributePlaces& places,
+                UnitSink& sink)
+        : info_(info),
           wanted_(options.wanted),
           k_(options.neighbours),
           radius_limit_(options.radius_limit),
+          joins_(is_consistent(options)),
           orientation_(options.orientation),
-          scanners_(scanners_of(options, cache.tree().info())),
+          scanners_(scanners_of(options, info)),
           places_(places),
-          propagation_(propagation),
-          schema_(cache.tree().info().schema),
-          grid_(cache.tree().info().grid),
-          mutex_(mutex),
-          report_(report)
+          sink_(sink)
     {
-        written_.positions = false;
-        for (const auto& place :
-             {places.radius, places.normal, places.curvature, places.confidence, places.mean_distance})
-            if (place) written_.attributes.set(*place);
-    }
-    ~PassVisitor() override
-    {
-        const std::lock_guard lock(mutex_);
-        report_.lines += counts_.lines;
-        report_.blobs += counts_.blobs;
-        report_.too_few += counts_.too_few;
-        report_.two_surfaces += counts_.two_surfaces;
-        report_.flipped += counts_.flipped;
-        report_.limited += counts_.limited;
     }
 
     void begin(const NeighbourhoodUnit& unit) override
     {
-        if (places_.radius) radius_.resize(unit.points);
-        if (places_.normal) normal_.resize(unit.points);
-        if (places_.curvature) curvature_.resize(unit.points);
-        if (wanted_.needs_shape()) confidence_.resize(unit.points);
-        if (places_.mean_distance) mean_distance_.resize(unit.points);
+        if (places_.radius) values_.radius.resize(unit.points);
+        if (places_.normal) values_.normal.resize(unit.points);
+        if (places_.curvature) values_.curvature.resize(unit.points);
+        if (wanted_.needs_shape()) values_.confidence.resize(unit.points);
+        if (places_.mean_distance) values_.mean_distance.resize(unit.points);
+        values_.counts = {};
         part_ = unit.parts.data();
-        if (propagation_) {
+        if (joins_) {
             two_surfaces_.assign(unit.points, 0);
             neighbours_.resize(unit.points);
             border_.clear();
@@ -83,13 +62,13 @@ public:
             const OnePointsNeighbours found{some.dx(i), some.dy(i), some.dz(i), some.squared(i),
                                             std::min(some.count(i), k_)};
             const PointValues values = values_of(found, wanted_, places_.known_normal ? &known : nullptr);
-            if (places_.radius) radius_[number] = static_cast<float>(values.radius);
+            if (places_.radius) values_.radius[number] = static_cast<float>(values.radius);
             if (places_.normal)
-                for (std::size_t a = 0; a < 3; ++a) normal_[number][a] = static_cast<float>(values.normal[a]);
-            if (places_.curvature) curvature_[number] = static_cast<float>(values.curvature);
-            if (wanted_.needs_shape()) confidence_[number] = static_cast<std::uint8_t>(values.confidence);
-            if (places_.mean_distance) mean_distance_[number] = static_cast<float>(values.mean_distance);
-            if (!propagation_) continue;
+                for (std::size_t a = 0; a < 3; ++a) values_.normal[number][a] = static_cast<float>(values.normal[a]);
+            if (places_.curvature) values_.curvature[number] = static_cast<float>(values.curvature);
+            if (wanted_.needs_shape()) values_.confidence[number] = static_cast<std::uint8_t>(values.confidence);
+            if (places_.mean_distance) values_.mean_distance[number] = static_cast<float>(values.mean_distance);
+            if (!joins_) continue;
             add_border_neighbours(unit, some, i, values.normal);
             neighbours_.set(number, some.neighbours(i), some.squared(i), some.count(i));
             two_surfaces_[number] = values.confidence == NormalConfidence::good &&
@@ -99,50 +78,44 @@ public:
 
     void end(const NeighbourhoodUnit& unit) override
     {
-        std::sort(border_.begin(), border_.end());  // they came in the order of the search
-        if (propagation_) {
-            propagation_->add_unit(unit, neighbours_, normal_, two_surfaces_, border_);
-            border_ = {};
-            for (std::uint32_t n = 0; n < unit.points; ++n)
-                if (two_surfaces_[n] && confidence_[n] == static_cast<std::uint8_t>(NormalConfidence::good))
-                    confidence_[n] = static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
-        }
+        if (joins_) join(unit);
         for (const NeighbourhoodUnit::Part& part : unit.parts) {
-            L2Cache::Edit edit = cache_.edit(part.node, written_);
-            const auto put = [&](const std::optional<std::size_t>& place, const auto& values) {
-                if (!place) return;
-                using Value = typename std::decay_t<decltype(values)>::value_type;
-                auto* const to = edit.column(*place).template as<Value>();
-                for (std::size_t i = 0; i < part.indices.size(); ++i) to[part.indices[i]] = values[part.first + i];
-            };
-            put(places_.radius, radius_);
-            if (places_.radius) limit_radii(part, edit.column(*places_.radius).as<float>());
-            put(places_.curvature, curvature_);
-            put(places_.confidence, confidence_);
-            put(places_.mean_distance, mean_distance_);
-            if (places_.normal) put_normals(part, edit.column(*places_.normal).as<float>());
-            edit.mark_written();
+            if (places_.radius) limit_radii(part);
+            if (places_.normal && !joins_) turn_normals(part);
         }
-        if (wanted_.needs_shape())
-            for (std::uint32_t n = 0; n < unit.points; ++n) count(confidence_[n]);
+        for (const std::uint8_t confidence : values_.confidence) count(confidence);
+        sink_.take(unit, values_);
     }
+
+    void skip(std::size_t unit) override { sink_.skip(unit); }
 
 private:
     // Heights along a normal that rounding to the grid may make of one.
     double least_gap(const Vec3d& normal) const
     {
         double step = 0;
-        for (std::size_t a = 0; a < 3; ++a) step += std::fabs(normal[a]) * grid_.scale[a];
+        for (std::size_t a = 0; a < 3; ++a) step += std::fabs(normal[a]) * info_.grid.scale[a];
         return 2.5 * step;
     }
 
-    void limit_radii(const NeighbourhoodUnit::Part& part, float* radii)
+    void join(const NeighbourhoodUnit& unit)
     {
-        for (const std::uint32_t index : part.indices) {
-            const double most = most_radius(*part.chunk, index, grid_, radius_limit_);
-            if (!(radii[index] > most)) continue;
-            radii[index] = static_cast<float>(most);
-            ++counts_.limited;
+        std::sort(border_.begin(), border_.end());  // they came in the order of the search
+        values_.orientation = join_unit(info_, unit, neighbours_, values_.normal, two_surfaces_, border_);
+        border_ = {};
+        for (std::uint32_t n = 0; n < unit.points; ++n)
+            if (two_surfaces_[n] && values_.confidence[n] == static_cast<std::uint8_t>(NormalConfidence::good))
+                values_.confidence[n] = static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
+    }
+
+    void limit_radii(const NeighbourhoodUnit::Part& part)
+    {
+        for (std::size_t i = 0; i < part.indices.size(); ++i) {
+            const double most = most_radius(*part.chunk, part.indices[i], info_.grid, radius_limit_);
+            float& radius = values_.radius[part.first + i];
+            if (!(radius > most)) continue;
+            radius = static_cast<float>(most);
+            ++values_.counts.limited;
         }
     }
 
@@ -156,7 +129,7 @@ private:
                                const Vec3d& normal)
     {
         const std::uint32_t* const numbers = some.neighbours(i);
-        const std::size_t count = std::min(some.count(i), OrientationPropagation::voting_neighbours);
+        const std::size_t count = std::min(some.count(i), voting_neighbours);
         for (std::size_t j = 0; j < count; ++j) {
             if (numbers[j] < unit.points) continue;
             const bool across = is_across({some.dx(i)[j], some.dy(i)[j], some.dz(i)[j]}, normal);
@@ -168,20 +141,18 @@ private:
     {
         find_part(unit, number);
         const std::size_t place = *places_.known_normal;
-        return known_normal_of(*part_->chunk->attributes[place], schema_[place], part_->indices[number - part_->first]);
+        return known_normal_of(*part_->chunk->attributes[place], info_.schema[place],
+                               part_->indices[number - part_->first]);
     }
 
-    void put_normals(const NeighbourhoodUnit::Part& part, float* to)
+    void turn_normals(const NeighbourhoodUnit::Part& part)
     {
         for (std::size_t i = 0; i < part.indices.size(); ++i) {
-            const std::uint32_t index = part.indices[i];
-            std::array<float, 3> n = normal_[part.first + i];
-            const Vec3d p = grid_.to_source(part.chunk->positions->grid(index));
-            if (!propagation_ && is_to_turn(*part.chunk, index, {n[0], n[1], n[2]}, p)) {
-                for (float& component : n) component = -component;
-                ++counts_.flipped;
-            }
-            std::copy(n.begin(), n.end(), to + std::size_t(3) * index);
+            std::array<float, 3>& n = values_.normal[part.first + i];
+            const Vec3d p = info_.grid.to_source(part.chunk->positions->grid(part.indices[i]));
+            if (!is_to_turn(*part.chunk, part.indices[i], {n[0], n[1], n[2]}, p)) continue;
+            for (float& component : n) component = -component;
+            ++values_.counts.flipped;
         }
     }
 
@@ -194,33 +165,26 @@ private:
 
     void count(std::uint8_t confidence)
     {
-        counts_.lines += confidence == static_cast<std::uint8_t>(NormalConfidence::line);
-        counts_.blobs += confidence == static_cast<std::uint8_t>(NormalConfidence::blob);
-        counts_.too_few += confidence == static_cast<std::uint8_t>(NormalConfidence::too_few);
-        counts_.two_surfaces += confidence == static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
+        values_.counts.lines += confidence == static_cast<std::uint8_t>(NormalConfidence::line);
+        values_.counts.blobs += confidence == static_cast<std::uint8_t>(NormalConfidence::blob);
+        values_.counts.too_few += confidence == static_cast<std::uint8_t>(NormalConfidence::too_few);
+        values_.counts.two_surfaces += confidence == static_cast<std::uint8_t>(NormalConfidence::two_surfaces);
     }
 
-    L2Cache& cache_;
+    const TreeInfo& info_;
     const WantedValues wanted_;
     const std::size_t k_;  // neighbours that values are computed from
     const double radius_limit_;
+    const bool joins_;  // points, so that normals are consistent
     const NormalOrientation orientation_;
     const ScannerPlaces scanners_;
     const AttributePlaces places_;
-    OrientationPropagation* const propagation_;
-    const Schema& schema_;
-    const Grid& grid_;
-    std::mutex& mutex_;  // guards the report
-    NeighbourAttributeReport& report_;
-    ColumnSet written_;
+    UnitSink& sink_;
     const NeighbourhoodUnit::Part* part_ = nullptr;  // part of the last point that was looked at
-    // By number in the unit.
-    std::vector<float> radius_, curvature_, mean_distance_;
-    std::vector<std::array<float, 3>> normal_;
-    std::vector<std::uint8_t> confidence_, two_surfaces_;
+    UnitAttributes values_;
+    std::vector<std::uint8_t> two_surfaces_;  // keyed by number in the unit
     JoinedNeighbours neighbours_;
     std::deque<BorderNeighbour> border_;
-    Counts counts_;
 };
 
 // How the pass searches neighbours.
@@ -232,7 +196,7 @@ NeighbourhoodOptions search_options(const NeighbourAttributeOptions& options, co
     if (places.known_normal) search.columns.attributes.set(*places.known_normal);
     search.columns.sizes = options.wanted.radius && options.radius_limit > 0;
     // Joining points to pieces takes memory, too, and at least as many neighbours as it joins.
-    const bool joins = options.wanted.normal && options.orientation.rule == NormalOrientation::Rule::consistent;
+    const bool joins = is_consistent(options);
     search.numbers = joins;
     if (joins && search.neighbours > 0) search.neighbours = std::max(search.neighbours, JoinedNeighbours::most);
     search.memory_bytes = options.memory_bytes / (joins ? 4 : 3);
@@ -261,17 +225,27 @@ double most_radius(const Chunk& chunk, std::size_t point, const Grid& grid, doub
     return limit * point_size(code, least_point_size(grid));
 }
 
-NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
-                                       const AttributePlaces& places, OrientationPropagation* propagation, double end,
-                                       NeighbourAttributeReport& report)
+void AttributeCounts::add_to(NeighbourAttributeReport& report) const
 {
+    report.lines += lines;
+    report.blobs += blobs;
+    report.too_few += too_few;
+    report.two_surfaces += two_surfaces;
+    report.flipped += flipped;
+    report.limited += limited;
+}
+
+NeighbourhoodReport run_attribute_pass(L2Cache& cache, const NeighbourAttributeOptions& options,
+                                       const AttributePlaces& places, UnitSink& sink, double end,
+                                       const std::function<std::size_t()>& next_unit)
+{
+    const TreeInfo& info = cache.tree().info();
     NeighbourhoodOptions search = search_options(options, places);
-    if (const auto scan = scanners_of(options, cache.tree().info()).attribute()) search.columns.attributes.set(*scan);
+    if (const auto scan = scanners_of(options, info).attribute()) search.columns.attributes.set(*scan);
     search.end = end;
-    std::mutex mutex;
-    return for_each_neighbourhood(cache, search, [&] {
-        return std::make_unique<PassVisitor>(cache, options, places, propagation, mutex, report);
-    });
+    search.next_unit = next_unit;
+    return for_each_neighbourhood(cache, search,
+                                  [&] { return std::make_unique<PassVisitor>(info, options, places, sink); });
 }
 
 }  // namespace pcm

@@ -95,60 +95,59 @@ private:
     std::vector<Point> points_;
 };
 
-OrientationPropagation::OrientationPropagation(const Tree& tree)
-    : grid_(tree.info().grid),
-      origin_(middle_of(tree.info().box)),
-      piece_of_(tree, tree.folder()),
-      border_(scratch_file(tree.folder()))
+UnitOrientation join_unit(const TreeInfo& info, const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
+                          std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces,
+                          const std::deque<BorderNeighbour>& border)
 {
-}
-
-UnitPieces OrientationPropagation::join(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
-                                        std::vector<std::array<float, 3>>& normals,
-                                        std::vector<std::uint8_t>& two_surfaces) const
-{
-    UnitPositions positions = positions_of(unit, grid_);
+    UnitOrientation joined;
+    if (unit.points == 0) return joined;
+    UnitPositions positions = positions_of(unit, info.grid);
+    const Vec3i middle = middle_of(info.box);  // origin of the sums
     Vec3d origin;
     for (std::size_t a = 0; a < 3; ++a)
-        origin[a] = static_cast<double>(positions.origin[a] - origin_[a]) * grid_.scale[a];
-    return join_pieces(positions.steps, neighbours, origin, normals, two_surfaces);
-}
-
-void OrientationPropagation::add_unit(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
-                                      std::vector<std::array<float, 3>>& normals,
-                                      std::vector<std::uint8_t>& two_surfaces,
-                                      const std::deque<BorderNeighbour>& border)
-{
-    if (unit.points == 0) return;
-    const UnitPieces pieces = join(unit, neighbours, normals, two_surfaces);
-    std::vector<Piece> added(pieces.sums.size());
-    for (std::size_t i = 0; i < added.size(); ++i) added[i] = {pieces.sums[i], {no_node, 0}};
+        origin[a] = static_cast<double>(positions.origin[a] - middle[a]) * info.grid.scale[a];
+    const UnitPieces pieces = join_pieces(positions.steps, neighbours, origin, normals, two_surfaces);
+    for (const PieceSums& sums : pieces.sums) joined.pieces.push_back({sums, {no_node, 0}});
     for (const NeighbourhoodUnit::Part& part : unit.parts)
         for (std::size_t i = 0; i < part.indices.size(); ++i) {
             const std::uint32_t piece = pieces.piece[part.first + i];
             if (piece == no_piece) continue;
-            added[piece].first = std::min(added[piece].first, PointPlace{part.node, part.indices[i]});
+            PointPlace& first = joined.pieces[piece].first;
+            first = std::min(first, PointPlace{part.node, part.indices[i]});
         }
-    std::vector<BorderPair> pairs;
     for (const BorderNeighbour& found : spread_over_pieces(border, pieces))
-        pairs.push_back({unit.place_of(found.point), found.other, found.across});
-    std::size_t first;
+        joined.border.push_back({unit.place_of(found.point), found.other, found.across});
+    joined.piece.resize(unit.points);
+    for (std::uint32_t n = 0; n < unit.points; ++n) {
+        const auto number = static_cast<std::int32_t>(pieces.piece[n] == no_piece ? 0 : pieces.piece[n] + 1);
+        joined.piece[n] = two_surfaces[n] ? -number : number;
+    }
+    return joined;
+}
+
+OrientationPropagation::OrientationPropagation(const Tree& tree, const std::filesystem::path& folder)
+    : piece_of_(tree, folder), border_(scratch_file(folder))
+{
+}
+
+void OrientationPropagation::add(const std::vector<NeighbourhoodUnit::Part>& parts, const UnitOrientation& unit)
+{
+    double first;
     std::uint64_t first_pair;
     {
         const std::lock_guard lock(mutex_);
-        first = pieces_.size();
-        pieces_.insert(pieces_.end(), added.begin(), added.end());
+        first = static_cast<double>(pieces_.size());
+        pieces_.insert(pieces_.end(), unit.pieces.begin(), unit.pieces.end());
         first_pair = pairs_;
-        pairs_ += pairs.size();
+        pairs_ += unit.border.size();
     }
-    border_.write_at(pairs.data(), pairs.size() * sizeof(BorderPair), first_pair * sizeof(BorderPair));
+    border_.write_at(unit.border.data(), unit.border.size() * sizeof(BorderPair), first_pair * sizeof(BorderPair));
     std::vector<double> numbers;
-    for (const NeighbourhoodUnit::Part& part : unit.parts) {
+    for (const NeighbourhoodUnit::Part& part : parts) {
         numbers.clear();
         for (std::size_t i = 0; i < part.indices.size(); ++i) {
-            const std::uint32_t piece = pieces.piece[part.first + i];
-            const double number = piece == no_piece ? 0 : static_cast<double>(first + piece + 1);
-            numbers.push_back(two_surfaces[part.first + i] ? -number : number);
+            const std::int32_t piece = unit.piece[part.first + i];
+            numbers.push_back(piece + (piece > 0 ? first : piece < 0 ? -first : 0));
         }
         piece_of_.set(part.node, part.indices, numbers.data());
     }
@@ -214,7 +213,7 @@ void OrientationPropagation::add_up(std::vector<Vote>& votes)
     votes.resize(kept);
 }
 
-std::vector<bool> OrientationPropagation::decide(std::vector<Vote> votes) const
+std::vector<bool> OrientationPropagation::decide_by(std::vector<Vote> votes) const
 {
     // By first points: the numbers of pieces depend on the threads.
     std::vector<std::uint32_t> order(pieces_.size()), rank(pieces_.size());
@@ -241,12 +240,18 @@ std::vector<bool> OrientationPropagation::decide(std::vector<Vote> votes) const
     return flips;
 }
 
+std::vector<bool> OrientationPropagation::decide(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch,
+                                                 double begin, double end) const
+{
+    return decide_by(collect_votes(cache, place, thread_count(threads), watch, begin, end));
+}
+
 std::uint64_t OrientationPropagation::finish(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch,
                                              double begin, double end)
 {
     threads = thread_count(threads);
     const double middle = 0.5 * (begin + end);
-    const std::vector<bool> flips = decide(collect_votes(cache, place, threads, watch, begin, middle));
+    const std::vector<bool> flips = decide(cache, place, threads, watch, begin, middle);
     if (std::find(flips.begin(), flips.end(), true) == flips.end()) return 0;
     ColumnSet columns;
     columns.positions = false;

@@ -42,27 +42,8 @@ struct BorderNeighbour {
     bool operator<(const BorderNeighbour& o) const { return point != o.point ? point < o.point : other < o.other; }
 };
 
-class OrientationPropagation {
-public:
-    // How many of a point's nearest neighbours, with those in its own unit, may be border neighbours.
-    static constexpr std::size_t voting_neighbours = 8;
-
-    // Throws what making the scratch files throws.
-    explicit OrientationPropagation(const Tree& tree);
-
-    // A unit whose normals are computed; makes them consistent. `neighbours`: those of each point in the unit.
-    // `two_surfaces`: one per point, as join_pieces() takes and changes it. `border`: ascending. Any number of threads
-    // may call.
-    void add_unit(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
-                  std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces,
-                  const std::deque<BorderNeighbour>& border);
-
-    // After the last unit, when the cache holds the normals of add_unit() at `place`: turns those around that the
-    // pieces' neighbours disagree with. Returns how many. Reports progress from `begin` to `end`. Throws
-    // Error(cancelled) and what reading and editing chunks throws.
-    std::uint64_t finish(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch, double begin, double end);
-
-private:
+// What is known of a unit whose points are joined: step 1.
+struct UnitOrientation {
     struct Piece {
         PieceSums sums;
         PointPlace first;  // its first point: makes the order of pieces independent of the threads
@@ -71,23 +52,53 @@ private:
         PointPlace own, other;
         bool across;  // BorderNeighbour::across
     };
+    std::vector<Piece> pieces;
+    std::vector<BorderPair> border;   // those that vote
+    std::vector<std::int32_t> piece;  // 1 + number of each point's piece; 0: none; negative on two surfaces
+};
+
+// How many of a point's nearest neighbours, with those in its own unit, may be border neighbours.
+inline constexpr std::size_t voting_neighbours = 8;
+
+// Makes the normals of a unit consistent. `neighbours`: those of each point in the unit. `two_surfaces`: one per point,
+// as join_pieces() takes and changes it. `border`: ascending.
+UnitOrientation join_unit(const TreeInfo& info, const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
+                          std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces,
+                          const std::deque<BorderNeighbour>& border);
+
+// Steps 2 to 4.
+class OrientationPropagation {
+public:
+    // The scratch files are in `folder`. Throws what making them throws.
+    OrientationPropagation(const Tree& tree, const std::filesystem::path& folder);
+
+    // A unit's points, which `parts` name, are joined. Pieces are numbered in the order of the calls. Any number of
+    // threads may call.
+    void add(const std::vector<NeighbourhoodUnit::Part>& parts, const UnitOrientation& unit);
+
+    // After the last unit, when the cache holds the normals of join_unit() at `place`: whether each piece is to be
+    // turned around. Reports progress from `begin` to `end`. Throws Error(cancelled) and what reading chunks throws.
+    std::vector<bool> decide(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch, double begin,
+                             double end) const;
+
+    // The same, and turns their normals around in the cache. Returns how many normals.
+    std::uint64_t finish(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch, double begin, double end);
+
+private:
+    using Piece = UnitOrientation::Piece;
+    using BorderPair = UnitOrientation::BorderPair;
     using Vote = SideVote;
     class VotingPoints;
 
-    UnitPieces join(const NeighbourhoodUnit& unit, const JoinedNeighbours& neighbours,
-                    std::vector<std::array<float, 3>>& normals, std::vector<std::uint8_t>& two_surfaces) const;
     // One vote for each pair of pieces.
     static void add_up(std::vector<Vote>& votes);
     // Those of some border pairs; of all.
     std::vector<Vote> votes_of(L2Cache& cache, std::size_t place, std::uint64_t begin, std::uint64_t end) const;
     std::vector<Vote> collect_votes(L2Cache& cache, std::size_t place, unsigned threads, Watch& watch, double begin,
                                     double end) const;
-    // Whether each piece is to be turned around.
-    std::vector<bool> decide(std::vector<Vote> votes) const;
+    std::vector<bool> decide_by(std::vector<Vote> votes) const;
 
-    const Grid grid_;
-    const Vec3i origin_;  // origin of the sums
-    std::mutex mutex_;    // guards the pieces and the number of pairs
+    std::mutex mutex_;  // guards the pieces and the number of pairs
     std::vector<Piece> pieces_;
     std::uint64_t pairs_ = 0;  // number of border pairs in the file
     ValueFile piece_of_;       // 1 + the number of each point's piece; 0: none; negative on two surfaces

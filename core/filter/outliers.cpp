@@ -26,33 +26,16 @@ namespace {
 constexpr double end_of_search = 0.85, end_of_statistics = 0.9;  // shares of the progress
 constexpr double mad_to_deviation = 1.4826;                      // for normally distributed numbers
 
-void check(const OutlierOptions& options, const std::filesystem::path& path)
-{
-    const auto refuse = [&](const char* what) { throw Error(ErrorCode::invalid_argument, path, what); };
-    if (options.method == OutlierMethod::radius) {
-        if (!(options.radius > 0)) refuse("the radius within which neighbours are counted must be positive");
-    } else if (!std::isfinite(options.factor)) {
-        refuse("the factor of the deviation must be finite");
-    } else if (!(options.factor > 0)) {
-        throw Error(ErrorCode::invalid_argument, path,
-                    "with the factor " + brief(options.factor) +
-                        " of the deviation about half of the points or more would be outliers: all whose mean distance "
-                        "is above the average, or even below it",
-                    "give a positive factor; 1 takes many points, 3 the ones that stand apart");
-    }
-    if (options.label && options.count_only) refuse("outliers are to be labelled, and nothing is to be changed");
-}
-
 // A tree whose points are only counted may lie where nothing can be written.
 std::filesystem::path scratch_folder(const Tree& tree, const OutlierOptions& options)
 {
     return options.count_only ? std::filesystem::temp_directory_path() : tree.folder();
 }
 
-// Writes the mean distance, or the number, of each point's neighbours.
+// Finds the mean distance, or the number, of each point's neighbours.
 class ValueVisitor final : public NeighbourhoodVisitor {
 public:
-    ValueVisitor(ValueFile& file, bool counts) : file_(file), counts_(counts) {}
+    ValueVisitor(const OutlierValues& found, bool counts) : found_(found), counts_(counts) {}
     void begin(const NeighbourhoodUnit& unit) override { values_.resize(unit.points); }
     void visit(const NeighbourhoodUnit&, const Neighbourhoods& some) override
     {
@@ -60,34 +43,59 @@ public:
             values_[some.number(i)] =
                 counts_ ? static_cast<double>(some.count(i)) : mean_distance_of(some.squared(i), some.count(i));
     }
-    void end(const NeighbourhoodUnit& unit) override
-    {
-        for (const NeighbourhoodUnit::Part& part : unit.parts)
-            file_.set(part.node, part.indices, values_.data() + part.first);
-    }
+    void end(const NeighbourhoodUnit& unit) override { found_.set(unit, values_); }
+    void skip(std::size_t unit) override { found_.skip(unit); }
 
 private:
-    ValueFile& file_;
+    const OutlierValues& found_;
     const bool counts_;
     std::vector<double> values_;
 };
 
+using Fill = std::function<void(const Tree& tree, ValueFile& file)>;
+
+void search(L2Cache& cache, const OutlierOptions& options, const OutlierValues& values,
+            const std::function<std::size_t()>& next_unit)
+{
+    const bool counts = options.method == OutlierMethod::radius;
+    NeighbourhoodOptions search;
+    search.neighbours = options.neighbours;
+    if (counts) search.max_distance = options.radius;
+    search.memory_bytes = options.memory_bytes / 3;
+    search.threads = options.threads;
+    search.backend = options.backend;
+    search.progress = options.progress;
+    search.end = end_of_search;
+    search.next_unit = next_unit;
+    for_each_neighbourhood(cache, search, [&] { return std::make_unique<ValueVisitor>(values, counts); });
+}
+
+L2Options cache_options(const OutlierOptions& options)
+{
+    L2Options cache;
+    cache.capacity_bytes = cache_share(options.memory_bytes);
+    return cache;
+}
+
+// Searches the neighbours of all points through the cache.
+Fill fill_through(L2Cache& cache, const OutlierOptions& options)
+{
+    return [&](const Tree&, ValueFile& file) {
+        const auto set = [&](const NeighbourhoodUnit& unit, const std::vector<double>& values) {
+            for (const NeighbourhoodUnit::Part& part : unit.parts)
+                file.set(part.node, part.indices, values.data() + part.first);
+        };
+        search(cache, options, {set, [](std::size_t) {}}, {});
+    };
+}
+
 // The points with a value above, or below, a limit.
 class OutlierTest final : public ChunkTest {
 public:
-    // Searches the neighbours of all points. The cache is not needed afterwards.
-    OutlierTest(L2Cache& cache, const OutlierOptions& options, OutlierReport& report)
-        : counts_(options.method == OutlierMethod::radius), file_(cache.tree(), scratch_folder(cache.tree(), options))
+    OutlierTest(const Tree& tree, const OutlierOptions& options, const Fill& fill, OutlierReport& report)
+        : counts_(options.method == OutlierMethod::radius), file_(tree, scratch_folder(tree, options))
     {
-        NeighbourhoodOptions search;
-        search.neighbours = options.neighbours;
-        if (counts_) search.max_distance = options.radius;
-        search.memory_bytes = options.memory_bytes / 3;
-        search.threads = options.threads;
-        search.backend = options.backend;
-        search.progress = options.progress;
-        search.end = end_of_search;
-        for_each_neighbourhood(cache, search, [&] { return std::make_unique<ValueVisitor>(file_, counts_); });
+        fill(tree, file_);
         if (counts_)
             limit_ = static_cast<double>(options.neighbours);
         else
@@ -138,14 +146,7 @@ private:
     double limit_ = 0;
 };
 
-L2Options cache_options(const OutlierOptions& options)
-{
-    L2Options cache;
-    cache.capacity_bytes = cache_share(options.memory_bytes);
-    return cache;
-}
-
-void remove(const std::filesystem::path& path, const OutlierOptions& options, OutlierReport& report)
+void remove(const std::filesystem::path& path, const OutlierOptions& options, const Fill& known, OutlierReport& report)
 {
     EraseOptions erase;
     erase.threads = options.threads;
@@ -156,7 +157,7 @@ void remove(const std::filesystem::path& path, const OutlierOptions& options, Ou
         path,
         [&](const std::shared_ptr<const Tree>& tree) {
             L2Cache cache(tree, cache_options(options));
-            return std::make_unique<OutlierTest>(cache, options, report);
+            return std::make_unique<OutlierTest>(*tree, options, known ? known : fill_through(cache, options), report);
         },
         erase);
     report.outcome = erased.outcome;
@@ -179,7 +180,7 @@ void label_node(L2Cache& cache, NodeId node, std::size_t place, const std::vecto
     edit.mark_written();
 }
 
-void label(const std::filesystem::path& path, const OutlierOptions& options, OutlierReport& report)
+void label(const std::filesystem::path& path, const OutlierOptions& options, const Fill& known, OutlierReport& report)
 {
     Watch watch(options.progress);
     const auto changes = std::make_shared<TreeChanges>(path);
@@ -187,7 +188,7 @@ void label(const std::filesystem::path& path, const OutlierOptions& options, Out
     const std::size_t place = place_for(*changes, outlier_attribute());
     L2Cache cache(changes, cache_options(options));
     try {
-        const OutlierTest test(cache, options, report);
+        const OutlierTest test(cache.tree(), options, known ? known : fill_through(cache, options), report);
         std::vector<NodeId> nodes;
         for (NodeId id = 0; id < cache.tree().nodes().size(); ++id)
             if (cache.tree().node(id).points) nodes.push_back(id);
@@ -217,15 +218,46 @@ void label(const std::filesystem::path& path, const OutlierOptions& options, Out
 
 }  // namespace
 
+void check_options(const OutlierOptions& options, const std::filesystem::path& path)
+{
+    const auto refuse = [&](const char* what) { throw Error(ErrorCode::invalid_argument, path, what); };
+    if (options.method == OutlierMethod::radius) {
+        if (!(options.radius > 0)) refuse("the radius within which neighbours are counted must be positive");
+    } else if (!std::isfinite(options.factor)) {
+        refuse("the factor of the deviation must be finite");
+    } else if (!(options.factor > 0)) {
+        throw Error(ErrorCode::invalid_argument, path,
+                    "with the factor " + brief(options.factor) +
+                        " of the deviation about half of the points or more would be outliers: all whose mean distance "
+                        "is above the average, or even below it",
+                    "give a positive factor; 1 takes many points, 3 the ones that stand apart");
+    }
+    if (options.label && options.count_only) refuse("outliers are to be labelled, and nothing is to be changed");
+}
+
+void find_outlier_values(const std::shared_ptr<const Tree>& tree, const OutlierOptions& options,
+                         const OutlierValues& values, const std::function<std::size_t()>& next_unit)
+{
+    check_options(options, tree->folder());
+    L2Cache cache(tree, cache_options(options));
+    search(cache, options, values, next_unit);
+}
+
 OutlierReport remove_outliers(const std::filesystem::path& path, const OutlierOptions& options)
 {
-    check(options, path);
+    return remove_outliers(path, options, {});
+}
+
+OutlierReport remove_outliers(const std::filesystem::path& path, const OutlierOptions& options,
+                              const std::function<void(const Tree& tree, ValueFile& file)>& fill)
+{
+    check_options(options, path);
     const Watch watch(options.progress);
     OutlierReport report;
     if (options.label)
-        label(path, options, report);
+        label(path, options, fill, report);
     else
-        remove(path, options, report);
+        remove(path, options, fill, report);
     report.outcome.seconds = watch.seconds();
     report.peak_memory_bytes = peak_memory_bytes();
     return report;

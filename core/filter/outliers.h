@@ -5,10 +5,16 @@
 #include "pcm/knn/neighbourhoods.h"
 #include "pcm/system/progress.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
+#include <memory>
+#include <vector>
 
 namespace pcm {
+
+class ValueFile;
 
 enum class OutlierMethod : std::uint8_t {
     // D: mean distance of a point to its k nearest neighbours; outliers have D > mean + factor * deviation of all
@@ -55,5 +61,19 @@ struct OutlierReport : FilterReport {
 // thread changes the tree; what reading and writing throw. What fails after the tree is changed is a warning of the
 // outcome.
 OutlierReport remove_outliers(const std::filesystem::path& tree, const OutlierOptions& options);
+
+// What outliers are known by: each point's mean distance to its neighbours or, for the method `radius`, their number.
+// `set` gets the values of a unit's points, keyed by number in it; `skip` a unit without points. Any thread calls them.
+struct OutlierValues {
+    std::function<void(const NeighbourhoodUnit& unit, const std::vector<double>& values)> set;
+    std::function<void(std::size_t unit)> skip;
+};
+// Searches the units of `next_unit` (NeighbourhoodOptions). Throws what remove_outliers() throws for the options.
+void find_outlier_values(const std::shared_ptr<const Tree>& tree, const OutlierOptions& options,
+                         const OutlierValues& values, const std::function<std::size_t()>& next_unit);
+// remove_outliers() for values that are known: `fill` sets those of all points of the tree as it is opened.
+OutlierReport remove_outliers(const std::filesystem::path& tree, const OutlierOptions& options,
+                              const std::function<void(const Tree& tree, ValueFile& file)>& fill);
+void check_options(const OutlierOptions& options, const std::filesystem::path& path);
 
 }  // namespace pcm

@@ -1,10 +1,12 @@
 #include "pcm/filter/result_attributes.h"
 
 #include "pcm/cloud/attribute_length.h"
+#include "pcm/cloud/attribute_names.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -31,6 +33,14 @@ bool is_of_type(const Attribute& present, const Attribute& attribute)
 {
     return present.type == attribute.type && present.components == attribute.components && present.scale == 1 &&
            present.offset == 0;
+}
+
+// The place of the attribute that has the name; none where none has it.
+std::optional<std::size_t> place_of_type(const Tree& tree, const Schema& schema, const Attribute& attribute)
+{
+    const auto place = schema.find(attribute.name);
+    if (place && !is_of_type(schema[*place], attribute)) refuse_type(tree.folder(), schema[*place], attribute);
+    return place;
 }
 
 // Whether an attribute of the tree has the description; cut as LAS does, where the tree came from such a file.
@@ -103,11 +113,16 @@ Attribute primitive_attribute(const std::string& name)
 std::size_t place_for(TreeChanges& changes, const Attribute& attribute)
 {
     const auto tree = changes.tree();
-    const auto place = tree->info().schema.find(attribute.name);
-    if (!place) return changes.add_attribute(attribute);
-    const Attribute& present = tree->info().schema[*place];
-    if (!is_of_type(present, attribute)) refuse_type(tree->folder(), present, attribute);
-    return *place;
+    const auto place = place_of_type(*tree, tree->info().schema, attribute);
+    return place ? *place : changes.add_attribute(attribute);
+}
+
+std::size_t place_for(const Tree& tree, Schema& schema, const Attribute& attribute)
+{
+    if (const auto place = place_of_type(tree, schema, attribute)) return *place;
+    check_new_name(attribute.name);
+    schema.add(attribute);
+    return schema.size() - 1;
 }
 
 }  // namespace pcm

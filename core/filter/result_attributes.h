@@ -22,6 +22,9 @@ void check_may_write(const Tree& tree, const Attribute& attribute, bool overwrit
 // TreeChanges::add_attribute() throws.
 std::size_t place_for(TreeChanges& changes, const Attribute& attribute);
 
+// The same for a schema that is not a tree's yet, to which a new attribute is added.
+std::size_t place_for(const Tree& tree, Schema& schema, const Attribute& attribute);
+
 namespace attribute_name {
 inline constexpr std::string_view curvature = "curvature";                  // f32
 inline constexpr std::string_view normal_confidence = "normal_confidence";  // u8: NormalConfidence

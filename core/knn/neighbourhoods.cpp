@@ -74,7 +74,8 @@ NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOp
     const auto threads =
         static_cast<unsigned>(std::min<std::uint64_t>({thread_count(options.threads), room, units.size()}));
     BlockCache blocks(block_share(options.memory_bytes));
-    std::atomic<std::size_t> next{0}, done{0};
+    std::atomic<std::size_t> next{0}, begun{0};
+    const auto next_unit = [&] { return options.next_unit ? options.next_unit() : next++; };
     std::atomic<std::uint64_t> computed{0}, alone{0};
     Signal signal;
     Crew crew(signal);
@@ -82,12 +83,13 @@ NeighbourhoodReport for_each_neighbourhood(L2Cache& cache, const NeighbourhoodOp
         crew.add([&] {
             const auto visitor = make_visitor();
             UnitWorker worker(cache, blocks, options, signal, *visitor);
-            for (std::size_t n; !signal.stopped && (n = next++) < units.size(); ++done) worker.run(units[n]);
+            for (std::size_t n; !signal.stopped && (n = next_unit()) < units.size(); begun = n)
+                if (!worker.run(n, units[n])) visitor->skip(n);
             computed += worker.computed();
             alone += worker.alone();
         });
     crew.join([&] {
-        const double share = static_cast<double>(done) / static_cast<double>(units.size());
+        const double share = static_cast<double>(begun) / static_cast<double>(units.size());
         watch.report(options.stage, options.begin + (options.end - options.begin) * 0.999 * share);
     });
     NeighbourhoodReport report;

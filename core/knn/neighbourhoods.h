@@ -65,6 +65,9 @@ struct NeighbourhoodOptions {
     std::uint64_t unit_points = usual_unit_points;
     unsigned threads = 0;  // 0: one per processor
     NeighbourBackend backend = NeighbourBackend::own;
+    // Where several processes share the units: the number of the next unit for this one (from plan_units(), in
+    // unit_plan.h), their number or more when none is left. Any thread. Empty: all units, in their order.
+    std::function<std::size_t()> next_unit;
     ProgressFunction progress;
     std::string stage = "Searching neighbours";  // stage of the progress
     double begin = 0, end = 1;                   // range of the progress
@@ -79,6 +82,7 @@ struct NeighbourhoodUnit {
         std::vector<std::uint32_t> indices;  // indices of the points in the chunk, ascending
         std::uint32_t first = 0;             // number, in the unit, of the first of them; they are consecutive
     };
+    std::size_t unit = 0;  // its number
     std::vector<Part> parts;
     std::uint32_t points = 0;  // number of points of all parts: the numbers in the unit are 0 .. points - 1
     // Points of other units, with the numbers from `points` on: those that Neighbourhoods::neighbours may name, in the
@@ -129,6 +133,8 @@ public:
     // All of the unit's points were visited. Other threads may run end() of other units, which may have points of the
     // same nodes.
     virtual void end(const NeighbourhoodUnit&) {}
+    // Instead of begin() to end(), for a unit that turns out to have no points.
+    virtual void skip(std::size_t /*unit*/) {}
 };
 
 struct NeighbourhoodReport {
@@ -137,7 +143,8 @@ struct NeighbourhoodReport {
     std::uint64_t alone = 0;  // points whose neighbours were searched one by one, far beyond their unit
 };
 
-// Every point of the cloud belongs to exactly one unit, which is given to one visitor; `make_visitor` is called once
+// Every point of the cloud belongs to exactly one unit, which is given to one visitor (by one of the processes that
+// share them); `make_visitor` is called once
 // per thread, on that thread. Units do not depend on the number of threads. The cache gives all chunks; edits that
 // visitors make through it do not change positions. Throws Error(invalid_argument) for options out of range,
 // Error(unsupported) for a backend that was not built, Error(cancelled), and what reading and the visitors throw.

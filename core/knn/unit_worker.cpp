@@ -57,22 +57,24 @@ UnitWorker::UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOp
 {
 }
 
-void UnitWorker::run(const Box3i& box)
+bool UnitWorker::run(std::size_t number, const Box3i& box)
 {
     if (!margin_) margin_ = first_margin(box);
     points_ = gather_unit(cache_, box, std::min(*margin_, options_.max_distance), options_.columns);
     unit_ = std::move(points_.unit);
+    unit_.unit = number;
     if (!options_.numbers) unit_.around.clear();
-    if (unit_.points == 0) return;
+    if (unit_.points == 0) return false;
     visitor_.begin(unit_);
     distances_.clear();
     unresolved_.clear();
     search_together();
-    for (const auto& [margin, number] : unresolved_) search_alone(number);
+    for (const auto& unresolved : unresolved_) search_alone(unresolved.second);
     hand_over();
     computed_ += unit_.points;
     learn_margin();
     visitor_.end(unit_);
+    return true;
 }
 
 void UnitWorker::search_together()

@@ -22,9 +22,9 @@ class UnitWorker {
 public:
     UnitWorker(L2Cache& cache, BlockCache& blocks, const NeighbourhoodOptions& options, const Signal& signal,
                NeighbourhoodVisitor& visitor);
-    // Throws what reading and the visitor throw, and Error(cancelled)
-    // once the signal is stopped.
-    void run(const Box3i& box);
+    // Returns whether the unit has points. Throws what reading and the visitor throw, and Error(cancelled) once the
+    // signal is stopped.
+    bool run(std::size_t number, const Box3i& box);
     std::uint64_t computed() const { return computed_; }
     std::uint64_t alone() const { return alone_; }  // points that were searched one by one
 

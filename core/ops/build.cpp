@@ -1,6 +1,7 @@
 // A tree is built from files.
 #include "pcm/build/build_then.h"
 #include "pcm/cluster/team_build.h"
+#include "pcm/cluster/team_folder.h"
 #include "pcm/ops/shared/attribute_report.h"
 #include "pcm/ops/shared/bucket_output.h"
 #include "pcm/ops/shared/reading_arguments.h"
@@ -114,7 +115,7 @@ private:
     {
         const std::vector<std::filesystem::path> inputs(inputs_.begin(), inputs_.end());
         if (context.team) return build_tree_by(*context.team, inputs, output, options_, then);
-        if (!options_.resume || !was_built_by_team(output)) return build_tree_then(inputs, output, options_, then);
+        if (!options_.resume || !was_begun_by_team(output)) return build_tree_then(inputs, output, options_, then);
         SoloTeam alone;
         return build_tree_by(alone, inputs, output, options_, then);
     }

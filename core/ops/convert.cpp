@@ -1,7 +1,9 @@
 // Files and trees become a file of another format, or a tree.
 #include "pcm/convert/convert.h"
 
+#include "pcm/bpc/byte_order.h"
 #include "pcm/build/builder.h"
+#include "pcm/cluster/filter/team_convert.h"
 #include "pcm/ops/shared/bucket_output.h"
 #include "pcm/ops/shared/level_arguments.h"
 #include "pcm/ops/shared/reading_arguments.h"
@@ -79,7 +81,8 @@ public:
         if (!colour_bits_.empty()) options_.write.colour_bits = colour_bits_ == "8" ? 8 : 16;
         options_.progress = context.progress;
         const double left_out = choose_level(result.input);
-        const ConvertReport report = is_url(result.output)
+        const ConvertReport report = context.team ? convert_together(result, context)
+                                     : is_url(result.output)
                                          ? convert_to_bucket(result, context.progress)
                                          : pcm::convert(paths_of(result.input), result.output, options_);
         result.accuracy = without_finer_levels(left_out, report.outcome.error);
@@ -185,6 +188,17 @@ private:
         } else if (!scale_.empty()) {
             options_.scale = vector_of(scale_);
         }
+    }
+
+    // By all processes.
+    ConvertReport convert_together(const Result& result, const Context& context) const
+    {
+        if (is_url(result.output))
+            throw Error(ErrorCode::unsupported, result.output, "several processes write to folders, not to buckets",
+                        "send the output there afterwards, by 'pcmlab convert'");
+        ByteWriter request;
+        for (const std::string& word : context.words) request.put_string(word);
+        return convert_by(*context.team, paths_of(result.input), result.output, options_, request.bytes());
     }
 
     // A whole tree of this machine is sent as it is; anything else becomes a tree here first.

@@ -82,7 +82,8 @@ struct Context {
         set_matrix;
     std::function<Result(const GpuRadiiRequest&)> gpu_radii;  // empty: this face has no such device
     std::function<Result(const RenderRequest&)> render;       // draws pictures; empty: this face has no OpenGL
-    Team* team = nullptr;                                     // processes that build together; null: this one alone
+    Team* team = nullptr;                                     // processes that work together; null: this one alone
+    std::vector<std::string> words;                           // with them: the command line, the same in all
     Window window;
     bool keeps_levels = true;  // false: no note about the levels of the result, which another step replaces
 

@@ -1,6 +1,7 @@
 // Points that stand apart from the others are removed or labelled.
 #include "pcm/filter/outliers.h"
 
+#include "pcm/cluster/filter/team_outliers.h"
 #include "pcm/ops/shared/attribute_report.h"
 #include "pcm/ops/shared/target_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
@@ -66,15 +67,18 @@ public:
         work_.keep_memory_limit(called(context, "memory"));
         Result result;
         OutlierReport report;
-        if (options_.count_only) {
+        TargetChoice choice;
+        if (!options_.count_only) choice = target_.choice(context.face, arguments_);
+        if (context.team)
+            report = remove_outliers_by(*context.team, target_.tree, choice, options_);
+        else if (options_.count_only)
             report = remove_outliers(target_.tree, options_);
-            result.input = {target_.tree};
-        } else {
-            UpdateTarget target(target_.tree, target_.choice(context.face, arguments_));
-            report =
-                target.update([&](const std::filesystem::path& folder) { return remove_outliers(folder, options_); });
-            target_.describe(result, target.path().string());
-        }
+        else
+            report = UpdateTarget(target_.tree, choice).update([&](const std::filesystem::path& folder) {
+                return remove_outliers(folder, options_);
+            });
+        result.input = {target_.tree};
+        if (!options_.count_only) target_.describe(result, choice.in_place ? target_.tree : target_.output);
         note_memory(report, options_.memory_bytes);
         put_report(result, report);
         put_values(result, report);

@@ -2,6 +2,7 @@
 #include "pcm/ops/shared/attribute_report.h"
 #include "pcm/ops/shared/neighbour_arguments.h"
 #include "pcm/ops/table.h"
+#include "pcm/system/error.h"
 
 namespace pcm::ops {
 namespace {
@@ -45,6 +46,9 @@ private:
             throw ArgumentError(
                 "--device gpu computes exact radii and nothing else: of the options that choose what is "
                 "computed and how, it takes --neighbours and --memory");
+        if (!context.gpu_radii)
+            throw Error(ErrorCode::unsupported, target_.tree, "several processes do not compute on graphics cards",
+                        "leave out --device");
         return context.gpu_radii(
             {target_.tree, target_.choice(context.face, arguments_), neighbours_.neighbours, neighbours_.work.memory});
     }

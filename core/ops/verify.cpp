@@ -1,11 +1,13 @@
 // A tree is checked.
 #include "pcm/tree/verify.h"
 
+#include "pcm/cluster/team_verify.h"
 #include "pcm/ops/shared/target_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
 #include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
+#include "pcm/threads/team.h"
 #include "pcm/tree/damage.h"
 #include "pcm/tree/verify_levels.h"
 
@@ -79,9 +81,10 @@ public:
     Result answer(const Context& context) override
     {
         const ProgressFunction first = measures_levels_ ? part_of(context.progress, 0, 0.5) : context.progress;
-        const VerifyReport report = verify_tree(target_.tree, work_.threads, first);
-        LevelsReport levels;
-        if (measures_levels_ && report.faults.empty())
+        const VerifyReport report = context.team ? verify_tree_by(*context.team, target_.tree, work_.threads, first)
+                                                 : verify_tree(target_.tree, work_.threads, first);
+        LevelsReport levels;  // one process measures them
+        if (measures_levels_ && report.faults.empty() && (!context.team || context.team->rank() == 0))
             levels = verify_levels(*Tree::open(target_.tree), work_.threads, part_of(context.progress, 0.5, 1));
         Result result;
         result.input = {target_.tree};

@@ -86,6 +86,7 @@ TreeReader::TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std
         nodes_.erase(std::remove_if(nodes_.begin(), nodes_.end(), [](const SelectedNode& n) { return n.points == 0; }),
                      nodes_.end());
     }
+    end_node_ = nodes_.size();
     std::uint64_t points = 0;
     for (const SelectedNode& node : nodes_) {
         first_.push_back(points);
@@ -136,8 +137,8 @@ Vec3d TreeReader::position(std::size_t i) const
 bool TreeReader::next_chunk()
 {
     chunk_ = Chunk();
-    while (next_node_ < nodes_.size()) {
-        for (; next_ahead_ < nodes_.size() && next_ahead_ < next_node_ + chunks_ahead_ + 1; ++next_ahead_)
+    while (next_node_ < end_node_) {
+        for (; next_ahead_ < end_node_ && next_ahead_ < next_node_ + chunks_ahead_ + 1; ++next_ahead_)
             ahead_.emplace_back(pool_, static_cast<unsigned>(chunks_ahead_),
                                 [tree = tree_, id = nodes_[next_ahead_].node, columns = columns_] {
                                     return tree->read_chunk(id, columns);
@@ -216,6 +217,15 @@ void TreeReader::seek(std::uint64_t index)
         next_chunk();
     }
     next_point_ = static_cast<std::size_t>(index - first_[wanted]);
+}
+
+void TreeReader::keep_nodes(std::size_t first, std::size_t end)
+{
+    ahead_.clear();  // waits for running tasks
+    chunk_ = Chunk();
+    next_node_ = next_ahead_ = first;
+    end_node_ = end;
+    next_point_ = chunk_points_ = 0;
 }
 
 double TreeReader::fraction_read() const

@@ -46,6 +46,10 @@ public:
     void seek(std::uint64_t index) override;
     double fraction_read() const override;
 
+    // The nodes whose points are read, in order. From now on those of a range alone are, from its beginning.
+    const std::vector<SelectedNode>& nodes() const { return nodes_; }
+    void keep_nodes(std::size_t first, std::size_t end);
+
 private:
     TreeReader(std::shared_ptr<const Tree> tree, const std::optional<std::uint16_t>& level, const Selection& selection,
                std::shared_ptr<const PointChoice> choice, unsigned chunks_ahead);
@@ -66,6 +70,7 @@ private:
     std::vector<std::uint64_t> first_;  // number of points of the nodes before each
     std::size_t next_node_ = 0;         // the next node whose chunk is taken
     std::size_t next_ahead_ = 0;        // the next node whose chunk is requested
+    std::size_t end_node_ = 0;          // the node after the last one that is read
     TaskPool pool_;
     std::deque<Pending<Chunk>> ahead_;  // nodes [next_node_, next_ahead_)
     Chunk chunk_;

@@ -1,9 +1,11 @@
 #include "pcm/tree/verify.h"
 
+#include "pcm/bpc/byte_order.h"
 #include "pcm/system/error.h"
 #include "pcm/system/seconds.h"
 #include "pcm/system/url.h"
 #include "pcm/threads/crew.h"
+#include "pcm/threads/team.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
 #include "pcm/tree/about.h"
@@ -22,6 +24,10 @@ namespace pcm {
 namespace {
 
 namespace fs = std::filesystem;
+
+// Chosen: chunks that a thread takes at a time: they lie next to each other, and 10^9 points are some ten thousand
+// questions to the team's counter.
+constexpr std::size_t chunks_of_a_job = 4;
 
 // The nodes with a chunk, in the order of the files.
 std::vector<NodeId> nodes_by_place(const NodeTable& nodes)
@@ -122,18 +128,25 @@ Chunk read_checked(const Tree& tree, NodeId id, const ColumnSet& columns, Box3i&
 // of all points' hashes, the nodes' boxes and the number of points.
 class ChunkVerification {
 public:
-    // Chunks are read in this order.
-    ChunkVerification(const Tree& tree, const std::vector<NodeId>& order, VerifyReport& report)
-        : tree_(tree), nodes_(tree.nodes()), order_(order), report_(report), own_box_(nodes_.size())
+    // Chunks are read in this order, by the ranks of the team.
+    ChunkVerification(const Tree& tree, const std::vector<NodeId>& order, Team& team, std::uint64_t counter,
+                      VerifyReport& report)
+        : tree_(tree),
+          nodes_(tree.nodes()),
+          order_(order),
+          team_(team),
+          counter_(counter),
+          report_(report),
+          own_box_(nodes_.size())
     {
     }
 
-    // Adds the faults of single chunks. Returns the number of points read.
+    // Adds the faults of single chunks. Returns the number of points read, by all ranks in rank 0.
     std::uint64_t read(unsigned threads, const ProgressFunction& progress)
     {
         Watch watch(progress);
         const auto show = [&](bool at_once) {
-            const std::size_t done = std::min(next_.load(), order_.size());
+            const std::size_t done = std::min(begun_.load(), order_.size());
             watch.report("Verifying chunks",
                          static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, order_.size())),
                          at_once);
@@ -142,6 +155,7 @@ public:
         Crew crew(signal_);
         for (unsigned t = 0; t < threads; ++t) crew.add([this] { work(); });
         crew.join([&] { show(false); });
+        join_ranks();
         return points_;
     }
 
@@ -172,7 +186,13 @@ private:
         const RowLayout layout(tree_.info().schema, tree_.info().wide);
         const ColumnSet all = ColumnSet::whole(tree_.info().schema);
         std::vector<std::byte> scratch;
-        for (std::size_t i; !signal_.stopped && (i = next_++) < order_.size();) {
+        for (std::size_t i = 0, end = 0; !signal_.stopped; ++i) {
+            if (i == end) {
+                i = static_cast<std::size_t>(team_.next(counter_)) * chunks_of_a_job;
+                if (i >= order_.size()) return;
+                end = std::min(order_.size(), i + chunks_of_a_job);
+                begun_ = end;
+            }
             const NodeId id = order_[i];
             try {
                 const Chunk chunk = read_checked(tree_, id, all, own_box_[id]);
@@ -187,41 +207,115 @@ private:
         }
     }
 
+    // Gives rank 0 what the others have found.
+    void join_ranks()
+    {
+        if (team_.size() == 1) return;
+        std::vector<unsigned> others{0};
+        if (team_.rank() == 0) {
+            others.clear();
+            for (unsigned r = 1; r < team_.size(); ++r) others.push_back(r);
+        }
+        team_.connect(others);
+        std::vector<Team::Bytes> sent(others.size());
+        if (team_.rank() != 0) sent[0] = found();
+        for (const Team::Bytes& bytes : team_.exchange(std::move(sent))) add(bytes);
+    }
+
+    Team::Bytes found() const
+    {
+        ByteWriter out;
+        out.put(hash_.load());
+        out.put(points_.load());
+        out.put(static_cast<std::uint64_t>(report_.faults.size()));
+        for (const std::string& fault : report_.faults) out.put_string(fault);
+        for (NodeId id = 0; id < own_box_.size(); ++id) {
+            if (own_box_[id].empty()) continue;
+            out.put(id);
+            for (const Vec3i& corner : {own_box_[id].min, own_box_[id].max})
+                for (std::size_t a = 0; a < 3; ++a) out.put(corner[a]);
+        }
+        return std::move(out.bytes());
+    }
+
+    void add(const Team::Bytes& bytes)
+    {
+        ByteReader in(bytes.data(), bytes.size(), tree_.folder());
+        if (bytes.empty()) return;  // from rank 0
+        hash_ += in.get<std::uint64_t>();
+        points_ += in.get<std::uint64_t>();
+        for (auto faults = in.get<std::uint64_t>(); faults-- > 0;) report_.faults.push_back(in.get_string());
+        while (in.left()) {
+            Box3i& box = own_box_.at(in.get<NodeId>());
+            for (Vec3i* const corner : {&box.min, &box.max})
+                for (std::size_t a = 0; a < 3; ++a) (*corner)[a] = in.get<std::int64_t>();
+        }
+    }
+
     const Tree& tree_;
     const NodeTable& nodes_;
     const std::vector<NodeId>& order_;
+    Team& team_;
+    const std::uint64_t counter_;
     VerifyReport& report_;
     std::vector<Box3i> own_box_;  // box of each node's own points
-    std::atomic<std::size_t> next_{0};
+    std::atomic<std::size_t> begun_{0};
     std::atomic<std::uint64_t> hash_{0}, points_{0};
     Signal signal_;  // its mutex guards the faults while threads run
 };
+
+// All that is checked without reading chunks.
+void check_around(const Tree& tree, const fs::path& path, const std::vector<NodeId>& by_place, VerifyReport& report)
+{
+    check_extents(tree.nodes(), by_place, report);
+    if (const auto about = is_url(path) ? std::nullopt : check_about(tree.folder(), tree.info()))
+        (about->left_by_update ? report.notes : report.around).push_back(about->what);
+    check_commit(tree, report);
+    list_strays(tree, report);
+}
+
+// Those of rank 0.
+std::vector<std::string> common_list(Team& team, const std::vector<std::string>& list, const fs::path& path)
+{
+    ByteWriter out;
+    for (const std::string& line : list) out.put_string(line);
+    const Team::Bytes bytes = team.broadcast(0, std::move(out.bytes()));
+    ByteReader in(bytes.data(), bytes.size(), path);
+    std::vector<std::string> common;
+    while (in.left()) common.push_back(in.get_string());
+    return common;
+}
 
 }  // namespace
 
 VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, const ProgressFunction& progress)
 {
+    SoloTeam alone;
+    return verify_tree(path, threads, progress, alone, 0);
+}
+
+VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, const ProgressFunction& progress,
+                         Team& team, std::uint64_t counter)
+{
     const auto start = std::chrono::steady_clock::now();
     const std::shared_ptr<const Tree> tree = Tree::open(path);
     const TreeInfo& info = tree->info();
     VerifyReport report;
-    report.position_error = info.position_error;
+    const std::vector<NodeId> by_place = nodes_by_place(tree->nodes());
+    if (team.rank() == 0) check_around(*tree, path, by_place, report);
+    ChunkVerification chunks(*tree, by_place, team, counter, report);
+    const std::uint64_t points = chunks.read(thread_count(threads), progress);
+    if (team.rank() == 0 && report.faults.empty()) chunks.compare_totals();
+    std::sort(report.faults.begin(), report.faults.end());
+    report.faults = common_list(team, report.faults, path);
+    report.around = common_list(team, report.around, path);
+    if (team.rank() != 0) return report;
+
+    std::sort(report.notes.begin(), report.notes.end());
+    report.position_error = report.outcome.error = info.position_error;
     report.bytes = info.bytes;
     report.outcome.points_in = info.points;
-
-    const std::vector<NodeId> by_place = nodes_by_place(tree->nodes());
-    check_extents(tree->nodes(), by_place, report);
-    if (const auto about = is_url(path) ? std::nullopt : check_about(tree->folder(), info))
-        (about->left_by_update ? report.notes : report.around).push_back(about->what);
-    check_commit(*tree, report);
-    list_strays(*tree, report);
-    ChunkVerification chunks(*tree, by_place, report);
-    report.outcome.points_out = chunks.read(thread_count(threads), progress);
-    if (report.faults.empty()) chunks.compare_totals();
-
-    std::sort(report.faults.begin(), report.faults.end());
-    std::sort(report.notes.begin(), report.notes.end());
-    report.outcome.error = info.position_error;
+    report.outcome.points_out = points;
     report.outcome.error_meaning = "largest position error, source units";
     report.outcome.seconds = seconds_since(start);
     return report;

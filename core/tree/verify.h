@@ -10,6 +10,8 @@
 
 namespace pcm {
 
+class Team;
+
 struct VerifyReport {
     Outcome outcome;
     std::uint64_t bytes = 0;
@@ -26,5 +28,10 @@ struct VerifyReport {
 // damage. `progress` is called on this thread; what it throws reaches the caller.
 VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads = 0,
                          const ProgressFunction& progress = {});
+
+// Collective: the same by several processes, which take chunks from the team's counter `counter` (threads/team.h). The
+// report is that of one process in rank 0; the others have its `faults` and `around`, and nothing else.
+VerifyReport verify_tree(const std::filesystem::path& path, unsigned threads, const ProgressFunction& progress,
+                         Team& team, std::uint64_t counter);
 
 }  // namespace pcm

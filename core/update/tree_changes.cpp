@@ -104,12 +104,22 @@ void TreeChanges::write(NodeId node, const Chunk& written, const ColumnSet& chan
     }
     ChunkIdentity identity = tree_->identity(node);
     identity.generation = update_->generation();
-    const std::vector<std::byte> bytes = encode_chunk(chunk, info.schema, info.grid, identity);
+    keep(node, encode_chunk(chunk, info.schema, info.grid, identity), hash_before, hash);
+}
 
+void TreeChanges::put(NodeId node, const std::vector<std::byte>& bytes, std::uint64_t hash_before, std::uint64_t hash)
+{
+    const std::shared_lock lock(mutex_);
+    check_open();
+    keep(node, bytes, hash_before, hash);
+}
+
+void TreeChanges::keep(NodeId node, const std::vector<std::byte>& bytes, std::uint64_t hash_before, std::uint64_t hash)
+{
     const std::lock_guard file_lock(file_mutex_);
     Place place;
     place.hash = hash;
-    place.attributes = info.schema.size();
+    place.attributes = tree_->info().schema.size();
     place.extent = update_->write(bytes);
     const std::size_t number = place.extent.file - tree_->data_files().size();
     while (files_.size() <= number)

@@ -34,6 +34,10 @@ public:
     bool writable() const override { return true; }
     void write(NodeId node, const Chunk& written, const ColumnSet& changed) override;
     void commit() override;
+    // write() for a chunk that another process has encoded, with all attributes of the schema as it is now, under the
+    // generation after that of the last commit. `hash_before`, `hash`: content hashes of its points, before and
+    // now (point_hash.h).
+    void put(NodeId node, const std::vector<std::byte>& bytes, std::uint64_t hash_before, std::uint64_t hash);
 
     // Releases the lock and drops what was not committed. From then on the tree is read as of the last commit, and
     // write() throws.
@@ -51,6 +55,7 @@ private:
         std::shared_ptr<const File> file;
     };
     std::optional<Place> place_of(NodeId node) const;
+    void keep(NodeId node, const std::vector<std::byte>& bytes, std::uint64_t hash_before, std::uint64_t hash);
     Chunk read_now(NodeId node, const ColumnSet& columns) const;
     std::uint64_t hash_with_added_attributes() const;
     void take_next_tree();

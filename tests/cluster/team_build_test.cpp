@@ -3,6 +3,7 @@
 #include "pcm/cluster/team_build.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/cluster/team_folder.h"
 #include "pcm/system/error.h"
 #include "tests/build/build_support.h"
 #include "tests/clouds.h"
@@ -166,7 +167,7 @@ TEST_F(TeamBuild, OfOtherFilesStartsAgain)
     BuildOptions options = small_chunks();
     options.progress = [](const ProgressUpdate& update) { return update.fraction < 0.6; };
     EXPECT_THROW(build(2, {folder_ / "a.las"}, options), Error);
-    EXPECT_TRUE(was_built_by_team(folder_ / "team.pct"));
+    EXPECT_TRUE(was_begun_by_team(folder_ / "team.pct"));
     build_tree({folder_ / "b.las"}, folder_ / "one.pct", small_chunks());
     build(2, {folder_ / "b.las"}, small_chunks());
     EXPECT_TRUE(contents(folder_ / "team.pct") == contents(folder_ / "one.pct"));

@@ -1,8 +1,10 @@
-"""pcmlab-mpi builds the bytes of pcmlab build, by any number of processes, and after any of them was killed at any time."""
+"""pcmlab-mpi makes and finds what pcmlab does, by any number of processes, and after any of them was killed at any time."""
 
+import json
 import os
 import pathlib
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -12,7 +14,13 @@ import unittest
 
 BIN = pathlib.Path(os.environ["PCM_BUILD_DIR"]) / "bin"
 OPTIONS = ["--memory", "64M", "--chunk-points", "5000", "--threads", "1", "-q"]
-LAUNCHER = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--mca", "btl", "self,vader", "--mca", "btl_vader_single_copy_mechanism", "none"]
+OPEN_MPI = ["mpirun", "--oversubscribe", "--allow-run-as-root", "--mca", "btl", "self,vader", "--mca", "btl_vader_single_copy_mechanism", "none"]
+LAUNCHER = os.environ["PCM_MPI_LAUNCHER"].split() if "PCM_MPI_LAUNCHER" in os.environ else OPEN_MPI  # another MPI's: "mpiexec.mpich"
+
+
+def with_environment(names):
+    """Open MPI hands on the variables that it is given; MPICH does so with all."""
+    return [*LAUNCHER, *[word for name in names if LAUNCHER == OPEN_MPI for word in ("-x", name)]]
 
 
 def processes_of(parent):
@@ -31,7 +39,7 @@ def processes_of(parent):
     return [process for process in below if parents.get(process, (0, ""))[1] == "pcmlab-mpi"]
 
 
-@unittest.skipUnless(shutil.which("mpirun"), "there is no mpirun here")
+@unittest.skipUnless(shutil.which(LAUNCHER[0]), "there is no mpirun here")
 class Mpi(unittest.TestCase):
     trees_to_kill = 3
 
@@ -58,7 +66,7 @@ class Mpi(unittest.TestCase):
         return cls.folder / name
 
     def command(self, ranks, output, *arguments, environment=()):
-        return [*LAUNCHER, *[word for name in environment for word in ("-x", name)], "-n", str(ranks), BIN / "pcmlab-mpi", "build", *arguments, "-o", output, *OPTIONS]
+        return [*with_environment(environment), "-n", str(ranks), BIN / "pcmlab-mpi", "build", *arguments, "-o", output, *OPTIONS]
 
     def together(self, ranks, output, *arguments, environment=None):
         command = self.command(ranks, output, *arguments, environment=environment or ())
@@ -202,6 +210,153 @@ class Mpi(unittest.TestCase):
         self.assertIn("1.las", run.stderr)
         self.assertIn("rank", run.stderr)
         self.assertFalse((self.folder / "bad.pct").exists())
+
+    def operation(self, ranks, *words):
+        return [*LAUNCHER, "-n", str(ranks), BIN / "pcmlab-mpi", *map(str, words)]
+
+    def do_together(self, ranks, *words):
+        return subprocess.run(self.operation(ranks, *words), capture_output=True, text=True, check=False, timeout=300)
+
+    def test_findings_of_verify_are_those_of_one_process(self):
+        damaged = self.folder / "damaged.pct"
+        shutil.copytree(self.tree, damaged)
+        with open(damaged / "chunks-000.bpc", "r+b") as file:
+            for at in (100_000, 1_000_000, 3_000_000):
+                file.seek(at)
+                file.write(b"damaged!")
+        (damaged / "notes.txt").write_text("a stray file")
+        for tree in (self.tree, damaged):
+            for words in ((), ("--json",), ("--levels", "--json")):
+                one = self.run_program("pcmlab", "verify", tree, *words, check=False)
+                for ranks in (1, 2, 4):
+                    with self.subTest(tree=tree.name, words=words, ranks=ranks):
+                        run = self.do_together(ranks, "verify", tree, *words)
+                        self.assertEqual(run.returncode, one.returncode)
+                        self.assertNotIn("MPI_ABORT", run.stderr)
+                        if not words:
+                            faults = [line for line in one.stdout.splitlines() if line.startswith(("fault", "note"))]
+                            self.assertEqual([line for line in run.stdout.splitlines() if line.startswith(("fault", "note"))], faults)
+                            self.assertEqual(len(faults), 4 if tree == damaged else 0)
+                            continue
+                        expected, found = json.loads(one.stdout), json.loads(run.stdout)
+                        for key in ("intact", "bytes", "points_in", "points", "position_error", "levels", "coverage_limit", "faults", "around", "notes"):
+                            self.assertEqual(found.get(key), expected.get(key), key)
+        shutil.rmtree(damaged)
+
+    # One process has the memory for all values: then its chunks are in the order of the nodes.
+    filters = (
+        ("normals", "--radii", "--curvature", "-k", "12"),
+        ("normals", "--direction", "0", "0", "1"),
+        ("radii", "--mean-distance"),
+        ("outliers", "-k", "8", "-a", "2"),
+        ("outliers", "--method", "robust", "--label"),
+    )
+
+    def test_filters_write_the_bytes_of_one_process(self):
+        for words in self.filters:
+            self.run_program("pcmlab", words[0], self.tree, "-o", self.folder / "one.pct", *words[1:], "--memory", "1G", "-q")
+            for ranks in (1, 2, 4):
+                with self.subTest(words=words, ranks=ranks):
+                    run = self.do_together(ranks, words[0], self.tree, "-o", self.folder / "mpi.pct", *words[1:], "--memory", "96M", "--threads", "1", "-q")
+                    self.assertEqual(run.returncode, 0, run.stderr)
+                    self.assert_same(self.folder / "mpi.pct", self.folder / "one.pct")
+            shutil.rmtree(self.folder / "one.pct")
+
+    def test_filters_in_place_with_ranks_that_report_their_memory(self):
+        changed = self.folder / "changed.pct"
+        shutil.copytree(self.tree, changed)
+        expected = self.folder / "one.pct"
+        shutil.copytree(self.tree, expected)
+        self.run_program("pcmlab", "radii", expected, "--in-place", "--memory", "1G", "-q")
+        run = subprocess.run(
+            [*with_environment(["PCM_MPI_REPORT"]), "-n", "2", BIN / "pcmlab-mpi", "radii", changed, "--in-place", "--memory", "96M", "--threads", "1"],
+            capture_output=True, text=True, check=False, timeout=300, env={**os.environ, "PCM_MPI_REPORT": "1"},
+        )
+        self.assertEqual(run.returncode, 0, run.stderr)
+        peaks = [int(peak) for peak in re.findall(r"peak memory (\d+) bytes", run.stderr)]
+        self.assertEqual(len(peaks), 2)
+        self.assertLess(max(peaks), 96 << 20)
+        self.assert_same(changed, expected)
+        shutil.rmtree(expected)
+
+    def test_killed_filters_leave_no_tree_and_are_resumed(self):
+        chance = random.Random(5)
+        output, expected = self.folder / "killed.pct", self.folder / "one.pct"
+        words = ("normals", self.tree, "--curvature", "-k", "24", "--memory", "96M", "--threads", "1", "-q")
+        self.run_program("pcmlab", *words[:-5], "--memory", "1G", "-q", "-o", expected)
+        begun = time.monotonic()
+        self.assertEqual(self.do_together(2, *words, "-o", output).returncode, 0)
+        seconds = time.monotonic() - begun
+        self.assert_same(output, expected)
+        kills = resumed = 0
+        for _ in range(3 * self.trees_to_kill):
+            process = subprocess.Popen(self.operation(chance.choice((1, 2, 3)), *words, "-o", output), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            begun, ranks = time.monotonic(), []
+            while not ranks and process.poll() is None:
+                ranks = processes_of(process.pid)
+            time.sleep(0.4 + chance.uniform(0, 0.9 * seconds))
+            if process.poll() is None and ranks:
+                try:
+                    os.kill(chance.choice(ranks), signal.SIGKILL)
+                    kills += 1
+                except ProcessLookupError:
+                    pass
+            process.wait(timeout=60)
+            was_killed = output.exists()
+            if not was_killed:
+                self.assertNotEqual(process.returncode, 0)
+                self.assertLess(time.monotonic() - begun, 60)
+                run = self.do_together(2, *words[:-1], "-o", output)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                resumed += "interrupted work was resumed" in run.stdout
+            self.assert_same(output, expected, was_killed)
+        self.assertGreater(kills, self.trees_to_kill)
+        self.assertGreater(resumed, 0)
+        shutil.rmtree(expected)
+
+    def test_parts_of_a_tree_are_the_files_of_one_process(self):
+        where = ("--where", "intensity>100", "--where", "z<100")
+        for name in ("part.las", "part.laz", "part.ply", "part.pct"):
+            one, mpi = self.folder / f"one-{name}", self.folder / f"mpi-{name}"
+            self.run_program("pcmlab", "convert", self.tree, one, *where, "-q")
+            for ranks in (1, 2, 4):
+                with self.subTest(name=name, ranks=ranks):
+                    run = self.do_together(ranks, "convert", self.tree, mpi, *where, "--threads", "1", "-q")
+                    self.assertEqual(run.returncode, 0, run.stderr)
+                    self.assertFalse(pathlib.Path(f"{mpi}.pct.part").exists())
+                    if mpi.is_dir():
+                        self.assert_same(mpi, one)
+                    else:
+                        self.assertTrue(mpi.read_bytes() == one.read_bytes())
+                        mpi.unlink()
+
+    def test_a_damaged_tree_ends_all_with_the_rank_and_nothing_is_written(self):
+        damaged = self.folder / "damaged.pct"
+        shutil.copytree(self.tree, damaged)
+        with open(damaged / "chunks-000.bpc", "r+b") as file:
+            file.seek(1_000_000)
+            file.write(b"damaged!" * 100)
+        begun = time.monotonic()
+        run = self.do_together(3, "normals", damaged, "-o", self.folder / "mpi.pct", "-q")
+        self.assertLess(time.monotonic() - begun, 60)
+        self.assertNotEqual(run.returncode, 0)
+        self.assertIn("chunks-000.bpc", run.stderr)
+        self.assertIn("on rank", run.stderr)
+        self.assertFalse((self.folder / "mpi.pct").exists())
+        shutil.rmtree(self.folder / "mpi.pct.part")
+        shutil.rmtree(damaged)
+
+    def test_what_several_processes_do_not_do_is_refused(self):
+        run = self.do_together(2, "query", self.tree)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("use 'pcmlab query'", run.stderr)
+        run = self.do_together(2, "normals", self.scene, "-o", self.folder / "mpi.pct")
+        self.assertNotEqual(run.returncode, 0)
+        self.assertIn("pcmlab-mpi build", run.stderr)
+        run = self.do_together(2, "radii", self.tree, "-o", self.folder / "mpi.pct", "--device", "gpu")
+        self.assertNotEqual(run.returncode, 0)
+        self.assertIn("graphics card", run.stderr)
+        self.assertFalse((self.folder / "mpi.pct").exists())
 
     def test_buckets_are_refused(self):
         run = self.together(2, "s3://scans/site.pct", self.scene)

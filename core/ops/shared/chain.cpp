@@ -249,6 +249,11 @@ Result run_on_files_too(const Row& row, Operation& operation, const Context& con
     const bool from_file = !is_any_tree(options.inputs[0]) && fs::exists(options.inputs[0], ignored),
                to_file = !options.output.empty() && is_file_output(options.output) && !writes_new_cloud(operation);
     if (!from_file && !to_file) return operation.run(context);
+    if (context.team)
+        throw Error(ErrorCode::unsupported, from_file ? options.inputs[0] : options.output,
+                    "several processes read and write trees here, not files",
+                    from_file ? "make it a tree first: pcmlab-mpi build"
+                              : "name a tree to write, NAME.pct, and convert it afterwards");
     if (!output_of_step(operation))
         throw Error(ErrorCode::invalid_argument, options.inputs[0], "this is not a tree, and files are not changed",
                     std::string("write a changed copy: pcmlab run FILE --") + row.name + " ... -o COPY");

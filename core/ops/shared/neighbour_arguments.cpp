@@ -1,5 +1,6 @@
 #include "pcm/ops/shared/neighbour_arguments.h"
 
+#include "pcm/cluster/filter/team_attributes.h"
 #include "pcm/ops/shared/attribute_report.h"
 #include "pcm/tree/tree.h"
 
@@ -38,15 +39,19 @@ Result compute_attributes(const Context& context, const TargetArguments& choice,
 {
     options.progress = context.progress;
     options.overwrite = choice.overwrite;
-    UpdateTarget target(choice.tree, choice.choice(context.face, arguments));
-    NeighbourAttributeReport report = target.update(
-        [&](const std::filesystem::path& folder) { return compute_neighbour_attributes(folder, options); });
+    const TargetChoice place = choice.choice(context.face, arguments);
+    NeighbourAttributeReport report =
+        context.team ? compute_neighbour_attributes_by(*context.team, choice.tree, place, options)
+                     : UpdateTarget(choice.tree, place).update([&](const std::filesystem::path& folder) {
+                           return compute_neighbour_attributes(folder, options);
+                       });
     note_memory(report, options.memory_bytes);
     Result result;
-    choice.describe(result, target.path().string());
+    const std::string changed = place.in_place ? choice.tree : choice.output;
+    choice.describe(result, changed);
     put_attribute_report(result, options.wanted, report);
     if (context.face == Face::dialog) {  // where the picture changes with them
-        const Schema schema = Tree::open(target.path())->info().schema;
+        const Schema schema = Tree::open(changed)->info().schema;
         if (schema.find(attribute_name::radius) && schema.find(attribute_name::normal))
             result.line("the cloud has radii and normals now: Fitted splats, the default, follow them");
     }
