@@ -54,6 +54,7 @@ void EdgeCubes::add(const Vec3d& p, bool on_shape)
     Counts& counts = cubes_[key_of(p)];
     ++(on_shape ? counts.on : counts.off);
     ++points_;
+    are_edges_found_ = false;
     while (cubes_.size() > most_) coarsen();
 }
 
@@ -75,9 +76,24 @@ void EdgeCubes::widen()
     while (static_cast<double>(points_) < enough * static_cast<double>(cubes_.size()) && cubes_.size() > 1) coarsen();
 }
 
+void EdgeCubes::find_edges()
+{
+    for (auto& [key, counts] : cubes_) counts.is_edge = is_edge_cube(key);
+    are_edges_found_ = true;
+}
+
 bool EdgeCubes::is_edge(const Vec3d& p) const
 {
     const Key key = key_of(p);
+    if (are_edges_found_) {
+        const auto found = cubes_.find(key);
+        if (found != cubes_.end()) return found->second.is_edge;
+    }
+    return is_edge_cube(key);
+}
+
+bool EdgeCubes::is_edge_cube(const Key& key) const
+{
     Counts sum;
     for (std::int32_t n = 0; n < 27; ++n) {
         const auto found = cubes_.find({key[0] + n % 3 - 1, key[1] + n / 3 % 3 - 1, key[2] + n / 9 - 1});
@@ -117,6 +133,7 @@ PointSet inner_points(const PointSet& points, const PointSet& around, const Shap
         for (std::size_t k = 0; k < positions.size(); ++k) cubes.add(positions[k], on[k]);
     });
     cubes.widen();
+    cubes.find_edges();
     return points_where(
         points, [&](const Vec3d& p) { return !cubes.is_edge(p); }, threads, part_of(progress, 0.6, 1));
 }

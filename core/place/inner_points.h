@@ -24,6 +24,8 @@ public:
     double edge() const { return edge_; }
     // Doubles cubes until there are four points in each on average.
     void widen();
+    // Makes is_edge() fast, until more points are added.
+    void find_edges();
     // Whether the place's cube and those around it have more than a tenth as many points off the shape as on it, and at
     // least two off it.
     bool is_edge(const Vec3d& p) const;
@@ -35,14 +37,17 @@ private:
     };
     struct Counts {
         std::uint64_t on = 0, off = 0;
+        bool is_edge = false;  // where edges are found
     };
     Key key_of(const Vec3d& p) const;
     void coarsen();
+    bool is_edge_cube(const Key& key) const;
 
     const Vec3d corner_;
     double edge_;
     const std::size_t most_;
     std::uint64_t points_ = 0;
+    bool are_edges_found_ = false;
     std::unordered_map<Key, Counts, Hash> cubes_;
 };
 

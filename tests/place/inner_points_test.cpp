@@ -47,6 +47,11 @@ TEST(EdgeCubes, AreDoubledWhereThereAreManyOrFewPointsInThem)
     for (const Vec3d& p : points) ASSERT_EQ(many.is_edge(p), reversed.is_edge(p));
     EXPECT_FALSE(many.is_edge({0.3, 0.5, 0}));
     EXPECT_TRUE(many.is_edge({0.49, 0.5, 0}));
+    many.find_edges();
+    for (const Vec3d& p : points) ASSERT_EQ(many.is_edge(p), reversed.is_edge(p));
+    EXPECT_EQ(many.is_edge({0.49, 0.9, 0.06}), reversed.is_edge({0.49, 0.9, 0.06}));  // no points there
+    for (int i = 0; i < 2000; ++i) many.add({0.3, 0.5, 0}, false);
+    EXPECT_TRUE(many.is_edge({0.3, 0.5, 0}));  // found before more were added
     many.widen();
     EXPECT_EQ(many.edge(), 0.064);  // eighty points in each
 }

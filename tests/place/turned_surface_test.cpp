@@ -2,9 +2,11 @@
 
 #include "pcm/place/turned_surface.h"
 
+#include "pcm/cloud/symmetric_eigen.h"
 #include "pcm/place/even_noise.h"
 #include "pcm/place/fit_at.h"
 #include "pcm/place/next_to.h"
+#include "pcm/place/tuning.h"
 #include "tests/place/shape_cloud.h"
 #include "tests/sanitizers.h"
 
@@ -84,6 +86,58 @@ TEST_F(Roof, GrowthDoesNotPassWhereTheSurfaceIsTurned)
     options.threads = 3;
     options.memory_bytes = 1;
     EXPECT_TRUE(grow_shape(plane, seeds, options).points == level);
+}
+
+// Whether a block is turned, by the plane of least squares through the points of its 27 cubes, one by one.
+TEST_F(Roof, ABlockIsTurnedAsThePlaneThroughItsPoints)
+{
+    constexpr double edge = 0.5, most = 0.3;
+    Dice dice(11);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 4000; ++i) {
+        const double x = dice.between(-20, 20), y = dice.between(-1, 1);
+        const double slope = std::floor(x / 2 + 10) / 20;  // strips 2 m wide, from level ones to 0.95
+        points.push_back({x, y, slope * y + 0.1 * dice.normal()});
+    }
+    const TreeInfo& info = cloud_->tree()->info();
+    const auto judge = TurnedSurface(pcm::Shape(), 5, edge, most, info).judge();
+    for (const Vec3d& p : points) judge->add(p);
+    const auto cube = [&](double v, std::size_t a) { return std::floor((v - info.bounds().min[a]) / edge); };
+    int turned = 0;
+    for (const Vec3d& p : points) {
+        Vec3d sum{};
+        SymmetricMatrix products;
+        double n = 0;
+        for (const Vec3d& q : points) {
+            bool is_in = true;
+            for (std::size_t a = 0; a < 3; ++a) is_in = is_in && std::fabs(cube(q[a], a) - cube(p[a], a)) <= 1;
+            if (!is_in) continue;
+            sum = sum + (q - p);
+            ++n;
+        }
+        for (const Vec3d& q : points) {
+            bool is_in = true;
+            for (std::size_t a = 0; a < 3; ++a) is_in = is_in && std::fabs(cube(q[a], a) - cube(p[a], a)) <= 1;
+            if (!is_in) continue;
+            const Vec3d v = q - p - (1 / n) * sum;
+            products.xx += v[0] * v[0] / n;
+            products.xy += v[0] * v[1] / n;
+            products.xz += v[0] * v[2] / n;
+            products.yy += v[1] * v[1] / n;
+            products.yz += v[1] * v[2] / n;
+            products.zz += v[2] * v[2] / n;
+        }
+        const TurnedTuning& tuned = place_tuning().turned;
+        if (n < static_cast<double>(tuned.min_block_points)) continue;
+        const Eigensystem<3> axes = eigensystem(products);
+        const double angle = std::acos(std::min(1.0, std::fabs(axes.vectors[0][2])));
+        const double error = std::sqrt(axes.values[0] / (axes.values[1] * n));
+        const bool is_turned = angle > most + tuned.deviations * error;
+        ASSERT_EQ(judge->passes(p), !is_turned) << angle << " of " << n;
+        turned += is_turned;
+    }
+    EXPECT_GT(turned, 500);
+    EXPECT_LT(turned, 3500);
 }
 
 TEST_F(Roof, NextToASetAreThePointsWithinAWayOfIt)
