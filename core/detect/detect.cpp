@@ -313,16 +313,15 @@ private:
             pipes.least = least_sampled(resolution);
             pipes.seed = options_.seed;
             pipes.check = check;
-            for (const FoundShape& pipe : search_pipes(sample, pipes, taken)) {
+            for (const FoundShape& pipe : search_pipes(sample, pipes, taken))
                 found.push_back(hypothesis_of(pipe, sample, resolution.sample.cell));
-                found.back().thin = found.back().whole = true;
-            }
         }
         ShapeSearchOptions search;
         // What is round and left is a part of cones, elbows and edges, but for thin pipes.
         for (const ShapeKind kind : options_.kinds)
             if (!is_again_ || traits_of(kind).is_flat()) search.kinds.push_back(kind);
         if (search.kinds.empty()) return;
+        search.pipes_of_strips = wants(ShapeKind::cylinder);
         search.threshold = report_.threshold;
         search.normal_angle = options_.normal_angle;
         search.seed = options_.seed;
@@ -353,6 +352,7 @@ private:
         one.area = static_cast<double>(shape.points.size()) * cell * cell;
         one.rms = shape.rms;
         one.threshold = shape.threshold;
+        one.thin = one.whole = shape.thin;
         one.reach = tuned_.edge_cells * cell;
         for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
         const std::size_t some = std::min(hypothesis_points, shape.points.size());

@@ -99,8 +99,9 @@ void mark_explained(const SurfaceSample& sample, const std::vector<Hypothesis>& 
     for (const Hypothesis& one : known) {
         Shape shape = one.shape;
         shape.point = shape.point - sample.origin;
+        const double least_cosine = one.thin ? -1 : cos_angle;
         for_points_near(sample, reached_box(one, limits.reach), shape, limits.threshold, [&](std::uint32_t i) {
-            if (!taken[i] && fits(sample, i, shape, limits.threshold, cos_angle)) taken[i] = 1;
+            if (!taken[i] && fits(sample, i, shape, limits.threshold, least_cosine)) taken[i] = 1;
         });
     }
 }

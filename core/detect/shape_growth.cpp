@@ -1,5 +1,6 @@
 #include "pcm/detect/shape_growth.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_fit.h"
 
@@ -104,6 +105,29 @@ FoundShape ShapeGrowth::grow(Shape shape, const std::vector<std::uint32_t>& from
     found.points = std::move(points);
     found.threshold = limits.threshold;
     return found;
+}
+
+FoundShape ShapeGrowth::grow_around(const FoundShape& pipe, const GrowthLimits& limits)
+{
+    double low = infinity, high = -infinity;
+    for (const std::uint32_t i : pipe.points) {
+        const double along = dot(sample_.at[i] - pipe.shape.point, pipe.shape.axis);
+        low = std::min(low, along);
+        high = std::max(high, along);
+    }
+    Box3d box;
+    for (const double along : {low, high}) box.extend(sample_.origin + pipe.shape.point + along * pipe.shape.axis);
+    for (std::size_t a = 0; a < 3; ++a) {
+        box.min[a] -= pipe.shape.radius + limits.threshold;
+        box.max[a] += pipe.shape.radius + limits.threshold;
+    }
+    std::vector<std::uint32_t> around;
+    for_points_near(sample_, box, pipe.shape, limits.threshold, [&](std::uint32_t i) {
+        const double along = dot(sample_.at[i] - pipe.shape.point, pipe.shape.axis);
+        if (!taken_[i] && along >= low && along <= high && fits(sample_, i, pipe.shape, limits.threshold, -1))
+            around.push_back(i);
+    });
+    return grow(pipe.shape, around, limits);
 }
 
 void ShapeGrowth::take(const FoundShape& found, const GrowthLimits& limits)

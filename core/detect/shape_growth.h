@@ -15,6 +15,7 @@ struct FoundShape {
     std::vector<std::uint32_t> points;  // numbers of points of the sample
     double rms = 0;                     // rms of their distances
     double threshold = 0;               // maximum of their distances, source units
+    bool thin = false;                  // normals of its points show nothing of it
 };
 
 // Which points belong to a growing shape.
@@ -45,6 +46,10 @@ public:
     // All free points that edges reach from `from` through points that fit; the shape is fitted again each time that
     // it has twice the points, and three times at the end. Fewer than limits.least points where it has none.
     FoundShape grow(Shape shape, const std::vector<std::uint32_t>& from, const GrowthLimits& limits);
+
+    // A cylinder grown from all free points near it between its ends: edges do not lead around a pipe whose sides are
+    // seen by different scanners, or past what is in front of it.
+    FoundShape grow_around(const FoundShape& pipe, const GrowthLimits& limits);
 
     // Takes a shape's points, and those next to it that noise may have put there: they are not a shape of their own.
     void take(const FoundShape& found, const GrowthLimits& limits);

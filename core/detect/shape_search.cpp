@@ -1,6 +1,8 @@
 #include "pcm/detect/shape_search.h"
 
 #include "pcm/detect/local_surface.h"
+#include "pcm/detect/lone_pipe.h"
+#include "pcm/detect/pipe_start.h"
 #include "pcm/detect/sagitta.h"
 #include "pcm/detect/seed_order.h"
 #include "pcm/detect/tuning.h"
@@ -36,7 +38,7 @@ public:
             if (!growth_.is_free(seed) || tried_[seed]) continue;
             FoundShape best = best_from(seed);
             if (best.points.size() < options_.least) continue;
-            growth_.take(best, limits_);
+            growth_.take(best, best.thin ? without_normals() : limits_);
             found.push_back(std::move(best));
         }
         return found;
@@ -71,7 +73,46 @@ private:
                 continue;
             if (grown.points.size() > best.points.size()) best = std::move(grown);
         }
+        if (options_.pipes_of_strips && !best.points.empty() && traits_of(best.shape.kind).is_flat()) {
+            FoundShape pipe = pipe_along(best);
+            const double least = tuned_.curved_gain * static_cast<double>(best.points.size());
+            if (static_cast<double>(pipe.points.size()) >= least && is_curved(pipe)) return pipe;
+        }
         return best;
+    }
+
+    // The cylinder that a plane longer than wide is cut out of, if it bends across; patches that are as wide as a pipe
+    // do not show its curvature, and those that are narrower are too few points.
+    FoundShape pipe_along(const FoundShape& strip)
+    {
+        const std::vector<Vec3d> points = places_of(sample_, strip.points);
+        const auto line = line_of(points, detect_tuning().pipes.min_elongation);
+        const auto start = line ? cylinder_along(*line, points) : std::nullopt;
+        if (!start) return {};
+        const double width = extent_along(normalised(cross(line->axis, normal_at(strip.shape, line->middle))), points);
+        const double bend = width * width / (8 * start->radius);
+        if (bend < tuned_.min_strip_bend * options_.threshold) return {};
+        const bool thin = start->radius < tuned_.thin_spacings * spacing_of(strip.points);
+        FoundShape pipe = growth_.grow(*start, strip.points, thin ? without_normals() : limits_);
+        if (thin && !pipe.points.empty()) {
+            pipe = growth_.grow_around(pipe, without_normals());
+            if (pipe.points.empty() || !is_lone_pipe(sample_, growth_, pipe, tuned_.min_arc)) return {};
+        }
+        pipe.thin = thin;
+        return pipe;
+    }
+
+    GrowthLimits without_normals() const { return {limits_.threshold, -1, limits_.least}; }
+
+    // The median over some of the points.
+    double spacing_of(const std::vector<std::uint32_t>& points) const
+    {
+        std::vector<float> spacings;
+        for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / 64)
+            spacings.push_back(sample_.spacing[points[i]]);
+        const auto middle = spacings.begin() + static_cast<std::ptrdiff_t>(spacings.size() / 2);
+        std::nth_element(spacings.begin(), middle, spacings.end());
+        return *middle;
     }
 
     // Whether the normals of the points turn too much for a plane.

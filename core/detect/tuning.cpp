@@ -31,6 +31,7 @@ SearchValues search_values(DetectTuning& detect)
         PCM_TUNED(detect.search.smooth_share),       PCM_TUNED(detect.search.max_rough),
         PCM_TUNED(detect.search.curved_gain),        PCM_TUNED(detect.search.min_arc),
         PCM_TUNED(detect.search.sagitta_thresholds), PCM_TUNED(detect.search.width_thresholds),
+        PCM_TUNED(detect.search.min_strip_bend),     PCM_TUNED(detect.search.thin_spacings),
         PCM_TUNED(detect.search.tried_points),
     }};
 }
@@ -63,6 +64,7 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.pieces.min_outline),
         PCM_TUNED(detect.pieces.flat_rms),
         PCM_TUNED(detect.pieces.flat_outline),
+
         PCM_TUNED(detect.pieces.min_neighbours),
         PCM_TUNED(detect.pieces.min_beyond),
         PCM_TUNED(detect.pieces.max_beyond),

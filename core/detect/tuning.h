@@ -92,6 +92,13 @@ struct ShapeSearchTuning {
     // Chosen: the chord within a threshold of a plane in a pipe of three thresholds' radius, the thinnest one that is
     // not refused, is 5.7; not swept.
     double width_thresholds = 6;  // thresholds
+    // Bend across a narrow plane from which on a cylinder along it is tried: what a threshold cuts out of a pipe bends
+    // by two.
+    // Chosen: half of that, for pipes of which a part is hidden; not swept.
+    double min_strip_bend = 0.5;  // thresholds
+    // Radius of a pipe below which normals of its points, out of 16 neighbours, show nothing of it.
+    // Chosen: 16 points are 4.5 spacings across; not swept.
+    double thin_spacings = 5;  // spacings
     // Points around a seed without a shape that are not tried again.
     // Chosen: not swept.
     std::size_t tried_points = 12;  // points

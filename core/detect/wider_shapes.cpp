@@ -190,7 +190,7 @@ private:
             const Trial& one = trials[first + h];
             const bool piece =
                 own ? one.pieces > one.whole : one.pieces >= one.whole || is_cut_out(*one.largest, from[h].threshold);
-            (piece ? bent : kept).push_back(from[h]);
+            (piece && !from[h].whole ? bent : kept).push_back(from[h]);
         }
         from = std::move(kept);
         return bent;
