@@ -62,6 +62,8 @@ ValuesAtPlace values_at_place(PlaceTuning& place)
         PCM_TUNED(place.departure.min_hidden_share),
         PCM_TUNED(place.departure.max_rest),
         PCM_TUNED(place.departure.max_agreement),
+        PCM_TUNED(place.departure.min_dominant_share),
+        PCM_TUNED(place.departure.min_dominant_size),
         PCM_TUNED(place.departure.min_station_spreads),
     }};
 }
@@ -74,6 +76,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.growth.max_raised),
         PCM_TUNED(place.growth.raised_limit),
         PCM_TUNED(place.growth.min_inner),
+        PCM_TUNED(place.growth.min_compared),
         PCM_TUNED(place.growth.settled_change),
         PCM_TUNED(place.growth.max_edge_share),
         PCM_TUNED(place.growth.min_edge_points),
@@ -99,6 +102,9 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.max_noise_growth),
         PCM_TUNED(place.following.max_close_noise),
         PCM_TUNED(place.following.min_shared_bend),
+        PCM_TUNED(place.following.max_shared_noise),
+        PCM_TUNED(place.following.min_inner_share),
+        PCM_TUNED(place.following.max_next_to_place),
         PCM_TUNED(place.following.max_noise_share),
         PCM_TUNED(place.following.min_agreement),
         PCM_TUNED(place.following.max_other_noise),
