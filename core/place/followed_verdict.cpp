@@ -162,19 +162,19 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
             departure.is_smooth(known_noise()) || own.share > place_tuning().departure.min_hidden_share;
         if (is_seen && own.is_smooth(known_noise())) doubt_uneven(own, result);
     }
-    if (is_automatic && fit.verdict == FitVerdict::good) doubt_others(followed, departure, noise, fit);
+    if (is_automatic && fit.verdict == FitVerdict::good) doubt_others(followed, cut_out, departure, noise, fit);
     if (is_automatic && !other_) doubt_unsettled(followed, result);
 }
 
 // What is out of round by more than neighbours show of noise is doubted before, as that. Where no stations are known,
 // errors that neighbours share may be the scanner's.
-void FollowedVerdict::doubt_others(const FollowedPoints& followed, const Departure& departure, double noise,
-                                   ShapeFit& fit)
+void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutEvidence& cut_out,
+                                   const Departure& departure, double noise, ShapeFit& fit)
 {
     const FollowingTuning& tuned = place_tuning().following;
-    if (followed.inner_share < tuned.min_inner_share)
+    if (followed.inner_share < tuned.min_inner_share && fit.inliers < tuned.min_small_points && cut_out.is_crossed())
         return doubt(fit, FitIssue::other_surface,
-                     "nearly all of its points lie next to points that leave it, so they may be a strip of another "
+                     "nearly all of its few points lie next to points that leave it, so they may be a strip of another "
                      "surface: take a smaller neighbourhood, or give a threshold");
     const double explained = std::hypot(known_noise(), stations().spread);
     if (around_.are_named() && explained > 0 && noise > tuned.max_shared_noise * explained &&

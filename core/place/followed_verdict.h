@@ -2,6 +2,7 @@
 // noise that the points at the place have.
 #pragma once
 
+#include "pcm/place/cut_out_evidence.h"
 #include "pcm/place/departure.h"
 #include "pcm/place/fit_at.h"
 #include "pcm/place/one_surface.h"
@@ -65,9 +66,10 @@ private:
     // Says of points that were taken for those of several surfaces by how much they leave the shape together, if so.
     void name_departure(const FollowedPoints& followed, const std::vector<Vec3d>& fitted, FittedPrimitive& result);
     static void doubt_uneven(const Departure& departure, FittedPrimitive& result);
-    // Nearly all points lie next to others, or neighbours leave the shape together by more than noise and what is known
-    // of the stations' shifts explain.
-    void doubt_others(const FollowedPoints& followed, const Departure& departure, double noise, ShapeFit& fit);
+    // All of few points lie next to others that cross the shape, or neighbours leave the shape together by more than
+    // noise and what is known of the stations' shifts explain.
+    void doubt_others(const FollowedPoints& followed, const CutOutEvidence& cut_out, const Departure& departure,
+                      double noise, ShapeFit& fit);
     // Growth has ended with the rounds, not with the shape.
     void doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const;
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near);

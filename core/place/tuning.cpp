@@ -48,6 +48,7 @@ ValuesAtPlace values_at_place(PlaceTuning& place)
         PCM_TUNED(place.cut_outs.gap),
         PCM_TUNED(place.cut_outs.max_overshoot),
         PCM_TUNED(place.cut_outs.max_bend),
+        PCM_TUNED(place.cut_outs.min_crossing),
         PCM_TUNED(place.cut_outs.max_noise),
         PCM_TUNED(place.kinds.far_less_noise),
         PCM_TUNED(place.kinds.surface_noise),

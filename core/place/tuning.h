@@ -117,6 +117,10 @@ struct CutOutTuning {
     // Maximum bend of a surface that continues. A share of squares: detect.pieces.min_bend is its root.
     // Chosen: not swept.
     double max_bend = 0.4;  // share of the squared distances
+    // Minimum share that the band next to the threshold has of the fullest one where a surface crosses the shape: the
+    // face of a plate that is two thresholds thick has 0.15, for noise of a third of the threshold.
+    // Chosen: twice that; not swept.
+    double min_crossing = 0.3;  // points of the fullest band
     // Maximum noise of a surface that continues.
     // Chosen: not swept.
     double max_noise = 2;  // noise of the surface at the place
@@ -317,8 +321,8 @@ struct FollowingTuning {
     // Chosen: by those; not swept.
     double max_next_to_place = 0.6;  // points within the threshold
     // Minimum share of the points next to which the cloud does not leave the shape. Of 76 right planes of a ray-cast
-    // plant three have less, two of them on edges of plates 8 mm wide; strips of pipes as planes and the flange of a
-    // beam with its edges have 0 to 0.03.
+    // plant three have less, two of them on edges of plates 8 mm wide; strips of pipes as planes have 0 to 0.03, of 131
+    // to 244 points. Faces of posts of 1,700 points have less, too, so it counts below min_small_points.
     // Chosen: by those; not swept.
     double min_inner_share = 0.1;  // share of the points
     // Agreement of errors above which another kind is looked for.

@@ -22,7 +22,11 @@ protected:
     {
         Dice dice(7);
         std::vector<SurfacePoint> points;
-        for (int i = 0; i < 6000; ++i) {
+        for (int i = 0; i < beside_; ++i) {
+            const double x = crosses_ ? dice.between(0.04, 0.28) : 0.23 + 0.01 * dice.normal();
+            points.push_back({{x, dice.between(-0.01, 0.01), -dice.between(0.1, 2)}, {}});
+        }
+        for (int i = 0; i < count_; ++i) {
             const double along = dice.between(0, 2 * pi), away = noise * dice.normal(), u = dice.between(-0.1, 0.1);
             const double z = dice.between(0, 2);
             const std::array<Vec3d, 4> faces{
@@ -69,15 +73,16 @@ protected:
         tree_ = tree(points);
         const auto cloud = PointCloud::open(tree_->folder());
         FittedPrimitive result{
-            {}, set_where(tree_, [](const Vec3d&) { return true; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {}, {}};
+            {}, set_where(tree_, [](const Vec3d& p) { return p[2] >= 0; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {}, {}};
         result.primitive.fit = fit;
+        result.primitive.fit.inliers = result.points.size();
         if (fit.issue == FitIssue::none) result.primitive.fit.verdict = FitVerdict::good;
         result.local.threshold = fit.threshold;
         result.near.points = FitPoints::of(near_);
         result.converged = converged;
         result.rounds = 8;
-        // What is around it says nothing here.
-        const PointSet around = set_where(tree_, [](const Vec3d& p) { return p[2] < 0; });
+        // All points, or nothing.
+        const PointSet around = set_where(tree_, [&](const Vec3d& p) { return beside_ > 0 || p[2] < 0; });
         const std::optional<SweptPart> part;
         const FitAtOptions options;
         const ProgressFunction progress;
@@ -107,6 +112,9 @@ protected:
     double less_noise_ = 1;  // factor on the noise of the closest points
     std::shared_ptr<const Tree> tree_;
     double inner_share_ = 1;
+    int count_ = 6000;      // number of points of the column
+    int beside_ = 0;        // number of points next to the column
+    bool crosses_ = false;  // whether they are those of a wall that crosses it, or of one along it
     std::vector<Vec3d> near_;
     const std::vector<Vec3d> places_{{0.1, 0, 1}};
 };
@@ -156,6 +164,10 @@ TEST_F(FollowedVerdictTest, TwoFacesAreNotBulged)
 TEST_F(FollowedVerdictTest, WhatLiesNextToOthersNearlyEverywhereIsDoubted)
 {
     inner_share_ = 0.03;
+    count_ = 400;
+    beside_ = 200;
+    EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::good) << "the other face of a plate";
+    crosses_ = true;
     const FittedPrimitive strip = judged(false, 0.012);
     EXPECT_EQ(strip.primitive.fit.verdict, FitVerdict::doubtful);
     EXPECT_EQ(strip.primitive.fit.issue, FitIssue::other_surface);
