@@ -41,6 +41,8 @@ bool CutOutEvidence::is_cut_out(double noise) const
 
 bool CutOutEvidence::is_by_chance() const { return chance > fit_tuning().consensus.max_chance; }
 
+bool CutOutEvidence::is_crossed() const { return crossing > place_tuning().cut_outs.min_crossing; }
+
 CutOutEvidence cut_out_evidence(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
 {
     CutOutEvidence result;
@@ -75,6 +77,8 @@ CutOutEvidence cut_out_evidence(const Shape& shape, double threshold, const std:
         overshoot += std::sqrt(near[0].square) > slant * outside + gap;
     }
     result.overshoot = static_cast<double>(overshoot) / static_cast<double>(count);
+    const double fullest = *std::max_element(beside.begin(), beside.end());
+    if (fullest > 0) result.crossing = std::max(beside[0], beside[bands]) / fullest;
     std::nth_element(beside.begin(), beside.begin() + bands, beside.end());
     result.chance = 2 * bands_per_threshold * beside[bands] / static_cast<double>(count);
     result.bend = squares > 0 ? smooth / squares : 0;

@@ -22,10 +22,14 @@ struct CutOutEvidence {
     // Expected number of chance points within the threshold, per point within it: from the median of the numbers of
     // points next to it, in bands of half a threshold on both sides. Another surface there is in some of the bands.
     double chance = 0;
+    // Number of points in the fuller one of the two bands next to the threshold, relative to the fullest band: near 1
+    // where another surface crosses the shape, near 0 where it runs along it, as the other face of a plate does.
+    double crossing = 0;
 
     // `noise`: the fit's noise, in units of that of the surface near the place; 0: unknown.
     bool is_cut_out(double noise) const;
     bool is_by_chance() const;
+    bool is_crossed() const;
 };
 
 // `points`: up to around_thresholds (grow_shape.h) * threshold from the shape, connected, about as dense everywhere;

@@ -231,6 +231,12 @@ bool Departure::is_smooth(double noise) const
            agreement < tuned.max_agreement;
 }
 
+bool Departure::is_dominant(double noise) const
+{
+    const DepartureTuning& tuned = place_tuning().departure;
+    return !is_chance && share > tuned.min_dominant_share && noise > 0 && size > tuned.min_dominant_size * noise;
+}
+
 std::string Departure::message(const std::string& shape) const
 {
     return "the points leave the " + shape + " together by " + brief(size) + " (root mean square) and are within " +

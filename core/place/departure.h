@@ -26,6 +26,9 @@ struct Departure {
     // source units: a large share, which leaves that noise, independent from point to point. Errors of scanners that
     // neighbours share leave more of both.
     bool is_smooth(double noise) const;
+    // Whether it is far larger than that noise and nearly all of what the points leave the shape by, whatever is left:
+    // a tank that is out of round by many times what stations and edges add to the noise.
+    bool is_dominant(double noise) const;
     // What that is, a sentence for people; `shape`: how the shape is called there, such as "cylinder".
     std::string message(const std::string& shape) const;
 };

@@ -344,6 +344,8 @@ private:
             if (const Vec3d p = close.points.source(i); distance_to(local.shape, p) <= local.threshold)
                 positions.push_back(p);
         result.step = options_.step > 0 ? options_.step : step_for(local.shape, automatic_step(positions));
+        if (options_.step <= 0 && positions.size() < 2 && close.ids.size() >= 2)
+            return come_back("none of the nearest points of the place lie on it", FitIssue::no_consensus, result);
         if (!(result.step > 0) || !(local.threshold > 0)) return;
         GrowShapeOptions options;
         options.threshold = local.threshold;
@@ -443,7 +445,7 @@ private:
         result.primitive.fit = std::move(grown.fit);
         FollowedVerdict verdict(cloud_, places_, options_, known_, around_, progress_);
         agreement_ = grown.agreement;
-        verdict.judge({grown.around, grown.noise, grown.agreement, grown.part}, result);
+        verdict.judge({grown.around, grown.noise, grown.agreement, grown.part, grown.inner_share}, result);
         other_kind_ = verdict.other_kind();
         other_doubt_ = verdict.other_doubt();
         cuts_noise_ = verdict.cuts_noise();

@@ -121,6 +121,10 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
     if (!passes_places(fit, result.near))
         return doubt(fit, FitIssue::no_consensus,
                      "it does not pass through the place that was picked: pick another place of the surface");
+    if (leaves_places(fit, result.near))
+        return doubt(fit, FitIssue::other_surface,
+                     "at the place that was picked many points lie next to it, so the place may be one of another "
+                     "surface that continues it: pick a place farther from where they meet");
 }
 
 void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around,
@@ -150,13 +154,35 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
               "almost as many points are next to the " + name +
                   " as on it, so it may be there by chance: give a smaller neighbourhood, or a larger threshold "
                   "where the noise is larger");
+    } else if (is_automatic && departure.is_dominant(std::hypot(known_noise(), stations().spread))) {
+        doubt_uneven(departure, result);
     } else if (is_automatic && !departure.is_chance) {
         const Departure own = without_stations(departure, followed.part, result);
         const bool is_seen =
             departure.is_smooth(known_noise()) || own.share > place_tuning().departure.min_hidden_share;
         if (is_seen && own.is_smooth(known_noise())) doubt_uneven(own, result);
     }
+    if (is_automatic && fit.verdict == FitVerdict::good) doubt_others(followed, cut_out, departure, noise, fit);
     if (is_automatic && !other_) doubt_unsettled(followed, result);
+}
+
+// What is out of round by more than neighbours show of noise is doubted before, as that. Where no stations are known,
+// errors that neighbours share may be the scanner's.
+void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutEvidence& cut_out,
+                                   const Departure& departure, double noise, ShapeFit& fit)
+{
+    const FollowingTuning& tuned = place_tuning().following;
+    if (followed.inner_share < tuned.min_inner_share && fit.inliers < tuned.min_small_points && cut_out.is_crossed())
+        return doubt(fit, FitIssue::other_surface,
+                     "nearly all of its few points lie next to points that leave it, so they may be a strip of another "
+                     "surface: take a smaller neighbourhood, or give a threshold");
+    const double explained = std::hypot(known_noise(), stations().spread);
+    if (around_.are_named() && explained > 0 && noise > tuned.max_shared_noise * explained &&
+        std::max(followed.agreement, departure.agreement) > tuned.max_other_agreement)
+        doubt(fit, FitIssue::other_surface,
+              "neighbouring points leave it together by " + brief(noise) +
+                  ", which neither the noise at the place nor shifts of the stations explain: it may hold several "
+                  "surfaces, so take a smaller neighbourhood, or give a threshold");
 }
 
 void FollowedVerdict::doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const
@@ -192,6 +218,26 @@ bool FollowedVerdict::passes_places(const ShapeFit& fit, const NearPoints& near)
         for (std::size_t i = 0; i < near.ids.size(); ++i)
             to_cloud = std::min(to_cloud, length(near.points.source(i) - place));
         return distance_to(fit.shape, place) <= to_cloud + farthest_place(fit);
+    });
+}
+
+// Whether many of the points nearest to a place lie next to a curved shape, rather than on it or on something else: the
+// place is one of an elbow's side, and the shape its pipe. The other face of a plate lies next to a plane, too.
+bool FollowedVerdict::leaves_places(const ShapeFit& fit, const NearPoints& near) const
+{
+    if (traits_of(fit.shape.kind).is_flat()) return false;
+    return std::any_of(places_.begin(), places_.end(), [&](const Vec3d& place) {
+        std::vector<Vec3d> core = near.points.sources();
+        const std::size_t count = std::min(core.size(), place_tuning().neighbourhood.core_points);
+        std::partial_sort(core.begin(), core.begin() + static_cast<std::ptrdiff_t>(count), core.end(),
+                          [&](const Vec3d& a, const Vec3d& b) { return length(a - place) < length(b - place); });
+        double on = 0, next_to = 0;
+        for (std::size_t i = 0; i < count; ++i) {
+            const double thresholds = distance_to(fit.shape, core[i]) / fit.threshold;
+            on += thresholds <= 1;
+            next_to += thresholds > 1 && thresholds <= around_thresholds;
+        }
+        return next_to > place_tuning().following.max_next_to_place * on;
     });
 }
 

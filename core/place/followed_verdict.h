@@ -2,6 +2,7 @@
 // noise that the points at the place have.
 #pragma once
 
+#include "pcm/place/cut_out_evidence.h"
 #include "pcm/place/departure.h"
 #include "pcm/place/fit_at.h"
 #include "pcm/place/one_surface.h"
@@ -23,6 +24,7 @@ struct FollowedPoints {
     double noise = 0;        // GrownShape::noise and agreement
     double agreement = 1;
     const std::optional<SweptPart>& part;  // GrownShape::part
+    double inner_share = 1;                // GrownShape::inner_share
 };
 
 // Standard deviations, source units; 0: unknown.
@@ -38,9 +40,9 @@ public:
     FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
                     const KnownErrors& known, StationsAround& around, const ProgressFunction& progress);
 
-    // Doubts a good fit whose points may be a ring or strip of another surface, several surfaces within a wide
-    // threshold, there by chance, out of round or bulged. Says of the last, also of a fit that is doubted as one of
-    // several surfaces, by how much they are.
+    // Doubts a good fit whose points may be a ring or strip of another surface, nearly all next to points that leave
+    // it, several surfaces within a wide threshold, there by chance, out of round or bulged. Says of the last, also of
+    // a fit that is doubted as one of several surfaces, by how much they are.
     void judge(const FollowedPoints& followed, FittedPrimitive& result);
     // A shape of another of the wanted kinds, if these points are far more probable for it. It is to be followed in
     // turn, and if it cannot be, the fit is doubtful for the reason `other_doubt`.
@@ -64,10 +66,15 @@ private:
     // Says of points that were taken for those of several surfaces by how much they leave the shape together, if so.
     void name_departure(const FollowedPoints& followed, const std::vector<Vec3d>& fitted, FittedPrimitive& result);
     static void doubt_uneven(const Departure& departure, FittedPrimitive& result);
+    // All of few points lie next to others that cross the shape, or neighbours leave the shape together by more than
+    // noise and what is known of the stations' shifts explain.
+    void doubt_others(const FollowedPoints& followed, const CutOutEvidence& cut_out, const Departure& departure,
+                      double noise, ShapeFit& fit);
     // Growth has ended with the rounds, not with the shape.
     void doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const;
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near);
     bool passes_places(const ShapeFit& fit, const NearPoints& near) const;
+    bool leaves_places(const ShapeFit& fit, const NearPoints& near) const;
     std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
                                              const std::vector<Vec3d>& around) const;
     void find_other_kind(const ShapeFit& fit, const PointSet& around);

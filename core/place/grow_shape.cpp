@@ -1,5 +1,7 @@
 #include "pcm/place/grow_shape.h"
 
+#include "pcm/fit/models/shape_model.h"
+#include "pcm/fit/tuning.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/inner_points.h"
 #include "pcm/place/near_shape.h"
@@ -34,7 +36,7 @@ public:
     GrownShape run(const Shape& start)
     {
         const PointSet none(seeds_.shared_tree());
-        GrownShape grown{{}, 0, 1, none, start, threshold_, {}, none, 0, false};
+        GrownShape grown{{}, 0, 1, none, start, threshold_, {}, 1, none, 0, false};
         grown.fit.shape = start;
         const unsigned rounds = std::max(1u, options_.most_rounds);
         while (grown.rounds < rounds && !grown.converged) {
@@ -105,17 +107,46 @@ private:
                                       part_of(options_.progress, 0, 0.3));
         PointSet inner = inner_points(grown.points, grown.around, before, threshold_, options_.threads,
                                       part_of(options_.progress, 0.3, 0.5));
-        const auto is_enough = [&] {
-            return static_cast<double>(inner.size()) >= tuned_.min_inner * static_cast<double>(grown.points.size());
-        };
-        if (!is_enough()) inner = grown.points;
-        if (const auto part = swept_part_of(grown.points, grown)) return fit_swept_part(*part, inner, grown);
+        if (!grown.points.empty())
+            grown.inner_share = static_cast<double>(inner.size()) / static_cast<double>(grown.points.size());
+        const bool is_enough = grown.inner_share >= tuned_.min_inner;
+        if (const auto part = swept_part_of(grown.points, grown))
+            return fit_swept_part(*part, is_enough ? inner : grown.points, grown);
+        if (!is_enough) return contain_edges(inner, grown);
         if (inner.size() == grown.points.size()) return;
         const RefittedShape fitted = refit(inner, before, 0.55, 0.7, true);
         if (!fitted.fit.has_shape()) return;
         if (change_in_errors(before, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) > tuned_.settled_change)
             reach(fitted.fit.shape, 0.7, 1, grown);
         take(fitted, grown);
+    }
+
+    // What points of other surfaces at the edges have moved the shape by, beyond what chance moves the few inner ones.
+    void contain_edges(const PointSet& inner, GrownShape& grown) const
+    {
+        if (inner.size() < tuned_.min_compared) return;
+        const RefittedShape fitted = refit(inner, grown.fit.shape, 0.55, 0.7, true);
+        if (!fitted.fit.has_shape()) return doubt_edges(grown.fit);
+        const ShapeErrors moved = difference_of(grown.fit.shape, fitted.fit.shape, fitted.box.centre());
+        const auto contain = [](double by, double chance, double& error) {
+            if (by > chance) error = std::hypot(error, std::sqrt(by * by - chance * chance));
+        };
+        contain(moved.position, fitted.fit.errors.position, grown.fit.errors.position);
+        contain(moved.angle, fitted.fit.errors.angle, grown.fit.errors.angle);
+        contain(moved.radius, fitted.fit.errors.radius, grown.fit.errors.radius);
+        contain(moved.second, fitted.fit.errors.second, grown.fit.errors.second);
+        const auto [flat, other] = model_of(grown.fit.shape.kind).significance(grown.fit.shape, grown.fit.errors);
+        if (!(std::min(flat, other) >= fit_tuning().judgement.good_significance)) doubt_edges(grown.fit);
+    }
+
+    static void doubt_edges(ShapeFit& fit)
+    {
+        if (fit.verdict != FitVerdict::good) return;
+        fit.verdict = FitVerdict::doubtful;
+        fit.issue = FitIssue::thin_arc;
+        fit.message =
+            "most of its points lie next to other surfaces, and the others leave its size uncertain: take points "
+            "farther around it";
     }
 
     static void take(const RefittedShape& fitted, GrownShape& grown)

@@ -42,9 +42,12 @@ struct GrownShape {
     Shape followed;                 // shape of the last round of growth, which `points` are near
     double threshold = 0;           // maximum distance of `points` from `followed`
     std::optional<SweptPart> part;  // part of a swept shape, if `fit` is to the points of that part alone
-    PointSet around;                // next to `points`, up to around_thresholds from `fit.shape`; empty without rounds
-    unsigned rounds = 0;            // number of rounds done
-    bool converged = false;         // the last round changed the shape by less than a quarter of its errors
+    // Share of the points next to which the cloud does not leave the shape. Where it is below half, `fit` is to all of
+    // them, and its errors contain how far a fit to the inner ones is from it.
+    double inner_share = 1;
+    PointSet around;         // next to `points`, up to around_thresholds from `fit.shape`; empty without rounds
+    unsigned rounds = 0;     // number of rounds done
+    bool converged = false;  // the last round changed the shape by less than a quarter of its errors
 };
 
 // From the seeds (those near the surface), by steps from point to point, through points whose distance from the surface

@@ -2,8 +2,10 @@
 
 #include "pcm/place/station_sample.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -25,6 +27,9 @@ Departure departure_within_stations(const PointSet& points, const ShapeFit& fit,
         places.push_back(p.place);
         numbers.push_back(p.station);
     }
+    // Points of one station are shifted together.
+    const bool is_one = std::adjacent_find(numbers.begin(), numbers.end(), std::not_equal_to<>()) == numbers.end();
+    if (is_one) return departure_of(fit.shape, fit.threshold, places);
     return departure_of(fit.shape, fit.threshold, places, {std::move(numbers), errors.spread, errors.noise});
 }
 

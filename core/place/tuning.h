@@ -117,6 +117,10 @@ struct CutOutTuning {
     // Maximum bend of a surface that continues. A share of squares: detect.pieces.min_bend is its root.
     // Chosen: not swept.
     double max_bend = 0.4;  // share of the squared distances
+    // Minimum share that the band next to the threshold has of the fullest one where a surface crosses the shape: the
+    // face of a plate that is two thresholds thick has 0.15, for noise of a third of the threshold.
+    // Chosen: twice that; not swept.
+    double min_crossing = 0.3;  // points of the fullest band
     // Maximum noise of a surface that continues.
     // Chosen: not swept.
     double max_noise = 2;  // noise of the surface at the place
@@ -171,6 +175,14 @@ struct DepartureTuning {
     // Maximum agreement of neighbours about the smooth surface.
     // Chosen: as following.max_other_agreement; not swept.
     double max_agreement = 1.35;  // factor on the errors
+    // Minimum share of a departure that is doubted whatever it leaves: a tank whose half axes differ by 21 mm from
+    // their mean has 0.94 where its rest is 3 times the noise.
+    //
+    // Chosen: between that and scans with errors that neighbours share; not swept.
+    double min_dominant_share = 0.8;  // share of the squared distances
+    // Minimum size of such a departure: that tank has 7.5 times.
+    // Chosen: with min_dominant_share; not swept.
+    double min_dominant_size = 4;  // noise of the points at the place and spread of the stations
     // Minimum size of a departure where stations are apart: pipes that three stations see are out of round by 0.5 to
     // 0.9 of that.
     // Chosen: by those; not swept.
@@ -188,6 +200,9 @@ struct GrowthTuning {
     // Fewer inner points are not used alone.
     // Chosen: not swept.
     double min_inner = 0.5;  // share of the points
+    // Fewer inner points show nothing of what edges do to a fit.
+    // Chosen: not swept.
+    std::size_t min_compared = 24;  // points
     // A shape that changes by less has converged.
     // Chosen: not swept.
     double settled_change = 0.25;  // standard deviations of its errors
@@ -296,6 +311,20 @@ struct FollowingTuning {
     // wrong ones.
     // Chosen: by those clicks; not swept.
     double max_noise_share = 0.46;  // thresholds
+    // Maximum noise of points that neighbours share, where stations are known: of 100 good answers on a ray-cast plant
+    // right ones have up to 1.0, crowns of racks as planes 2.5 and 5.4, an elbow with its pipes 3.1.
+    // Chosen: as departure.max_rest; not swept.
+    double max_shared_noise = 1.6;  // noise of the closest points and spread of the stations, together
+    // Maximum number of the nearest points of a place that lie next to a curved shape. Clicks on elbows that found
+    // their pipes have 0.67 to 0.85; of 220 right answers one has 0.72, the others up to 0.47.
+    //
+    // Chosen: by those; not swept.
+    double max_next_to_place = 0.6;  // points within the threshold
+    // Minimum share of the points next to which the cloud does not leave the shape. Of 76 right planes of a ray-cast
+    // plant three have less, two of them on edges of plates 8 mm wide; strips of pipes as planes have 0 to 0.03, of 131
+    // to 244 points. Faces of posts of 1,700 points have less, too, so it counts below min_small_points.
+    // Chosen: by those; not swept.
+    double min_inner_share = 0.1;  // share of the points
     // Agreement of errors above which another kind is looked for.
     // Chosen: true shapes among 250 clicks have 1 to 1.34, most of them 1; not swept.
     double min_agreement = 1.05;  // factor on the errors

@@ -3,7 +3,7 @@
 #include "pcm/place/followed_verdict.h"
 
 #include "pcm/point_cloud.h"
-#include "tests/place/shape_cloud.h"
+#include "tests/place/station_cloud.h"
 
 namespace {
 
@@ -22,7 +22,11 @@ protected:
     {
         Dice dice(7);
         std::vector<SurfacePoint> points;
-        for (int i = 0; i < 6000; ++i) {
+        for (int i = 0; i < beside_; ++i) {
+            const double x = crosses_ ? dice.between(0.04, 0.28) : 0.23 + 0.01 * dice.normal();
+            points.push_back({{x, dice.between(-0.01, 0.01), -dice.between(0.1, 2)}, {}});
+        }
+        for (int i = 0; i < count_; ++i) {
             const double along = dice.between(0, 2 * pi), away = noise * dice.normal(), u = dice.between(-0.1, 0.1);
             const double z = dice.between(0, 2);
             const std::array<Vec3d, 4> faces{
@@ -66,28 +70,52 @@ protected:
     FittedPrimitive judged(const std::vector<SurfacePoint>& points, const ShapeFit& fit, double close_noise,
                            double agreement, bool converged)
     {
-        tree_ = build_surface_tree(folder_.path(), points);
+        tree_ = tree(points);
         const auto cloud = PointCloud::open(tree_->folder());
         FittedPrimitive result{
-            {}, set_where(tree_, [](const Vec3d&) { return true; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {}, {}};
+            {}, set_where(tree_, [](const Vec3d& p) { return p[2] >= 0; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {}, {}};
         result.primitive.fit = fit;
+        result.primitive.fit.inliers = result.points.size();
         if (fit.issue == FitIssue::none) result.primitive.fit.verdict = FitVerdict::good;
         result.local.threshold = fit.threshold;
+        result.near.points = FitPoints::of(near_);
         result.converged = converged;
         result.rounds = 8;
-        // What is around it says nothing here.
-        const PointSet around = set_where(tree_, [](const Vec3d& p) { return p[2] < 0; });
+        // All points, or nothing.
+        const PointSet around = set_where(tree_, [&](const Vec3d& p) { return beside_ > 0 || p[2] < 0; });
         const std::optional<SweptPart> part;
         const FitAtOptions options;
         const ProgressFunction progress;
         StationsAround stations(*cloud->tree(), places_.front());
-        FollowedVerdict verdict(*cloud, places_, options, {close_noise, close_noise, 0}, stations, progress);
-        verdict.judge({around, fit.noise, agreement, part}, result);
+        FollowedVerdict verdict(*cloud, places_, options, {less_noise_ * close_noise, less_noise_ * close_noise, 0},
+                                stations, progress);
+        verdict.judge({around, fit.noise, agreement, part, inner_share_}, result);
         return result;
     }
 
+    // Points of two stations that see all of it, or of none that are known.
+    std::shared_ptr<const Tree> tree(const std::vector<SurfacePoint>& points) const
+    {
+        if (!has_stations_) return build_surface_tree(folder_.path(), points);
+        std::vector<StationPoint> seen;
+        for (const SurfacePoint& p : points) seen.push_back({p.position, static_cast<int>(seen.size() / 4 % 2)});
+        write_stations_ply(folder_ / "stations.ply", seen, Says::source_id);
+        BuildOptions options;
+        options.chunk_points = 2000;
+        options.overwrite = true;
+        build_tree({folder_ / "stations.ply"}, folder_ / "stations.pct", options);
+        return Tree::open(folder_ / "stations.pct");
+    }
+
     TemporaryFolder folder_;
+    bool has_stations_ = false;
+    double less_noise_ = 1;  // factor on the noise of the closest points
     std::shared_ptr<const Tree> tree_;
+    double inner_share_ = 1;
+    int count_ = 6000;      // number of points of the column
+    int beside_ = 0;        // number of points next to the column
+    bool crosses_ = false;  // whether they are those of a wall that crosses it, or of one along it
+    std::vector<Vec3d> near_;
     const std::vector<Vec3d> places_{{0.1, 0, 1}};
 };
 
@@ -130,6 +158,55 @@ TEST_F(FollowedVerdictTest, TwoFacesAreNotBulged)
     EXPECT_EQ(plate.primitive.fit.verdict, FitVerdict::doubtful);
     EXPECT_EQ(plate.primitive.fit.issue, FitIssue::other_surface) << plate.primitive.fit.message;
     EXPECT_FALSE(plate.departure);
+}
+
+// Strips of pipes as planes: the points of each lie next to those of its sides.
+TEST_F(FollowedVerdictTest, WhatLiesNextToOthersNearlyEverywhereIsDoubted)
+{
+    inner_share_ = 0.03;
+    count_ = 400;
+    beside_ = 200;
+    EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::good) << "the other face of a plate";
+    crosses_ = true;
+    const FittedPrimitive strip = judged(false, 0.012);
+    EXPECT_EQ(strip.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(strip.primitive.fit.issue, FitIssue::other_surface);
+    EXPECT_NE(strip.primitive.fit.message.find("strip"), std::string::npos) << strip.primitive.fit.message;
+    inner_share_ = 0.3;
+    EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::good);
+}
+
+// On the side of an elbow, whose pipe has the more points: half of those at the place lie next to the pipe.
+TEST_F(FollowedVerdictTest, APlaceNextToWhichTheShapeIsLeftIsDoubted)
+{
+    Dice dice(9);
+    for (const double share : {0.5, 0.2}) {
+        near_.clear();
+        for (int i = 0; i < 60; ++i) {
+            const double along = dice.between(-0.3, 0.3), away = i < 60 * share ? -0.09 : 0;
+            near_.push_back({(radius + away) * std::cos(along), (radius + away) * std::sin(along), 1});
+        }
+        const FittedPrimitive pipe = judged(false, 0.012);
+        EXPECT_EQ(pipe.primitive.fit.verdict, share > 0.3 ? FitVerdict::doubtful : FitVerdict::good)
+            << pipe.primitive.fit.message;
+        if (share > 0.3)
+            EXPECT_NE(pipe.primitive.fit.message.find("next to it"), std::string::npos) << pipe.primitive.fit.message;
+    }
+}
+
+// Crowns of a rack as a plane. Stations that are known, and not apart, do not explain what neighbours share.
+TEST_F(FollowedVerdictTest, WhatNeighboursShareIsDoubtedWhereStationsDoNotExplainIt)
+{
+    less_noise_ = 0.6;
+    for (const bool is_known : {false, true}) {
+        has_stations_ = is_known;
+        const FittedPrimitive shared = judged(false, 0.012, 3, true);
+        EXPECT_EQ(shared.primitive.fit.verdict, is_known ? FitVerdict::doubtful : FitVerdict::good)
+            << shared.primitive.fit.message;
+        EXPECT_EQ(judged(false, 0.012, 1, true).primitive.fit.verdict, FitVerdict::good);
+    }
+    less_noise_ = 1;
+    EXPECT_EQ(judged(false, 0.012, 3, true).primitive.fit.verdict, FitVerdict::good);
 }
 
 // An oval that is followed bit by bit never settles.

@@ -133,6 +133,28 @@ TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AWallIsFollowedWhereItsNoiseRises))
     EXPECT_GT(fitted.reached.threshold, 4 * sigma);
 }
 
+// A ball over a floor that has most of the points around it. Before, the floor was good, and was not followed.
+TEST_F(HonestClick, AShapeWithoutPointsAtThePlaceIsDoubted)
+{
+    std::vector<SurfacePoint> points;
+    pcm::Shape ball;
+    ball.kind = ShapeKind::sphere;
+    ball.point = map + Vec3d{0, 0, 0.3};
+    ball.radius = 0.05;
+    for (int i = 0; i < 1200; ++i) points.push_back(point_on(ball, 0, 0, sigma, dice_));
+    for (int i = 0; i < 20000; ++i)
+        points.push_back({map + Vec3d{dice_.between(-1, 1), dice_.between(-1, 1), sigma * dice_.normal()}, {0, 0, 1}});
+    build_surface_tree(folder_.path(), points);
+    cloud_ = PointCloud::open(folder_ / "surface.pct");
+    FitAtOptions options;
+    options.fit.threshold = 0.006;
+    options.radius = 0.8;
+    const FittedPrimitive floor = fit_at(*cloud_, {points[3].position}, {}, options);
+    ASSERT_EQ(floor.primitive.fit.shape.kind, ShapeKind::plane);
+    EXPECT_EQ(floor.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_NE(floor.left_surface.find("none of the nearest points"), std::string::npos) << floor.left_surface;
+}
+
 // Points of coarse levels represent their cells, and lie on one side of a noisy surface.
 TEST_F(HonestClick, RandomPointsLieAboutTheirSurface)
 {
