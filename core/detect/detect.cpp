@@ -353,6 +353,7 @@ private:
         one.rms = shape.rms;
         one.threshold = shape.threshold;
         one.thin = one.whole = shape.thin;
+        one.of_strip = shape.of_strip;
         one.reach = tuned_.edge_cells * cell;
         for (const std::uint32_t i : shape.points) one.box.extend(sample.origin + sample.at[i]);
         const std::size_t some = std::min(hypothesis_points, shape.points.size());

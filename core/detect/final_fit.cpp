@@ -37,7 +37,7 @@ struct Candidate {
     double extent = 0;
     Vec3d corner{};
     double threshold = 0;
-    bool whole = false, thin = false;  // as those of its hypothesis
+    bool whole = false, thin = false, of_strip = false;  // as those of its hypothesis
     std::uint32_t part = 0;
     bool interior = true;  // is fitted to points inside, not to those at edges
 };
@@ -197,6 +197,7 @@ private:
         candidate.part = part;
         candidate.whole = hypotheses[from.hypothesis].whole;
         candidate.thin = hypotheses[from.hypothesis].thin;
+        candidate.of_strip = hypotheses[from.hypothesis].of_strip;
         candidate.threshold = hypotheses[from.hypothesis].threshold;
         candidate.shape = hypotheses[from.hypothesis].shape;
         candidate.middle = from.box.centre();
@@ -285,6 +286,11 @@ private:
             primitive.fit.message =
                 "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";
         }
+        if (primitive.fit.verdict == FitVerdict::good && candidate.of_strip)
+            doubt(primitive.fit, FitIssue::other_surface,
+                  "it was found as the bend of a narrow strip, as the edges of posts and cones have, too: compare it "
+                  "with "
+                  "a section");
         if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic)
             judge(primitive.fit, part, sums.facts->some.points());
         return primitive;

@@ -16,10 +16,11 @@ struct Hypothesis {
     std::vector<Vec3d> some;  // an even choice of its points; source coordinates
     double area = 0;          // about, source units squared
     double rms = 0;
-    double threshold = 0;  // largest distance of its points, source units
-    double reach = 0;      // its points may lie so far outside of the box, source units
-    bool thin = false;     // normals of its points show nothing of it (pipe_search.h)
-    bool whole = false;    // it was tried whether its points are a piece of something bent: they are not
+    double threshold = 0;   // largest distance of its points, source units
+    double reach = 0;       // its points may lie so far outside of the box, source units
+    bool thin = false;      // normals of its points show nothing of it (pipe_search.h)
+    bool of_strip = false;  // a cylinder along a narrow plane (shape_search.h)
+    bool whole = false;     // it was tried whether its points are a piece of something bent: they are not
 };
 inline constexpr std::size_t hypothesis_points = 256;  // in `some`
 

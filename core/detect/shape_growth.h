@@ -16,6 +16,7 @@ struct FoundShape {
     double rms = 0;                     // rms of their distances
     double threshold = 0;               // maximum of their distances, source units
     bool thin = false;                  // normals of its points show nothing of it
+    bool of_strip = false;              // a cylinder along a narrow plane
 };
 
 // Which points belong to a growing shape.

@@ -99,6 +99,7 @@ private:
             if (pipe.points.empty() || !is_lone_pipe(sample_, growth_, pipe, tuned_.min_arc)) return {};
         }
         pipe.thin = thin;
+        pipe.of_strip = true;
         return pipe;
     }
 

@@ -43,6 +43,7 @@ Hypothesis without_points(const Hypothesis& one)
     copy.threshold = one.threshold;
     copy.reach = one.reach;
     copy.thin = one.thin;
+    copy.of_strip = one.of_strip;
     copy.whole = one.whole;
     return copy;
 }

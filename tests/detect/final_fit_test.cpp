@@ -210,4 +210,17 @@ TEST_F(FinalFitTest, DoubtfulOnesAreLeftOutOnRequestButForThinPipes)
     EXPECT_EQ(fit(false, 0.001, true).primitives.size(), 3u);
 }
 
+TEST_F(FinalFitTest, WhatWasFoundAlongAStripIsDoubtful)
+{
+    build([](std::size_t, double, double, Dice& dice) { return 0.001 * dice.normal(); });
+    for (const Primitive& floor : fit(false).primitives) EXPECT_EQ(floor.fit.verdict, FitVerdict::good);
+    hypothesis_.of_strip = true;
+    const FinalFit doubted = fit(false);
+    ASSERT_EQ(doubted.primitives.size(), 3u);
+    for (const Primitive& floor : doubted.primitives) {
+        EXPECT_EQ(floor.fit.verdict, FitVerdict::doubtful);
+        EXPECT_NE(floor.fit.message.find("narrow strip"), std::string::npos) << floor.fit.message;
+    }
+}
+
 }  // namespace

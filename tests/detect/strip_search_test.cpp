@@ -61,6 +61,7 @@ TEST_F(StripSearches, FindThePipeThatAPlaneIsCutOutOf)
     EXPECT_EQ(pipes[0].shape.kind, ShapeKind::cylinder);
     EXPECT_NEAR(pipes[0].shape.radius, strip_radius, 0.001);
     EXPECT_TRUE(pipes[0].thin);
+    EXPECT_TRUE(pipes[0].of_strip);
     EXPECT_GT(pipes[0].points.size(), 97 * sample_.size() / 100);
     const std::vector<FoundShape> planes = search(false);
     ASSERT_GE(planes.size(), 2u);
