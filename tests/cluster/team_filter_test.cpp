@@ -237,31 +237,5 @@ TEST_F(TeamFilter, OfOtherOptionsStartsAgain)
     EXPECT_THROW(team(2, others, to("team.pct")), Error);  // it exists
 }
 
-TEST_F(TeamFilter, ATreeThatIsChangedMeanwhileIsRefused)
-{
-    build(Shape::surface, 20'000);
-    const NeighbourAttributeOptions options = small_units();
-    try {
-        ThreadTeams(1).run([&](Team& rank) {
-            NeighbourAttributeOptions own = options;
-            bool changed = false;
-            own.progress = [&](const ProgressUpdate& update) {
-                if (update.fraction < 0.7 || changed) return true;  // the last units may be under way
-                changed = true;
-                NeighbourAttributeOptions radii = options;
-                radii.wanted = {};
-                radii.wanted.radius = true;
-                compute_neighbour_attributes(tree_, radii);
-                return true;
-            };
-            compute_neighbour_attributes_by(rank, tree_, {{}, true, false}, own);
-        });
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_NE(std::string(error.what()).find("changed the tree meanwhile"), std::string::npos) << error.what();
-    }
-    EXPECT_TRUE(verify_tree(tree_).faults.empty());
-}
-
 }  // namespace
 }  // namespace pcm
