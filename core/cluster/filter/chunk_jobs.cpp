@@ -2,6 +2,7 @@
 
 #include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/chunk_encoder.h"
+#include "pcm/cluster/filter/tree_jobs.h"
 #include "pcm/cluster/share_jobs.h"
 #include "pcm/cluster/team_work.h"
 #include "pcm/system/error.h"
@@ -17,8 +18,6 @@ namespace pcm {
 namespace {
 
 constexpr const char* chunks_stage = "chunks";
-// Chosen: some ten chunks of the usual size, a second of work, so that many ranks have jobs to the end.
-constexpr std::uint64_t points_of_a_job = 200'000;
 
 }  // namespace
 
@@ -26,16 +25,8 @@ ChunkJobs::ChunkJobs(const JobFolder& jobs, const Tree& tree, bool longer, const
                      ChunkValues values)
     : folder_(jobs), tree_(tree), longer_(longer), results_(results), values_(std::move(values))
 {
-    std::uint64_t points = points_of_a_job;
-    const auto nodes = static_cast<NodeId>(tree.nodes().size());
-    for (NodeId id = 0; id < nodes; ++id) {
-        if (points >= points_of_a_job) {
-            first_.push_back(id);
-            points = 0;
-        }
-        points += tree.node(id).points;
-    }
-    first_.push_back(nodes);
+    first_ =
+        divide_among_jobs(static_cast<NodeId>(tree.nodes().size()), [&](NodeId id) { return tree.node(id).points; });
     jobs.begin(chunks_stage);
 }
 

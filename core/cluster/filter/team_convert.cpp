@@ -1,7 +1,7 @@
 #include "pcm/cluster/filter/team_convert.h"
 
-#include "pcm/bpc/byte_order.h"
 #include "pcm/cluster/filter/selected_points.h"
+#include "pcm/cluster/filter/tree_jobs.h"
 #include "pcm/cluster/rank_error.h"
 #include "pcm/cluster/share_jobs.h"
 #include "pcm/cluster/team_folder.h"
@@ -21,24 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double end_of_selecting = 0.6;  // share of the progress
-// Chosen: as the jobs that encode chunks; few points of a chunk may be selected.
-constexpr std::uint64_t points_of_a_selection = 200'000;
-
-// First node of each job; then, the number of nodes.
-std::vector<std::size_t> divide(const std::vector<SelectedNode>& nodes)
-{
-    std::vector<std::size_t> first;
-    std::uint64_t points = points_of_a_selection;
-    for (std::size_t n = 0; n < nodes.size(); ++n) {
-        if (points >= points_of_a_selection) {
-            first.push_back(n);
-            points = 0;
-        }
-        points += nodes[n].points;
-    }
-    first.push_back(nodes.size());
-    return first;
-}
 
 std::unique_ptr<TreeReader> reader_of(const std::vector<fs::path>& inputs, const ConvertOptions& options)
 {
@@ -54,10 +36,7 @@ std::vector<std::byte> identity_of(const fs::path& input, const std::vector<std:
     const TreeInfo info = Tree::open(input)->info();
     ByteWriter out;
     out.put_string("convert");
-    out.put(info.generation);
-    out.put(info.points);
-    out.put(info.content_hash);
-    out.put(info.bytes);
+    put_state(out, info);
     out.put_bytes(request.data(), request.size());
     return std::move(out.bytes());
 }
@@ -83,7 +62,8 @@ ConvertReport convert_together(Team& team, const std::vector<fs::path>& inputs, 
     next_to_it += std::string(".") + tree_extension;
     TeamFolder folder(team, next_to_it, true, identity_of(inputs.front(), request), true);
     begin_selected(folder.jobs());
-    const std::vector<std::size_t> first = divide(reader->nodes());
+    const std::vector<std::size_t> first =
+        divide_among_jobs(reader->nodes().size(), [&](std::size_t n) { return reader->nodes()[n].points; });
     const std::size_t jobs = first.size() - 1;
     share_jobs(
         team, count_chunks, jobs, 1,

@@ -1,6 +1,6 @@
 #include "pcm/cluster/filter/team_target.h"
 
-#include "pcm/bpc/byte_order.h"
+#include "pcm/cluster/filter/tree_jobs.h"
 #include "pcm/system/error.h"
 #include "pcm/system/renamed_error.h"
 #include "pcm/update/clone.h"
@@ -20,10 +20,7 @@ std::vector<std::byte> identity_of(const Tree& tree, const std::vector<std::byte
     std::error_code error;
     const fs::path real = fs::canonical(tree.folder(), error);
     out.put_string((error ? tree.folder() : real).string());
-    out.put(info.generation);
-    out.put(info.points);
-    out.put(info.content_hash);
-    out.put(info.bytes);
+    put_state(out, info);
     out.put_bytes(options.data(), options.size());
     return std::move(out.bytes());
 }
