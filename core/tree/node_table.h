@@ -41,6 +41,14 @@ public:
         return (nodes ? nodes : load(page))[id - first_[page]];
     }
     const Node& at(NodeId id) const;  // throws std::out_of_range beyond size()
+    // The node with a number below size(), where its page has been read; else null. Reads nothing and waits for
+    // nothing.
+    const Node* find(NodeId id) const
+    {
+        const std::uint32_t page = page_of(id, first_, page_of_block_);
+        const Node* const nodes = pages_[page].load(std::memory_order_acquire);
+        return nodes ? nodes + (id - first_[page]) : nullptr;
+    }
     const Node& front() const { return (*this)[0]; }
     const Node& back() const { return (*this)[static_cast<NodeId>(size_ - 1)]; }
 

@@ -52,8 +52,8 @@ namespace fs = std::filesystem;
                                        : "make one with 'pcmlab build'");
 }
 
-// Reads all pages of an index of a few megabytes now: what draws walks the tree, and no picture waits for a server
-// then.
+// Reads all pages of an index of a few megabytes now, so that what walks the tree waits for no server then. Views do
+// not wait in any case (node_loader.h).
 void load_small_index(const NodeTable& nodes)
 {
     constexpr std::size_t most_nodes = 1 << 17;  // some 17 MB

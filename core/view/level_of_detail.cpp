@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <optional>
 #include <queue>
+#include <unordered_map>
 #include <utility>
 
 namespace pcm {
@@ -26,7 +27,7 @@ public:
             frusta_[t] = Frustum::of(trees_[t].view);
             if (!frusta_[t] || trees_[t].nodes->empty()) continue;
             scene_.trees[t].viewport_px = std::max(trees_[t].view.width, trees_[t].view.height);
-            consider(t, 0, no_ancestor);
+            consider(t, 0, no_node, no_ancestor);
         }
         while (!queue_.empty() && take(queue_.top())) {
         }
@@ -39,6 +40,7 @@ private:
         double rank;
         std::uint32_t tree;
         DetailNode node;
+        const Node* read;  // null: it has not been
         bool operator<(const Candidate& other) const
         {
             if (rank != other.rank) return rank < other.rank;
@@ -46,41 +48,45 @@ private:
         }
     };
 
-    // A node without points is never drawn: for its descendants, it counts as kept.
-    double gain(std::uint32_t tree, NodeId node) const
+    // A node without points is never drawn: for its descendants, it counts as kept. So does one that has not been read
+    // (null).
+    double gain(std::uint32_t tree, NodeId id, const Node* node) const
     {
-        return limits_.kept && ((*trees_[tree].nodes)[node].points == 0 || limits_.kept(tree, node))
-                   ? DetailLimits::kept_gain
-                   : 1.0;
+        return limits_.kept && (!node || node->points == 0 || limits_.kept(tree, id)) ? DetailLimits::kept_gain : 1.0;
     }
 
-    void consider(std::uint32_t tree, NodeId id, std::uint32_t ancestor)
+    void consider(std::uint32_t tree, NodeId id, NodeId parent, std::uint32_t ancestor)
     {
         const NodeTable& nodes = *trees_[tree].nodes;
-        const Node& node = nodes[id];
-        if (node.subtree_points == 0) return;
-        const Box3d box = trees_[tree].grid->to_source(node.box);
+        const Node* const node = trees_[tree].waits ? &nodes[id] : nodes.find(id);
+        if (node && node->subtree_points == 0) return;
+        const Box3d box = trees_[tree].grid->to_source(node ? node->box : nodes[parent].box);
         if (!frusta_[tree]->intersects(box)) return;
         const std::vector<Clip>* const clips = trees_[tree].clips;
         if (clips && relation_of(*clips, box) == BoxRelation::outside) return;
-        const double error =
-            ancestor == no_ancestor ? infinity : frusta_[tree]->pixels(nodes[node.parent].spacing, box);
-        const double rank =
-            limits_.order == DetailOrder::error ? error * gain(tree, id) : -static_cast<double>(node.depth);
-        queue_.push({rank, tree, {id, ancestor, error}});
+        const double error = ancestor == no_ancestor ? infinity : frusta_[tree]->pixels(nodes[parent].spacing, box);
+        const double rank = limits_.order == DetailOrder::error ? error * gain(tree, id, node)
+                            : parent == no_node                 ? 0
+                                                                : -(nodes[parent].depth + 1.0);
+        queue_.push({rank, tree, {id, parent, ancestor, error}, node});
     }
 
     // The best candidate; false when the selection ends with it.
     bool take(const Candidate next)
     {
         DetailSelection& selection = scene_.trees[next.tree];
-        if (!(next.node.error_px * gain(next.tree, next.node.node) > limits_.target_px)) {
+        if (!(next.node.error_px * gain(next.tree, next.node.node, next.read) > limits_.target_px)) {
             if (limits_.order == DetailOrder::error) return false;  // all that follow are below the target too
             queue_.pop();
             selection.beyond.push_back(next.node);
             return true;
         }
-        const Node& node = (*trees_[next.tree].nodes)[next.node.node];
+        if (!next.read) {
+            queue_.pop();
+            selection.unread.push_back(next.node);
+            return true;
+        }
+        const Node& node = *next.read;
         std::uint32_t ancestor = next.node.ancestor;
         if (node.points > 0) {
             const std::uint64_t node_pages = (node.points + page_points_ - 1) / page_points_;
@@ -97,7 +103,7 @@ private:
         }
         queue_.pop();
         for (const NodeId child : node.children)
-            if (child != no_node) consider(next.tree, child, ancestor);
+            if (child != no_node) consider(next.tree, child, next.node.node, ancestor);
         return true;
     }
 
@@ -122,6 +128,31 @@ DetailSelection select_detail(const NodeTable& nodes, const Grid& grid, const Ca
     return std::move(select_scene({{&nodes, &grid, view, nullptr}}, limits).trees.front());
 }
 
+bool SceneSelection::lacks_nodes() const
+{
+    return std::any_of(trees.begin(), trees.end(), [](const DetailSelection& tree) { return !tree.unread.empty(); });
+}
+
+void put_first(const SceneSelection& first, SceneSelection& selection)
+{
+    std::vector<std::unordered_map<NodeId, std::uint32_t>> places(selection.trees.size());
+    std::vector<std::vector<bool>> is_first(selection.trees.size());
+    for (std::size_t t = 0; t < places.size(); ++t) {
+        const std::vector<DetailNode>& wanted = selection.trees[t].wanted;
+        for (std::uint32_t i = 0; i < wanted.size(); ++i) places[t].emplace(wanted[i].node, i);
+        is_first[t].assign(wanted.size(), false);
+    }
+    std::vector<SceneSelection::Place> order;
+    for (const SceneSelection::Place& place : first.order) {
+        const std::uint32_t index = places[place.tree].at(first.trees[place.tree].wanted[place.index].node);
+        is_first[place.tree][index] = true;
+        order.push_back({place.tree, index});
+    }
+    for (const SceneSelection::Place& place : selection.order)
+        if (!is_first[place.tree][place.index]) order.push_back(place);
+    selection.order = std::move(order);
+}
+
 DrawSet choose_drawable(const DetailSelection& selection, const std::function<bool(const DetailNode&)>& resident)
 {
     DrawSet set;
@@ -144,6 +175,7 @@ DrawSet choose_drawable(const DetailSelection& selection, const std::function<bo
             count_error(node);
         }
     }
+    for (const DetailNode& node : selection.unread) count_error(node);
     for (const DetailNode& node : selection.beyond) count_error(node);
     set.error_px = std::min(set.error_px, selection.viewport_px);
     return set;

@@ -43,14 +43,20 @@ inline constexpr std::uint32_t no_ancestor = 0xffffffffu;
 // be.
 struct DetailNode {
     NodeId node = no_node;
+    NodeId parent = no_node;
     std::uint32_t ancestor = no_ancestor;  // index in `wanted` of the nearest ancestor that has points
-    double error_px = 0;                   // in its box while it is not drawn; infinite without an ancestor
+    // In its box while it is not drawn; infinite without an ancestor. Where the node has not been read, in its parent's
+    // box, which is no less.
+    double error_px = 0;
 };
 
 struct DetailSelection {
     std::vector<DetailNode> wanted;  // best first; an ancestor stands before its descendants
     // Visible and not wanted, because below the target or over the budget; the nearest ancestor with points is wanted.
     std::vector<DetailNode> beyond;
+    // What the selection lacks: nodes above the target that have not been read, best first, of a tree of which only
+    // those are used that have been. Their parents are visible, they themselves may not be.
+    std::vector<DetailNode> unread;
     std::uint64_t wanted_points = 0;
     bool budget_reached = false;  // a node above the target did not fit the budget
     double viewport_px = 0;       // the larger side of the viewport
@@ -63,6 +69,7 @@ struct TreeInView {
     const Grid* grid = nullptr;
     Camera view;
     const std::vector<Clip>* clips = nullptr;  // nodes of which they leave nothing are left out
+    bool waits = true;  // for nodes to be read; else those that have not been are left out, and listed
 };
 
 // The selection of each tree, and the order of the wanted nodes of all trees.
@@ -74,6 +81,8 @@ struct SceneSelection {
     std::vector<DetailSelection> trees;
     std::vector<Place> order;
     bool budget_reached = false;
+
+    bool lacks_nodes() const;  // some have not been read
 };
 
 // Selects nodes over all trees in the limits' order (ties: lower tree, then lower node number), children only after
@@ -88,6 +97,10 @@ inline DetailSelection select_detail(const Tree& tree, const Camera& view, const
 {
     return select_detail(tree.nodes(), tree.info().grid, view, limits);
 }
+
+// Puts the nodes that `first` wants to the front of the selection's order, in the order of `first`: a selection of the
+// same view, at most as detailed, that was made when no more nodes had been read.
+void put_first(const SceneSelection& first, SceneSelection& selection);
 
 struct DrawSet {
     std::vector<std::uint32_t> drawn;    // indices in `wanted`, in its order

@@ -45,8 +45,38 @@ std::vector<TreeInView> Frame::trees() const
     std::vector<TreeInView> trees;
     for (const FrameCloud& cloud : clouds)
         trees.push_back({&cloud.tree->nodes(), &cloud.tree->info().grid, cloud.view,
-                         cloud.clips.empty() ? nullptr : &cloud.clips.all()});
+                         cloud.clips.empty() ? nullptr : &cloud.clips.all(), false});
     return trees;
+}
+
+void Frame::read_nodes(const SceneSelection& selection, const SceneSelection* later)
+{
+    std::vector<std::vector<NodeId>> nodes(clouds.size());
+    for (const SceneSelection* lacking : {&selection, later})
+        for (std::size_t t = 0; lacking && t < clouds.size(); ++t)
+            for (const DetailNode& node : lacking->trees[t].unread) nodes[clouds[t].leader].push_back(node.node);
+    for (std::size_t t = 0; t < clouds.size(); ++t)
+        if (clouds[t].leader == t) clouds[t].nodes->request(std::move(nodes[t]));
+}
+
+bool Frame::awaits_nodes(const SceneSelection& selection) const
+{
+    for (std::size_t t = 0; t < clouds.size(); ++t)
+        if (!selection.trees[t].unread.empty() && clouds[t].nodes->seconds_to_retry() == 0) return true;
+    return false;
+}
+
+std::size_t Frame::pages_read() const
+{
+    std::size_t pages = 0;
+    for (const FrameCloud& cloud : clouds) pages += cloud.tree->nodes().pages_loaded();
+    return pages;
+}
+
+bool Frame::waits() const
+{
+    return std::any_of(clouds.begin(), clouds.end(),
+                       [](const FrameCloud& cloud) { return cloud.feed->waits() || cloud.nodes->waits(); });
 }
 
 DetailLimits Frame::current_limits()

@@ -17,6 +17,7 @@ namespace pcm {
 // One item, ready for a frame.
 struct FrameCloud {
     ChunkFeed* feed;
+    NodeLoader* nodes;
     std::size_t leader;  // the first item of the same cloud, which loads for all of them; usually itself
     const Tree* tree;
     Camera view;
@@ -69,6 +70,12 @@ struct Frame {
     std::vector<TreeInView> trees() const;
     // As the budgets of time, points and video memory allow.
     DetailLimits current_limits();
+    // Requests the nodes that the selections, the more urgent one first, lack.
+    void read_nodes(const SceneSelection& selection, const SceneSelection* later = nullptr);
+    // Whether nodes that a selection lacks will come: those that could not be read are tried again some time later.
+    bool awaits_nodes(const SceneSelection& selection) const;
+    std::size_t pages_read() const;  // pages of the trees' nodes that have been read
+    bool waits() const;              // whether chunks or nodes are being read
     // Adds nodes to the window of the item's leader, as far as there is room.
     void want(std::size_t item, const std::vector<NodeId>& nodes);
     // Begins the splats of a cloud, into the picture's target.

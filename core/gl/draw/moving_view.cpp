@@ -21,11 +21,12 @@ void find_gaps(FrameCloud& cloud, const DetailSelection& selection, const std::v
         float& residual = cloud.residual[node.ancestor];
         residual = std::max(residual, static_cast<float>(node.error_px));
         FrameCloud::Gap& gap = cloud.gaps[node.ancestor];
-        gap.spacing = std::max(gap.spacing, nodes[nodes[node.node].parent].spacing);
+        gap.spacing = std::max(gap.spacing, nodes[node.parent].spacing);
         gap.spacing_px = std::max(gap.spacing_px, node.error_px);
     };
     for (std::size_t i = 0; i < count; ++i)
         if (!drawn[i]) leave(selection.wanted[i]);
+    for (const DetailNode& node : selection.unread) leave(node);
     for (const DetailNode& node : selection.beyond) leave(node);
     for (std::size_t i = count; i-- > 0;) {
         const DetailNode& node = selection.wanted[i];
@@ -202,7 +203,7 @@ void draw_chunks(Frame& frame, const SceneSelection& selection, const FrameCost&
 }
 
 struct Progress {
-    bool more_to_come = false;  // chunks that can be loaded are missing
+    bool more_to_come = false;  // chunks or nodes that can be loaded are missing
     bool waits = false;         // some of them are being loaded
     bool all_current = true;    // what is drawn has the attributes of its style
     bool everything = true;     // every point in view is drawn
@@ -223,12 +224,13 @@ Progress progress_of(Frame& frame, const SceneSelection& selection, const DrawnO
             progress.all_current = progress.all_current && (cloud.current[i] || !drawn[t][i]);
             progress.everything = progress.everything && cloud.current[i] && drawn[t][i];
         }
-        progress.everything = progress.everything && wanted.beyond.empty();
+        progress.everything = progress.everything && wanted.beyond.empty() && wanted.unread.empty();
         // Chunks that failed to load are missing at present and not waited for.
         progress.more_to_come = progress.more_to_come || cloud.feed->awaits_facts() ||
                                 !cloud.feed->window_of(wanted, cloud.current).empty();
-        progress.waits = progress.waits || cloud.feed->waits();
     }
+    progress.more_to_come = progress.more_to_come || frame.awaits_nodes(selection);
+    progress.waits = frame.waits();
     return progress;
 }
 
@@ -240,6 +242,7 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     FrameReport& report = frame.report;
     mark_current(frame, selection);
     const std::optional<SceneSelection> later = resting ? std::nullopt : predicted(frame);
+    frame.read_nodes(selection, later ? &*later : nullptr);
     load(frame, selection, later ? &*later : nullptr);
     const Served served = frame.upload(selection);
 

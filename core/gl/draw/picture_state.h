@@ -7,6 +7,7 @@
 #include "pcm/gl/draw/frame_clock.h"
 #include "pcm/gl/draw/renderer.h"
 #include "pcm/gl/tuning.h"
+#include "pcm/tree/node_loader.h"
 
 #include <memory>
 #include <optional>
@@ -20,6 +21,7 @@ struct DrawnCloud::Impl {
     std::shared_ptr<PointCloud> cloud;
     std::shared_ptr<L1Cache> l1;
     std::unique_ptr<ChunkFeed> feed;
+    std::unique_ptr<NodeLoader> nodes;
     std::uint64_t serial = 0;  // unique in the process
 };
 
@@ -87,7 +89,8 @@ struct PictureState {
     // A resting view.
     struct Rest {
         SceneSelection lod;                 // as a moving view would draw it
-        SceneSelection all;                 // all nodes in view; begins with `lod`
+        SceneSelection all;                 // all nodes in view that have been read; begins with `lod`
+        std::size_t pages_read = 0;         // pages of nodes when `all` was selected
         bool begun = false;                 // the target holds `lod`, except chunks that cannot be loaded
         std::size_t added = 0;              // how many of `all.order` the target holds or were left out
         std::vector<std::size_t> left_out;  // nodes of these that could not be loaded

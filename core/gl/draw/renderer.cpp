@@ -137,6 +137,7 @@ struct Renderer::Impl {
         FrameCloud cloud{};
         const DrawnCloud::Impl& drawn = *item.cloud->impl_;
         cloud.feed = drawn.feed.get();
+        cloud.nodes = drawn.nodes.get();
         cloud.tree = &drawn.cloud->cache().tree();
         cloud.leader = frame.clouds.size();
         for (std::size_t t = frame.clouds.size(); t-- > 0;)
@@ -220,7 +221,7 @@ struct Renderer::Impl {
     {
         PictureState& p = frame.picture;
         if (frame.converges) {
-            if (!p.rest) {
+            if (!p.rest || p.rest->lod.lacks_nodes()) {
                 p.rest.emplace();
                 DetailLimits limits = frame.current_limits();
                 p.rest->lod = select_moving(frame, limits);
@@ -271,10 +272,12 @@ struct Renderer::Impl {
             if (clouds[t].style.colour == ColourMode::classification)
                 clouds[t].classes = frame.clouds[t].feed->classes();
             clouds[t].error = frame.clouds[t].feed->error();
+            if (clouds[t].error.empty()) clouds[t].error = frame.clouds[t].nodes->error();
             if (!clouds[t].error.empty()) report.error = clouds[t].error;
-            const double retry = frame.clouds[t].feed->seconds_to_retry();
-            if (retry > 0)
-                report.retry_seconds = report.retry_seconds > 0 ? std::min(report.retry_seconds, retry) : retry;
+            for (const double retry :
+                 {frame.clouds[t].feed->seconds_to_retry(), frame.clouds[t].nodes->seconds_to_retry()})
+                if (retry > 0)
+                    report.retry_seconds = report.retry_seconds > 0 ? std::min(report.retry_seconds, retry) : retry;
         }
         report.clouds = std::move(clouds);
         report.programs = splats.programs() + compositor.programs();
@@ -294,11 +297,16 @@ DrawnCloud::DrawnCloud(std::shared_ptr<PointCloud> cloud, std::shared_ptr<L1Cach
     impl_->cloud = std::move(cloud);
     impl_->l1 = std::move(l1);
     impl_->feed = std::make_unique<ChunkFeed>(impl_->cloud, impl_->l1);
+    impl_->nodes = std::make_unique<NodeLoader>(impl_->cloud->tree()->nodes(), gl_tuning().loading.retry_after);
 }
 
 DrawnCloud::~DrawnCloud() = default;
 
-void DrawnCloud::set_wake(std::function<void()> wake) { impl_->feed->set_wake(std::move(wake)); }
+void DrawnCloud::set_wake(std::function<void()> wake)
+{
+    impl_->feed->set_wake(wake);
+    impl_->nodes->set_wake(std::move(wake));
+}
 void DrawnCloud::release() { impl_->feed->release(); }
 const std::shared_ptr<PointCloud>& DrawnCloud::cloud() const { return impl_->cloud; }
 const std::shared_ptr<L1Cache>& DrawnCloud::l1() const { return impl_->l1; }

@@ -15,6 +15,18 @@ bool has_no_gaps(const Frame& frame, double spacing_px)
                        [&](const FrameCloud& c) { return fill_of(spacing_px, c.style) == 0; });
 }
 
+// Selects all nodes in view that have been read; those that the picture shows already come first.
+void select_everything(const Frame& frame, PictureState::Rest& rest, const SceneSelection& shown)
+{
+    DetailLimits everything;
+    everything.target_px = -1;
+    everything.point_budget = everything.page_budget = ~std::uint64_t(0);
+    rest.pages_read = frame.pages_read();
+    SceneSelection selection = select_scene(frame.trees(), everything);
+    put_first(shown, selection);
+    rest.all = std::move(selection);
+}
+
 }  // namespace
 
 bool differs_at_rest(const Frame& frame)
@@ -28,10 +40,7 @@ bool differs_at_rest(const Frame& frame)
 void begin_rest(Frame& frame, const SceneSelection& lod, const std::vector<std::vector<bool>>& drawn)
 {
     PictureState::Rest& rest = *frame.picture.rest;
-    DetailLimits everything;
-    everything.target_px = -1;
-    everything.point_budget = everything.page_budget = ~std::uint64_t(0);
-    rest.all = select_scene(frame.trees(), everything);
+    select_everything(frame, rest, lod);
     rest.begun = true;
     rest.added = lod.order.size();
     rest.held = lod.order.size();
@@ -90,7 +99,7 @@ public:
         show_when_without_gaps();
         fill_report(error);
         if (stuck && has_more()) report_.error = "the video memory is too small for the rest of the points in view";
-        report_.refining = (has_more() || can_add_left_out()) && !stuck;
+        report_.refining = (has_more() || can_add_left_out() || frame_.awaits_nodes(rest_.all)) && !stuck;
         report_.repaint = report_.refining && goes_on();
     }
 
@@ -143,12 +152,7 @@ private:
     }
 
     // Whether another frame would do more than wait.
-    bool goes_on() const
-    {
-        const bool waits = std::any_of(frame_.clouds.begin(), frame_.clouds.end(),
-                                       [](const FrameCloud& cloud) { return cloud.feed->waits(); });
-        return !waits || report_.points_added > 0 || served_.uploaded > 0;
-    }
+    bool goes_on() const { return !frame_.waits() || report_.points_added > 0 || served_.uploaded > 0; }
 
     // The nodes that are drawn next, as far as L1 has room for them in addition to those that a moving view will show
     // again: these stay.
@@ -253,6 +257,8 @@ private:
     {
         double error = has_more() ? node_at(rest_.added).error_px : 0;
         for (const std::size_t i : rest_.left_out) error = std::max(error, node_at(i).error_px);
+        for (const DetailSelection& tree : rest_.all.trees)
+            if (!tree.unread.empty()) error = std::max(error, tree.unread.front().error_px);
         return error;
     }
 
@@ -278,7 +284,7 @@ private:
         const RenderTarget& target = frame_.picture.target;
         report_.screen_error_px =
             std::min<double>(rest_.behind ? rest_.shown_error_px : error, std::max(target.width(), target.height()));
-        report_.full_resolution = !has_more() && rest_.left_out.empty();
+        report_.full_resolution = !has_more() && rest_.left_out.empty() && !rest_.all.lacks_nodes();
     }
 
     Frame& frame_;
@@ -291,7 +297,17 @@ private:
 
 }  // namespace
 
-void draw_resting(Frame& frame) { RestingFrame(frame, *frame.picture.rest).draw(); }
+void draw_resting(Frame& frame)
+{
+    PictureState::Rest& rest = *frame.picture.rest;
+    if (rest.all.lacks_nodes()) {
+        frame.read_nodes(rest.all);
+        // When what is known is drawn, and all that was asked for has come: each time all nodes in view are looked at.
+        if (rest.added == rest.all.order.size() && !frame.waits() && rest.pages_read != frame.pages_read())
+            select_everything(frame, rest, rest.all);
+    }
+    RestingFrame(frame, rest).draw();
+}
 
 bool draw_again(Frame& frame, PictureState::Rest& again, bool& possible)
 {
