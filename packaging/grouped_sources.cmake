@@ -4,8 +4,8 @@
 # PCM_GROUP_SOURCES: the presets that packaging/run and packaging/test build switch it on. The preset dev has neither groups
 # nor precompiled headers: there each source shows that it includes what it uses.
 option(PCM_GROUP_SOURCES "Compile the sources of a folder in groups" OFF)
-# Larger groups take a fifth less of processors, but after a change of one source all of its group. The sanitizers' presets, which
-# are built from nothing more often than again, have them.
+# Larger groups take fewer processor seconds (core/ops: 140, 104, 92 at 1, 2, 4), but after a change of one source all of its group is
+# compiled. The preset release has 2; those of the sanitizers, which are built from nothing more often than again, 4.
 set(PCM_GROUP_SCALE 1 CACHE STRING "The groups are this many times as large")
 
 # pcm_group_sources(TARGET [SIZE 4] SOURCE...): groups of sources that lie next to each other in one folder, by the alphabet. Names
