@@ -12,8 +12,6 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t enough = 3000;  // points to compare kinds
-
 int rank_of(ShapeKind kind) { return model_of(kind).rank; }
 int rank_of(const ShapeFit& fit) { return rank_of(fit.shape.kind); }
 
@@ -79,9 +77,15 @@ double KindComparison::evidence(const Shape& shape, const Shape& simpler) const
 }
 
 KindComparison::KindComparison(const FitPoints& points, double noise)
-    : points_(points), noise_(noise), every_(1 + points.size() / enough)
+    : points_(points), noise_(noise), every_(1 + points.size() / enough_compared)
 {
     for (std::size_t i = 0; i < points.size(); i += every_) box_.extend(points.source(i));
+}
+
+bool explains_better(const ShapeFit& fit, const Shape& simpler, const std::vector<Vec3d>& points)
+{
+    const FitPoints compared = FitPoints::of(points);
+    return fit.noise > 0 && KindComparison(compared, fit.noise).evidence(fit.shape, simpler) > 0;
 }
 
 KindChoice choose_kind(const std::vector<ShapeFit>& fits, const FitPoints& points)
@@ -127,7 +131,7 @@ std::optional<ShapeKind> better_kind(const ShapeFit& fit, const std::vector<Vec3
     std::vector<Vec3d> inliers;
     for (const Vec3d& p : points)
         if (distance_to(fit.shape, p) <= fit.threshold) inliers.push_back(p);
-    const std::size_t every = 1 + inliers.size() / enough;
+    const std::size_t every = 1 + inliers.size() / enough_compared;
     std::vector<Vec3d> sample;
     for (std::size_t i = 0; i < inliers.size(); i += every) sample.push_back(inliers[i]);
     const FitPoints compared = FitPoints::of(sample);

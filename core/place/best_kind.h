@@ -10,6 +10,8 @@
 
 namespace pcm {
 
+inline constexpr std::size_t enough_compared = 3000;  // points by which kinds are compared, of all that are given
+
 // Logarithm of the number of false alarms: the expected number of shapes with `inliers` inliers among `points` points
 // spread evenly, when `sample` points determine a shape and the share `part` of space is within the distance of an
 // inlier (Moisan, Stival 2004). The smaller it is, the less probable is the shape by chance.
@@ -46,6 +48,10 @@ private:
     const std::size_t every_;
     Box3d box_;
 };
+
+// Whether a shape explains its own points, which are `points`, better than one with fewer parameters does: the hole of
+// a wide torus is nearly a pipe.
+bool explains_better(const ShapeFit& fit, const Shape& simpler, const std::vector<Vec3d>& points);
 
 struct KindChoice {
     std::optional<std::size_t> best;  // place in the list; nothing where all are refused

@@ -89,11 +89,7 @@ private:
         options.metres_per_unit = metres_per_unit(tree_->info().metadata);
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.9, 0.95);
-        const PointSet own = result.part ? points_where(
-                                               result.points, [&](const Vec3d& p) { return result.part->has(p); },
-                                               options_.threads, part_of(options_.progress, 0.9, 0.9))
-                                         : result.points;
-        add_station_errors(own, around_, options, result.agreement, result.primitive);
+        add_station_errors(own_points(result), around_, options, result.agreement, result.primitive);
         if (result.agreement > 1)
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(result.agreement) + " times those of independent points");
@@ -252,7 +248,18 @@ private:
         local.next_kind = first;
         FittedPrimitive next = followed(std::move(local), way, 0.9, 1);
         doubt_few_points(next);
-        if (next.primitive.fit.verdict == FitVerdict::good) result = std::move(next);
+        if (next.primitive.fit.verdict == FitVerdict::good &&
+            explains_better(next.primitive.fit, result.primitive.fit.shape,
+                            random_points(own_points(next), enough_compared, options_.threads)))
+            result = std::move(next);
+    }
+
+    // The points of a shape without straight pipes that continue it.
+    PointSet own_points(const FittedPrimitive& found) const
+    {
+        const auto is_own = [&](const Vec3d& p) { return found.part->has(p); };
+        return found.part ? points_where(found.points, is_own, options_.threads, part_of(options_.progress, 0.9, 0.9))
+                          : found.points;
     }
 
     static void doubt_kind(const std::string& why, ShapeFit& fit)

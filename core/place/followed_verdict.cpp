@@ -5,6 +5,8 @@
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/cut_out_evidence.h"
+#include "pcm/place/inner_points.h"
+#include "pcm/place/near_bend.h"
 #include "pcm/place/station_departure.h"
 #include "pcm/place/tuning.h"
 #include "pcm/system/progress_part.h"
@@ -19,6 +21,7 @@ namespace {
 constexpr std::size_t most_judged = 20000;    // points that may be a cut-out of another surface
 constexpr std::size_t most_compared = 1000;   // points for which kinds are compared
 constexpr std::size_t most_departing = 4000;  // points that may leave the shape together
+constexpr std::size_t most_bent = 1500;       // points that may show a bend near a place
 
 // Whether neighbours might share fewer errors about a shape of another kind. Not where they share them about any smooth
 // surface, as the departure shows for a sample: the factor of `points` points is larger, as there are more of them.
@@ -121,10 +124,6 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
     if (!passes_places(fit, result.near))
         return doubt(fit, FitIssue::no_consensus,
                      "it does not pass through the place that was picked: pick another place of the surface");
-    if (leaves_places(fit, result.near))
-        return doubt(fit, FitIssue::other_surface,
-                     "at the place that was picked many points lie next to it, so the place may be one of another "
-                     "surface that continues it: pick a place farther from where they meet");
 }
 
 void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around,
@@ -163,6 +162,7 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
         if (is_seen && own.is_smooth(known_noise())) doubt_uneven(own, result);
     }
     if (is_automatic && fit.verdict == FitVerdict::good) doubt_others(followed, cut_out, departure, noise, fit);
+    if (is_automatic && fit.verdict == FitVerdict::good) doubt_bent(followed, noise, result);
     if (is_automatic && !other_) doubt_unsettled(followed, result);
 }
 
@@ -183,6 +183,31 @@ void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutE
               "neighbouring points leave it together by " + brief(noise) +
                   ", which neither the noise at the place nor shifts of the stations explain: it may hold several "
                   "surfaces, so take a smaller neighbourhood, or give a threshold");
+}
+
+// Near its tangent an elbow is next to the cylinder of its pipe by less than the noise. Where the points do not show
+// that the place lies before the tangent, it may be either's.
+void FollowedVerdict::doubt_bent(const FollowedPoints& followed, double noise, FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    const auto is_outside = [&](const Vec3d& place) { return followed.part && !followed.part->has(place); };
+    if (std::any_of(places_.begin(), places_.end(), is_outside))
+        return doubt(fit, FitIssue::other_surface,
+                     "the place that was picked is at the end of the bend, or on the pipe behind it: pick a place "
+                     "farther from where they meet");
+    if (fit.shape.kind != ShapeKind::cylinder || !(noise > 0)) return;
+    for (const Vec3d& place : places_) {
+        const PipeAtPlace pipe{fit.shape, fit.threshold, noise, place};
+        const double reach = reach_of_bends(pipe);
+        const auto is_near = [&](const Vec3d& p) { return std::fabs(dot(p - place, fit.shape.axis)) <= reach; };
+        const PointSet near = points_where(followed.around, is_near, options_.threads, part_of(progress_, 0.94, 0.94));
+        const auto bend =
+            bend_near(pipe, random_points(near, most_bent, options_.threads, part_of(progress_, 0.94, 0.94)));
+        if (!bend || bend->least_start > 0) continue;
+        return doubt(fit, FitIssue::other_surface,
+                     "the pipe bends at the place that was picked, or next to it, with a radius of " +
+                         brief(bend->radius) + ": pick a place farther along the pipe, or fit a torus");
+    }
 }
 
 void FollowedVerdict::doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const
@@ -218,26 +243,6 @@ bool FollowedVerdict::passes_places(const ShapeFit& fit, const NearPoints& near)
         for (std::size_t i = 0; i < near.ids.size(); ++i)
             to_cloud = std::min(to_cloud, length(near.points.source(i) - place));
         return distance_to(fit.shape, place) <= to_cloud + farthest_place(fit);
-    });
-}
-
-// Whether many of the points nearest to a place lie next to a curved shape, rather than on it or on something else: the
-// place is one of an elbow's side, and the shape its pipe. The other face of a plate lies next to a plane, too.
-bool FollowedVerdict::leaves_places(const ShapeFit& fit, const NearPoints& near) const
-{
-    if (traits_of(fit.shape.kind).is_flat()) return false;
-    return std::any_of(places_.begin(), places_.end(), [&](const Vec3d& place) {
-        std::vector<Vec3d> core = near.points.sources();
-        const std::size_t count = std::min(core.size(), place_tuning().neighbourhood.core_points);
-        std::partial_sort(core.begin(), core.begin() + static_cast<std::ptrdiff_t>(count), core.end(),
-                          [&](const Vec3d& a, const Vec3d& b) { return length(a - place) < length(b - place); });
-        double on = 0, next_to = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const double thresholds = distance_to(fit.shape, core[i]) / fit.threshold;
-            on += thresholds <= 1;
-            next_to += thresholds > 1 && thresholds <= around_thresholds;
-        }
-        return next_to > place_tuning().following.max_next_to_place * on;
     });
 }
 

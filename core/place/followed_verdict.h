@@ -70,11 +70,12 @@ private:
     // noise and what is known of the stations' shifts explain.
     void doubt_others(const FollowedPoints& followed, const CutOutEvidence& cut_out, const Departure& departure,
                       double noise, ShapeFit& fit);
+    // The place may lie on an elbow of the pipe that was found, or on a pipe of the elbow.
+    void doubt_bent(const FollowedPoints& followed, double noise, FittedPrimitive& result);
     // Growth has ended with the rounds, not with the shape.
     void doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const;
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near);
     bool passes_places(const ShapeFit& fit, const NearPoints& near) const;
-    bool leaves_places(const ShapeFit& fit, const NearPoints& near) const;
     std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,
                                              const std::vector<Vec3d>& around) const;
     void find_other_kind(const ShapeFit& fit, const PointSet& around);

@@ -105,7 +105,6 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.min_shared_bend),
         PCM_TUNED(place.following.max_shared_noise),
         PCM_TUNED(place.following.min_inner_share),
-        PCM_TUNED(place.following.max_next_to_place),
         PCM_TUNED(place.following.max_noise_share),
         PCM_TUNED(place.following.min_agreement),
         PCM_TUNED(place.following.max_other_noise),

@@ -315,11 +315,6 @@ struct FollowingTuning {
     // right ones have up to 1.0, crowns of racks as planes 2.5 and 5.4, an elbow with its pipes 3.1.
     // Chosen: as departure.max_rest; not swept.
     double max_shared_noise = 1.6;  // noise of the closest points and spread of the stations, together
-    // Maximum number of the nearest points of a place that lie next to a curved shape. Clicks on elbows that found
-    // their pipes have 0.67 to 0.85; of 220 right answers one has 0.72, the others up to 0.47.
-    //
-    // Chosen: by those; not swept.
-    double max_next_to_place = 0.6;  // points within the threshold
     // Minimum share of the points next to which the cloud does not leave the shape. Of 76 right planes of a ray-cast
     // plant three have less, two of them on edges of plates 8 mm wide; strips of pipes as planes have 0 to 0.03, of 131
     // to 244 points. Faces of posts of 1,700 points have less, too, so it counts below min_small_points.

@@ -73,6 +73,42 @@ TEST(BestKind, EvidenceGrowsWithThePointsThatHaveErrorsOfTheirOwn)
     EXPECT_LT(evidence(1000, 0.003), 0.5 * more) << "errors that forty neighbours share";
 }
 
+// The inner side of a torus of 33 m whose hole is as wide as the pipe, and an elbow.
+TEST(BestKind, TheHoleOfAWideTorusExplainsAPipeNoBetter)
+{
+    Dice dice(11);
+    pcm::Shape pipe, hole, elbow;
+    pipe.kind = ShapeKind::cylinder;
+    pipe.point = map;
+    pipe.axis = {0, 0, 1};
+    pipe.radius = 0.05;
+    hole.kind = elbow.kind = ShapeKind::torus;
+    hole.point = map;
+    hole.axis = {0, 0, 1};
+    hole.radius = 33.55;
+    hole.second = 33.5;
+    elbow.point = map + Vec3d{0.15, 0, 0};
+    elbow.axis = {0, 1, 0};
+    elbow.radius = 0.15;
+    elbow.second = 0.05;
+    std::vector<Vec3d> straight, bent;
+    for (int i = 0; i < 2000; ++i) {
+        straight.push_back(point_on(pipe, 0.3, 3, 0.0015, dice).position);
+        const double way = dice.between(0, 0.5), turn = dice.between(0, 3);
+        const Vec3d out{-std::cos(way), 0, std::sin(way)};
+        bent.push_back(elbow.point + 0.15 * out + 0.05 * (std::cos(turn) * out + std::sin(turn) * elbow.axis));
+    }
+    ShapeFit fit;
+    fit.noise = 0.0015;
+    fit.shape = hole;
+    EXPECT_FALSE(explains_better(fit, pipe, straight));
+    fit.shape = elbow;
+    EXPECT_TRUE(explains_better(fit, pipe, bent));
+    EXPECT_FALSE(explains_better(fit, pipe, straight));
+    fit.noise = 0;
+    EXPECT_FALSE(explains_better(fit, pipe, bent));
+}
+
 TEST(BestKind, TheNextBestIsNamedAndThresholdsDoNotDecide)
 {
     Dice dice(9);

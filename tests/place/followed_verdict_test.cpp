@@ -78,18 +78,16 @@ protected:
         result.primitive.fit.inliers = result.points.size();
         if (fit.issue == FitIssue::none) result.primitive.fit.verdict = FitVerdict::good;
         result.local.threshold = fit.threshold;
-        result.near.points = FitPoints::of(near_);
         result.converged = converged;
         result.rounds = 8;
         // All points, or nothing.
         const PointSet around = set_where(tree_, [&](const Vec3d& p) { return beside_ > 0 || p[2] < 0; });
-        const std::optional<SweptPart> part;
         const FitAtOptions options;
         const ProgressFunction progress;
         StationsAround stations(*cloud->tree(), places_.front());
         FollowedVerdict verdict(*cloud, places_, options, {less_noise_ * close_noise, less_noise_ * close_noise, 0},
                                 stations, progress);
-        verdict.judge({around, fit.noise, agreement, part, inner_share_}, result);
+        verdict.judge({around, fit.noise, agreement, part_, inner_share_}, result);
         return result;
     }
 
@@ -112,10 +110,10 @@ protected:
     double less_noise_ = 1;  // factor on the noise of the closest points
     std::shared_ptr<const Tree> tree_;
     double inner_share_ = 1;
+    std::optional<SweptPart> part_;
     int count_ = 6000;      // number of points of the column
     int beside_ = 0;        // number of points next to the column
     bool crosses_ = false;  // whether they are those of a wall that crosses it, or of one along it
-    std::vector<Vec3d> near_;
     const std::vector<Vec3d> places_{{0.1, 0, 1}};
 };
 
@@ -176,24 +174,6 @@ TEST_F(FollowedVerdictTest, WhatLiesNextToOthersNearlyEverywhereIsDoubted)
     EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::good);
 }
 
-// On the side of an elbow, whose pipe has the more points: half of those at the place lie next to the pipe.
-TEST_F(FollowedVerdictTest, APlaceNextToWhichTheShapeIsLeftIsDoubted)
-{
-    Dice dice(9);
-    for (const double share : {0.5, 0.2}) {
-        near_.clear();
-        for (int i = 0; i < 60; ++i) {
-            const double along = dice.between(-0.3, 0.3), away = i < 60 * share ? -0.09 : 0;
-            near_.push_back({(radius + away) * std::cos(along), (radius + away) * std::sin(along), 1});
-        }
-        const FittedPrimitive pipe = judged(false, 0.012);
-        EXPECT_EQ(pipe.primitive.fit.verdict, share > 0.3 ? FitVerdict::doubtful : FitVerdict::good)
-            << pipe.primitive.fit.message;
-        if (share > 0.3)
-            EXPECT_NE(pipe.primitive.fit.message.find("next to it"), std::string::npos) << pipe.primitive.fit.message;
-    }
-}
-
 // Crowns of a rack as a plane. Stations that are known, and not apart, do not explain what neighbours share.
 TEST_F(FollowedVerdictTest, WhatNeighboursShareIsDoubtedWhereStationsDoNotExplainIt)
 {
@@ -207,6 +187,22 @@ TEST_F(FollowedVerdictTest, WhatNeighboursShareIsDoubtedWhereStationsDoNotExplai
     }
     less_noise_ = 1;
     EXPECT_EQ(judged(false, 0.012, 3, true).primitive.fit.verdict, FitVerdict::good);
+}
+
+// The straight pipe behind an elbow is followed with it, and is not a part of its torus.
+TEST_F(FollowedVerdictTest, APlaceBehindTheEndOfABendIsDoubted)
+{
+    part_.emplace();
+    part_->shape.kind = ShapeKind::torus;
+    part_->shape.axis = {0, 0, 1};
+    part_->shape.radius = 1;
+    part_->start = {-1, 0, 0};  // the place is at half a turn from it
+    part_->to = 2 * pi;
+    EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::good);
+    part_->from = 3.3;
+    const FittedPrimitive behind = judged(false, 0.012);
+    EXPECT_EQ(behind.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_NE(behind.primitive.fit.message.find("end of the bend"), std::string::npos) << behind.primitive.fit.message;
 }
 
 // An oval that is followed bit by bit never settles.

@@ -116,6 +116,32 @@ TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(TheEndOfAnElbowIsOneOfAnElbow))
     EXPECT_GE(tori, 7) << "without the wider neighbourhood six";
 }
 
+// Next to its tangent an elbow is within the noise of its pipe. Before, a click there was answered as the pipe.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(ByAnElbowsTangentAPipeIsDoubted))
+{
+    const double wide = 0.15, narrow = 0.05;
+    std::vector<SurfacePoint> points;
+    std::vector<Vec3d> bent, straight;
+    while (points.size() < 20000) {
+        const double way = dice_.between(-0.6, wide * pi / 2 + 0.4), angle = std::clamp(way / wide, 0.0, pi / 2);
+        const Vec3d out{std::cos(angle), std::sin(angle), 0}, along{-std::sin(angle), std::cos(angle), 0};
+        const double a = dice_.between(0, 2 * pi);
+        const Vec3d n = std::cos(a) * out + std::sin(a) * Vec3d{0, 0, 1};
+        points.push_back({map + wide * out + (way - wide * angle) * along + (narrow + sigma * dice_.normal()) * n, n});
+        if (way > 0 && way < 0.02 && bent.size() < 8) bent.push_back(points.back().position);
+        if (way > -0.3 && way < -0.1 && straight.size() < 4) straight.push_back(points.back().position);
+    }
+    for (const Vec3d& place : bent) {
+        const ShapeFit fit = at(points, place).primitive.fit;
+        EXPECT_TRUE(fit.verdict != FitVerdict::good || fit.shape.kind == ShapeKind::torus);
+    }
+    for (const Vec3d& place : straight) {
+        const ShapeFit fit = at(points, place).primitive.fit;
+        EXPECT_EQ(fit.verdict, FitVerdict::good) << fit.message;
+        EXPECT_EQ(fit.shape.kind, ShapeKind::cylinder);
+    }
+}
+
 // The noise next to the place is less than half of that farther on, and the first threshold cuts that. Before, a
 // doubtful patch around the place.
 TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AWallIsFollowedWhereItsNoiseRises))
