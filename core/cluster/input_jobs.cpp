@@ -195,6 +195,7 @@ private:
                 work_.watch.report("Reading points", 0.4 * static_cast<double>(begun) /
                                                          static_cast<double>(std::max<std::size_t>(1, batches.size())));
             });
+        buffer_ = {};
         FileInfo info = header_;
         const BatchFacts facts = take_batches(team_, jobs_, batch_stage, batches.size(), bins, rows_, info);
         if (!facts.kept) {
@@ -235,10 +236,11 @@ private:
         {
             Scratch scratch(path, found_.layout, found_.schema, work_.space);
             scratch.add_bins(bins);
-            Scratch::Writer writer(scratch, 0, bins, work_.memory_bytes / 4);
+            Scratch::Writer writer(scratch, 0, bins, work_.memory_bytes / 4, std::move(buffer_));
             const std::size_t notes = cloud_.info().notes.size(), blocks = cloud_.info().metadata.size();
             facts.kept = distribute(batch, writer, facts.observed);
             writer.flush();
+            buffer_ = writer.take_buffer();
             facts.late = LateFacts::since(cloud_.info(), notes, blocks);
             bytes = scratch.bytes();
             save_batch(facts, scratch, record);
@@ -298,7 +300,7 @@ private:
     Ingested& found_;
     BinRows& rows_;
     TopTree<Narrow> top_;
-    std::vector<std::byte> row_bytes_;
+    std::vector<std::byte> row_bytes_, buffer_;
 };
 
 }  // namespace

@@ -243,6 +243,7 @@ private:
         TopTree<Coord> top = load_top<Coord>(in);
         share(spooled_stage, count_spooled, "Sorting points into bins", 0.25, 0.4,
               [&](std::size_t part) { distribute_spool<Coord>(part, on_grid, top, bins); });
+        buffer_ = {};
         const BatchFacts facts = take_batches(all_.team, all_.jobs, spooled_stage, parts_.size(), bins, rows_, info_);
         found_.observed = facts.observed;
         if (!facts.rounded) found_.decimals = {no_decimals, no_decimals, no_decimals};
@@ -318,7 +319,7 @@ private:
         {
             Scratch scratch(path, found_.layout, found_.schema, all_.work.space);
             scratch.add_bins(bins);
-            Scratch::Writer writer(scratch, 0, bins, all_.work.memory_bytes / 4);
+            Scratch::Writer writer(scratch, 0, bins, all_.work.memory_bytes / 4, std::move(buffer_));
             read_spool(part, [&](std::vector<std::byte>& rows) {
                 for (std::size_t at = 0; at < rows.size(); at += layout_.bytes) {
                     const std::byte* const row =
@@ -327,6 +328,7 @@ private:
                 }
             });
             writer.flush();
+            buffer_ = writer.take_buffer();
             bytes = scratch.bytes();
             save_batch(facts, scratch, record);
         }
@@ -342,6 +344,7 @@ private:
     const std::vector<Batch> parts_;
     SpoolFacts facts_;                        // those of all parts
     std::vector<std::uint64_t> rows_before_;  // number of rows in the parts before each
+    std::vector<std::byte> buffer_;           // memory of a Scratch::Writer
     FileInfo info_;                           // with what was found while points were read
 };
 
