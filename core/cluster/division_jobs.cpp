@@ -179,5 +179,6 @@ void divide_bins(const TeamWork& team_work, const Ingested& cloud, TopTree<Coord
 }
 
 template void divide_bins(const TeamWork&, const Ingested&, TopTree<std::uint32_t>&, BinRows&);
+template void divide_bins(const TeamWork&, const Ingested&, TopTree<std::uint64_t>&, BinRows&);
 
 }  // namespace pcm

@@ -12,5 +12,6 @@ template <class Coord>
 void divide_bins(const TeamWork& team_work, const Ingested& cloud, TopTree<Coord>& top, BinRows& rows);
 
 extern template void divide_bins(const TeamWork&, const Ingested&, TopTree<std::uint32_t>&, BinRows&);
+extern template void divide_bins(const TeamWork&, const Ingested&, TopTree<std::uint64_t>&, BinRows&);
 
 }  // namespace pcm

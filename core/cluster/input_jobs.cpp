@@ -9,14 +9,17 @@
 #include "pcm/build/bins/reader_facts.h"
 #include "pcm/build/bins/record_rows.h"
 #include "pcm/build/build_checkpoint.h"
+#include "pcm/cluster/batch_files.h"
 #include "pcm/cluster/batches.h"
 #include "pcm/cluster/division_jobs.h"
 #include "pcm/cluster/share_jobs.h"
+#include "pcm/cluster/spool_jobs.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <optional>
 
 namespace pcm {
 namespace {
@@ -25,6 +28,7 @@ using Narrow = std::uint32_t;
 using Key = JobFolder::Key;
 constexpr const char* plan_stage = "plan";
 constexpr const char* batch_stage = "batches";
+constexpr Key plan_of_cloud{plan_stage, 0}, plan_of_kept_integers{plan_stage, 1};
 
 class InputJobs {
 public:
@@ -35,6 +39,7 @@ public:
           options_(all.options),
           all_(all),
           cloud_(cloud),
+          header_(cloud.info()),
           found_(found),
           rows_(rows)
     {
@@ -44,12 +49,37 @@ public:
     {
         jobs_.begin(plan_stage);
         jobs_.begin(batch_stage);
-        const std::vector<std::byte> plan = find_or_make_plan();
-        ByteReader in(plan.data(), plan.size(), jobs_.file({plan_stage}));
-        return in.get<std::uint8_t>() ? read_batches(in) : take_bins(in);
+        if (cloud_.can_keep_integers()) {
+            cloud_.keep_integers(true);
+            if (can_be_read_in_batches())
+                if (auto top = follow_plan(plan_of_kept_integers, [&] { return plan_batches(); }))
+                    return std::move(*top);
+            cloud_.keep_integers(false);  // as they can be where a header is wrong
+        }
+        if (can_be_spooled(cloud_, options_.read)) return spool_input(all_, cloud_, header_, found_, rows_);
+        return *follow_plan(plan_of_cloud, [&] { return can_be_read_in_batches() ? plan_batches() : read_by_one(); });
     }
 
 private:
+    // Kinds of plans, their first byte.
+    enum Plan : std::uint8_t { take_bins_of_one, read_in_batches, integers_lost };
+
+    // The cuts between the bins; none where integers were lost.
+    template <class Make>
+    std::optional<AnyTop> follow_plan(const Key& key, const Make& make)
+    {
+        const std::vector<std::byte> plan = find_or_make(key, make);
+        ByteReader in(plan.data(), plan.size(), jobs_.file(key));
+        switch (in.get<std::uint8_t>()) {
+            case take_bins_of_one:
+                return take_bins(in);
+            case read_in_batches:
+                return read_batches(in);
+            default:
+                return std::nullopt;
+        }
+    }
+
     // Whether points can be read from anywhere, and nothing is left out of what the headers promise.
     bool can_be_read_in_batches() const
     {
@@ -58,15 +88,40 @@ private:
                !options_.read.largest_coordinate;
     }
 
-    std::vector<std::byte> find_or_make_plan()
+    template <class Make>
+    std::vector<std::byte> find_or_make(const Key& key, const Make& make)
     {
         std::vector<std::byte> found;
-        if (team_.rank() == 0) found = jobs_.record_if_done({plan_stage}).value_or(std::vector<std::byte>());
+        if (team_.rank() == 0) found = jobs_.record_if_done(key).value_or(std::vector<std::byte>());
         found = team_.broadcast(0, std::move(found));
         if (!found.empty()) return found;
-        std::vector<std::byte> made = can_be_read_in_batches() ? plan_batches() : read_by_one();
-        if (team_.rank() == 0) jobs_.write({plan_stage}, {}, made);
+        std::vector<std::byte> made = make();
+        if (team_.rank() == 0) jobs_.write(key, {}, made);
         return team_.broadcast(0, std::move(made));
+    }
+
+    // Collective: the sample of all ranks, in rank 0. False where integers were lost.
+    bool sample_together(TopPlanner<Narrow>::Sample& sample)
+    {
+        std::vector<std::array<Narrow, 3>> share;
+        bool kept = true;
+        try {
+            share = sample_evenly(cloud_, team_.rank(), team_.size());
+        } catch (const IntegersLost&) {
+            kept = false;
+        }
+        ByteWriter mine;
+        mine.put(static_cast<std::uint8_t>(kept));
+        mine.put_bytes(reinterpret_cast<const std::byte*>(share.data()), share.size() * sizeof share[0]);
+        for (const Team::Bytes& part : team_.gather(std::move(mine.bytes()))) {
+            ByteReader in(part.data(), part.size(), work_.folder);
+            kept = in.get<std::uint8_t>() && kept;
+            if (team_.rank() != 0) continue;
+            const std::size_t before = sample.size(), bytes = in.left();
+            sample.resize(before + bytes / sizeof sample[0]);
+            std::memcpy(sample.data() + before, in.get_bytes(bytes), bytes);
+        }
+        return kept;
     }
 
     // Collective; the plan is rank 0's.
@@ -77,22 +132,12 @@ private:
         TopTree<Narrow> top;
         std::size_t bins = 1;
         TopPlanner<Narrow>::Sample sample;
-        if (points > per_bin) {
-            const auto share = sample_evenly(cloud_, team_.rank(), team_.size());
-            std::vector<std::byte> bytes(share.size() * sizeof share[0]);
-            std::memcpy(bytes.data(), share.data(), bytes.size());
-            for (const Team::Bytes& part : team_.gather(std::move(bytes))) {
-                if (team_.rank() != 0) continue;
-                const std::size_t before = sample.size();
-                sample.resize(before + part.size() / sizeof sample[0]);
-                std::memcpy(sample.data() + before, part.data(), part.size());
-            }
-        }
+        if (points > per_bin && !sample_together(sample)) return {std::byte(integers_lost)};
         if (team_.rank() != 0) return {};
         if (!sample.empty())
             bins = TopPlanner<Narrow>(top, axis_shift(*cloud_.info().grid), per_bin).plan(0, sample, points, 0);
         ByteWriter plan;
-        plan.put(std::uint8_t(1));
+        plan.put(static_cast<std::uint8_t>(read_in_batches));
         plan.put(batch_size(points));
         plan.put(static_cast<std::uint64_t>(bins));
         save_top(top, plan);
@@ -106,7 +151,7 @@ private:
         const AnyBins bins = partition(cloud_, work_, found_);
         take_reader_facts(cloud_.info(), found_);
         ByteWriter plan;
-        plan.put(std::uint8_t(0));
+        plan.put(static_cast<std::uint8_t>(take_bins_of_one));
         save_bins(found_, bins, plan);
         std::visit([](const auto& of) { of.scratch->sync(); }, bins);
         found_ = Ingested();
@@ -129,7 +174,8 @@ private:
             bins);
     }
 
-    AnyTop read_batches(ByteReader& in)
+    // None where integers were lost.
+    std::optional<AnyTop> read_batches(ByteReader& in)
     {
         const auto size = in.get<std::uint64_t>();
         const auto bins = in.get<std::uint64_t>();
@@ -138,7 +184,6 @@ private:
         found_.position_type = cloud_.info().position_type;
         found_.grid = *cloud_.info().grid;
         found_.layout = RowLayout(found_.schema, false);
-        rows_.add_bins(bins);
         make_starts();
         const std::vector<Batch> batches = batches_of(cloud_.points_of_sources(), size);
         share_jobs(
@@ -150,9 +195,18 @@ private:
                 work_.watch.report("Reading points", 0.4 * static_cast<double>(begun) /
                                                          static_cast<double>(std::max<std::size_t>(1, batches.size())));
             });
-        take_batches(batches.size());
+        buffer_ = {};
+        FileInfo info = header_;
+        const BatchFacts facts = take_batches(team_, jobs_, batch_stage, batches.size(), bins, rows_, info);
+        if (!facts.kept) {
+            found_ = Ingested();
+            return std::nullopt;
+        }
+        found_.observed = facts.observed;
+        found_.points_in = found_.observed.points;
+        take_reader_facts(info, found_);
         divide_bins<Narrow>(all_, found_, top_, rows_);
-        return std::move(top_);
+        return AnyTop(std::move(top_));
     }
 
     // For bin_of(): over the box of all files, where it is known.
@@ -176,26 +230,20 @@ private:
     {
         const Key job{batch_stage, number};
         const std::filesystem::path path = jobs_.unfinished(job);
-        Observed observed;
+        BatchFacts facts;
         std::uint64_t bytes;
         ByteWriter record;
         {
             Scratch scratch(path, found_.layout, found_.schema, work_.space);
             scratch.add_bins(bins);
-            Scratch::Writer writer(scratch, 0, bins, work_.memory_bytes / 4);
-            const std::size_t notes_before = cloud_.info().notes.size();
-            cloud_.seek(batch.first);
-            if (cloud_.has_records())
-                distribute<RecordBatch>(batch, writer, observed);
-            else
-                distribute<PointBatch>(batch, writer, observed);
+            Scratch::Writer writer(scratch, 0, bins, work_.memory_bytes / 4, std::move(buffer_));
+            const std::size_t notes = cloud_.info().notes.size(), blocks = cloud_.info().metadata.size();
+            facts.kept = distribute(batch, writer, facts.observed);
             writer.flush();
+            buffer_ = writer.take_buffer();
+            facts.late = LateFacts::since(cloud_.info(), notes, blocks);
             bytes = scratch.bytes();
-            save_observed(observed, record);
-            const std::vector<std::string>& notes = cloud_.info().notes;
-            record.put(static_cast<std::uint64_t>(notes.size() - notes_before));
-            for (std::size_t n = notes_before; n < notes.size(); ++n) record.put_string(notes[n]);
-            BinRows::save(scratch, record);
+            save_batch(facts, scratch, record);
         }
         jobs_.finish(job, path, bytes, record.bytes());
     }
@@ -211,8 +259,24 @@ private:
         put_record_rows(points, found_.layout, row_bytes_, observed);
     }
 
+    // False where integers were lost.
+    bool distribute(const Batch& batch, Scratch::Writer& writer, Observed& observed)
+    {
+        try {
+            cloud_.seek(batch.first);
+            if (cloud_.has_records())
+                distribute_points<RecordBatch>(batch, writer, observed);
+            else
+                distribute_points<PointBatch>(batch, writer, observed);
+        } catch (const IntegersLost&) {
+            return false;
+        }
+        observed.position_error = cloud_.info().move_error;  // since seek()
+        return true;
+    }
+
     template <class Points>
-    void distribute(const Batch& batch, Scratch::Writer& writer, Observed& observed)
+    void distribute_points(const Batch& batch, Scratch::Writer& writer, Observed& observed)
     {
         Points points;
         for (std::uint64_t at = batch.first; at < batch.end; at += points.size) {
@@ -226,46 +290,17 @@ private:
         }
     }
 
-    // Collective: what the batches hold. Each rank reads the records of some.
-    void take_batches(std::size_t batches)
-    {
-        ByteWriter mine;
-        for (std::size_t i = team_.rank(); i < batches; i += team_.size()) {
-            const std::vector<std::byte> record = jobs_.record({batch_stage, i});
-            mine.put_bytes(record.data(), record.size());
-        }
-        const std::vector<Team::Bytes> all = team_.gather(std::move(mine.bytes()));
-        std::vector<ByteReader> in;
-        for (const Team::Bytes& bytes : all) in.emplace_back(bytes.data(), bytes.size(), work_.folder);
-        const FileInfo& info = cloud_.info();
-        std::vector<std::string> late;
-        for (std::size_t i = 0; i < batches; ++i) {
-            ByteReader& from = in[i % team_.size()];
-            found_.observed.merge(load_observed(from));
-            for (auto left = from.get<std::uint64_t>(); left > 0; --left) late.push_back(from.get_string());
-            const std::uint32_t file = rows_.add_file(jobs_.file({batch_stage, i}));
-            for (auto& [bin, piece] : BinRows::load(from, file)) {
-                if (bin >= rows_.bins()) throw Error(ErrorCode::corrupt, work_.folder, "a batch has unknown bins");
-                rows_.add(bin, std::move(piece));
-            }
-        }
-        found_.points_in = found_.observed.points;
-        take_reader_facts(info, found_);
-        for (std::string& note : late)
-            if (std::find(found_.notes.begin(), found_.notes.end(), note) == found_.notes.end())
-                found_.notes.push_back(std::move(note));
-    }
-
     Team& team_;
     const JobFolder& jobs_;
     Workspace& work_;
     const BuildOptions& options_;
     const TeamWork& all_;
     MergedReader& cloud_;
+    const FileInfo header_;  // before points are read
     Ingested& found_;
     BinRows& rows_;
     TopTree<Narrow> top_;
-    std::vector<std::byte> row_bytes_;
+    std::vector<std::byte> row_bytes_, buffer_;
 };
 
 }  // namespace

@@ -1,8 +1,9 @@
 // The first stages of a team's build: the cloud is sampled by all ranks and its cuts are chosen by one; then batches of
 // its points are read by all, and what came out too large is divided.
 //
-// Batches are ranges of a cloud of integers whose readers can seek (LAS, LAZ). Any other cloud is read by rank 0 alone,
-// as build_tree() reads it.
+// Batches are ranges of a cloud of integers whose readers can seek (LAS, LAZ). Doubles are kept in spools before they
+// get to their bins (spool_jobs.h). A single file that can only be read from its beginning, such as one of text, is
+// read by rank 0 alone, as build_tree() reads it.
 #pragma once
 
 #include "pcm/build/bins/bins.h"

@@ -19,7 +19,10 @@ enum JobCounter : std::uint64_t {
     count_data_files,
     count_chunks,
     count_units,
-    count_nodes
+    count_nodes,
+    count_spools,
+    count_samples,
+    count_spooled
 };
 
 struct TeamWork {

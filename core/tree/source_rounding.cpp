@@ -1,5 +1,7 @@
 #include "pcm/tree/source_rounding.h"
 
+#include "pcm/bpc/byte_order.h"
+
 #include <algorithm>
 #include <cstring>
 #include <string>
@@ -39,6 +41,20 @@ void DecimalCount::merge(const DecimalCount& other)
 {
     places_ = std::max(places_, other.places_);
     largest_ = std::max(largest_, other.largest_);
+}
+
+void DecimalCount::save(ByteWriter& out) const
+{
+    out.put(static_cast<std::int32_t>(places_));
+    out.put(largest_);
+}
+
+DecimalCount DecimalCount::load(ByteReader& in)
+{
+    DecimalCount count;
+    count.places_ = in.get<std::int32_t>();
+    count.largest_ = in.get<double>();
+    return count;
 }
 
 int DecimalCount::places() const

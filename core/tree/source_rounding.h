@@ -21,6 +21,9 @@ using DecimalPlaces = std::array<int, 3>;  // digits after the point, of each ax
 inline constexpr int most_decimal_places = 15;
 double power_of_ten(int places);  // 0 to most_decimal_places, exact
 
+class ByteReader;
+class ByteWriter;
+
 // Finds the number of digits after the point of all numbers that it sees. The result does not depend on their order.
 class DecimalCount {
 public:
@@ -33,6 +36,8 @@ public:
     void merge(const DecimalCount& other);
     // Digits such that each number is the double nearest to a decimal with them; no_decimals where there are none.
     int places() const;
+    void save(ByteWriter& out) const;
+    static DecimalCount load(ByteReader& in);
 
 private:
     static constexpr double most_integer = 1125899906842624.0;  // 2^50: quotients by a power of ten are far apart

@@ -46,6 +46,7 @@ public:
     void seek(std::uint64_t index) override;
     double fraction_read() const override;
 
+    const Tree& tree() const { return *tree_; }
     // The nodes whose points are read, in order. From now on those of a range alone are, from its beginning.
     const std::vector<SelectedNode>& nodes() const { return nodes_; }
     void keep_nodes(std::size_t first, std::size_t end);

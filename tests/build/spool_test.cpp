@@ -1,6 +1,7 @@
 // Rows come back from a spool as they were written, behind what the caller has already.
 #include "pcm/build/bins/spool.h"
 
+#include "pcm/bpc/byte_order.h"
 #include "pcm/system/error.h"
 #include "tests/build/schema_of.h"
 #include "tests/support.h"
@@ -42,6 +43,39 @@ std::vector<std::string> sorted(const Rows& rows, std::size_t row_bytes)
         texts.emplace_back(reinterpret_cast<const char*>(rows.data()) + at, row_bytes);
     std::sort(texts.begin(), texts.end());
     return texts;
+}
+
+TEST(Spool, IsReadByAnotherWhereItIsKept)
+{
+    std::mt19937_64 random(3);
+    for (const bool doubles : {false, true}) {
+        TemporaryFolder folder;
+        ScratchSpace space;
+        const RowLayout layout(mixed_schema(), doubles);
+        ByteWriter saved;
+        Rows all, back;
+        {
+            Spool spool(folder / "spool", layout, mixed_schema(), doubles, space);
+            Spool::Writer writer(spool);
+            for (int block = 0; block < 6; ++block) {
+                Rows written = random_rows(1 + random() % 3000, layout, doubles, block % 3, random);
+                all.insert(all.end(), written.begin(), written.end());
+                writer.append(written.data(), written.size() / layout.bytes);
+            }
+            spool.keep();
+            spool.save(saved);
+        }
+        for (int time = 0; time < 2; ++time) {
+            ByteReader in(saved.bytes().data(), saved.size(), {});
+            const Spool spool(folder / "spool", layout, mixed_schema(), doubles, space, in);
+            EXPECT_EQ(in.left(), 0u);
+            EXPECT_EQ(spool.rows(), all.size() / layout.bytes);
+            back.clear();
+            for (std::size_t piece = 0; piece < spool.pieces(); ++piece) spool.read(piece, back);
+            EXPECT_TRUE(back == all);
+        }
+        EXPECT_TRUE(std::filesystem::exists(folder / "spool"));
+    }
 }
 
 TEST(Spool, GivesBackEveryRowOfEveryWriter)

@@ -4,7 +4,10 @@
 
 #include "pcm/build/builder.h"
 #include "pcm/cluster/team_folder.h"
+#include "pcm/io/reader.h"
 #include "pcm/system/error.h"
+#include "pcm/system/renamed_error.h"
+#include "pcm/tree/source_rounding.h"
 #include "tests/build/build_support.h"
 #include "tests/clouds.h"
 #include "tests/sanitizers.h"
@@ -12,6 +15,11 @@
 #include "tests/thread_team.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <limits>
 
 namespace pcm {
 namespace {
@@ -24,6 +32,21 @@ protected:
     std::vector<LasRecord> cloud(Shape shape = Shape::surface) const
     {
         return records(shape, tries<std::size_t>(120'000, 30'000), 6);  // some forty bins of chunks of 1000
+    }
+    // The cloud in slices, each with an offset that differs by `apart` from that of the one before.
+    std::vector<fs::path> tiles(const std::vector<LasRecord>& points, double apart) const
+    {
+        std::vector<fs::path> files;
+        constexpr std::size_t count = 60;
+        for (std::size_t t = 0; t < count; ++t) {
+            files.push_back(folder_ / ("tile" + std::to_string(t) + ".las"));
+            const double offset = apart * static_cast<double>(t);
+            write_las(files.back(),
+                      {points.begin() + static_cast<std::ptrdiff_t>(points.size() * t / count),
+                       points.begin() + static_cast<std::ptrdiff_t>(points.size() * (t + 1) / count)},
+                      Grid{{0.01, 0.01, 0.01}, {offset, offset, 0}});
+        }
+        return files;
     }
     BuildReport build(unsigned ranks, const std::vector<fs::path>& inputs, BuildOptions options)
     {
@@ -55,7 +78,10 @@ protected:
                 EXPECT_EQ(report.nodes, one.nodes);
                 EXPECT_EQ(report.outcome.points_in, one.outcome.points_in);
                 EXPECT_EQ(report.outcome.points_out, one.outcome.points_out);
+                EXPECT_EQ(report.outcome.error, one.outcome.error);
+                EXPECT_EQ(report.notes, one.notes);
                 EXPECT_FALSE(fs::exists(folder_ / "team.pct.part"));
+                fs::remove_all(folder_ / "team.pct");
             }
         }
     }
@@ -83,23 +109,48 @@ TEST_F(TeamBuild, OfADenseClump)
     expect_same_tree({folder_ / "in.las"});
 }
 
-// With one offset for all their integers are kept; with offsets of their own all goes through doubles.
+// Offsets of their own are whole steps apart: integers are kept.
 TEST_F(TeamBuild, OfManyTiles)
 {
-    for (const double apart : {0.0, 0.5}) {
+    for (const double apart : {0.0, 0.37}) {
         SCOPED_TRACE(apart);
-        const auto points = cloud();
-        std::vector<fs::path> tiles;
-        constexpr std::size_t count = 60;
-        for (std::size_t t = 0; t < count; ++t) {
-            tiles.push_back(folder_ / ("tile" + std::to_string(t) + ".las"));
-            const double offset = apart * static_cast<double>(t);
-            write_las(tiles.back(),
-                      {points.begin() + static_cast<std::ptrdiff_t>(points.size() * t / count),
-                       points.begin() + static_cast<std::ptrdiff_t>(points.size() * (t + 1) / count)},
-                      Grid{{0.01, 0.01, 0.01}, {offset, offset, 0}});
-        }
-        expect_same_tree(tiles);
+        expect_same_tree(tiles(cloud(), apart));
+    }
+}
+
+// All ranks read them, in batches.
+TEST_F(TeamBuild, IntegersOfTilesAreKeptByAllRanks)
+{
+    BuildOptions options = small_chunks();
+    options.progress = [](const ProgressUpdate& update) { return update.fraction < 0.5; };
+    EXPECT_THROW(build(2, tiles(cloud(), 0.37), options), Error);
+    EXPECT_GT(names_in(folder_ / "team.pct.part" / "jobs" / "batches").size(), 20u);
+    EXPECT_FALSE(fs::exists(folder_ / "team.pct.part" / "scratch.tmp"));
+}
+
+// A point does not fit the first tile's grid, though the header promises it: it is read again as doubles. The sample
+// before the first reading meets that point, or does not.
+TEST_F(TeamBuild, OfTilesOfWhichAHeaderIsWrong)
+{
+    for (const std::size_t far : {56'000u, 56'009u}) {
+        SCOPED_TRACE(far);
+        auto points = records(Shape::surface, 70'000, 6);  // half of them are the sample
+        points[far].x = std::numeric_limits<std::int32_t>::max();
+        const std::vector<fs::path> inputs = tiles(points, 0.37);
+        expect_same_tree(inputs);
+        BuildOptions options = small_chunks();
+        options.progress = [](const ProgressUpdate& update) { return update.fraction < 0.6; };
+        EXPECT_THROW(build(3, inputs, options), Error);
+        EXPECT_EQ(names_in(folder_ / "team.pct.part" / "jobs" / "plan").size(), 1u);
+        EXPECT_EQ(names_in(folder_ / "team.pct.part" / "jobs" / "batches").empty(), far == 56'000);
+        const BuildReport report = build(2, inputs, small_chunks());
+        EXPECT_NE(std::find(report.notes.begin(), report.notes.end(), "an interrupted build was resumed"),
+                  report.notes.end());
+        BuildOptions same = small_chunks();
+        same.overwrite = true;
+        build_tree(inputs, folder_ / "one.pct", same);
+        EXPECT_TRUE(contents(folder_ / "team.pct") == contents(folder_ / "one.pct"));
+        fs::remove_all(folder_ / "team.pct");
     }
 }
 
@@ -109,6 +160,103 @@ TEST_F(TeamBuild, OfDoubles)
     for (const LasRecord& p : cloud(Shape::clusters)) points.push_back({p.x / 7.0, p.y / 11.0, p.z / 13.0});
     write_ply(folder_ / "in.ply", points);
     expect_same_tree({folder_ / "in.ply"});
+}
+
+// Ranges of points: of files of doubles, and of tiles whose grids are half a step apart.
+TEST_F(TeamBuild, OfDoublesThatAllRanksRead)
+{
+    for (const double off : {0.0, 0.005}) {
+        SCOPED_TRACE(off);
+        std::vector<fs::path> inputs;
+        if (off > 0) {
+            inputs = tiles(records(Shape::surface, 30'000, 6), off);
+        } else {
+            const auto points = records(Shape::clusters, 30'000, 6);
+            for (std::size_t t = 0; t < 9; ++t) {
+                std::vector<std::array<double, 3>> some;
+                for (std::size_t i = t; i < points.size(); i += 9)
+                    some.push_back({points[i].x / 7.0, points[i].y / 11.0, points[i].z / 13.0});
+                if (t % 3 == 1) some[5][t / 3] = std::numeric_limits<double>::quiet_NaN();
+                if (t == 4) some.clear();
+                inputs.push_back(folder_ / (std::to_string(t) + ".ply"));
+                write_ply(inputs.back(), some);
+            }
+        }
+        expect_same_tree(inputs);
+        const Contents expected = contents(folder_ / "one.pct");
+        BuildOptions options = small_chunks();
+        options.progress = [&](const ProgressUpdate& update) { return update.fraction < (off > 0 ? 0.26 : 0.41); };
+        EXPECT_THROW(build(3, inputs, options), Error);
+        EXPECT_GT(names_in(folder_ / "team.pct.part" / "jobs" / "spools").size(), 4u);
+        options = small_chunks();
+        options.sampling = Sampling::grid;
+        options.memory_bytes *= 2;
+        build(2, inputs, options);
+        EXPECT_TRUE(contents(folder_ / "team.pct") == expected);
+        fs::remove_all(folder_ / "team.pct");
+    }
+}
+
+// Half of the points in a small part of the space: bins are divided again.
+TEST_F(TeamBuild, OfADenseClumpOfDoubles)
+{
+    auto points = cloud();
+    std::vector<fs::path> inputs;
+    for (std::size_t t = 0; t < 4; ++t) {
+        std::vector<std::array<float, 3>> some;
+        for (std::size_t i = t; i < points.size(); i += 4) {
+            const float by = i % 8 < 4 ? 1e-4f : 1.f;
+            some.push_back({static_cast<float>(points[i].x) * by, static_cast<float>(points[i].y) * by,
+                            static_cast<float>(points[i].z) * by});
+        }
+        inputs.push_back(folder_ / (std::to_string(t) + ".ply"));
+        write_ply(inputs.back(), some);
+    }
+    expect_same_tree(inputs);
+}
+
+TEST_F(TeamBuild, OfTextWithDecimals)
+{
+    const auto points = cloud();
+    std::vector<fs::path> inputs;
+    for (std::size_t t = 0; t < 5; ++t) {
+        inputs.push_back(folder_ / (std::to_string(t) + ".xyz"));
+        std::ofstream file(inputs.back());
+        for (std::size_t i = t; i < points.size(); i += 5)
+            file << points[i].x / 100 << '.' << 10 + i % 80 << ' ' << points[i].y / 100 << ".5 " << points[i].z << ' '
+                 << points[i].intensity << '\n';
+    }
+    expect_same_tree(inputs);
+    EXPECT_TRUE(SourceRounding(Tree::open(folder_ / "one.pct")->info()).has_decimals());
+    BuildOptions options = small_chunks();
+    options.progress = [](const ProgressUpdate& update) { return update.fraction < 0.5; };
+    EXPECT_THROW(build(3, inputs, options), Error);
+    EXPECT_EQ(names_in(folder_ / "team.pct.part" / "jobs" / "spools").size(), 5u);
+}
+
+TEST_F(TeamBuild, RefusesPointsThatAreTooFarAway)
+{
+    std::vector<fs::path> inputs;
+    for (const double far : {1.0, 3.4e38}) {
+        std::vector<std::array<double, 3>> points;
+        for (const LasRecord& p : records(Shape::surface, 5'000, 6)) points.push_back({p.x / 7.0, p.y / 7.0, 0.1});
+        points[7][1] = far;
+        inputs.push_back(folder_ / (std::to_string(inputs.size()) + ".ply"));
+        write_ply(inputs.back(), points);
+    }
+    const auto message = [&](const auto& work) -> std::string {
+        try {
+            work();
+        } catch (const Error& error) {
+            return without_path(error);
+        }
+        return "nothing was refused";
+    };
+    const std::string expected = message([&] { build_tree(inputs, folder_ / "one.pct", small_chunks()); });
+    const std::string found = message([&] { build(3, inputs, small_chunks()); });
+    EXPECT_NE(expected.find("1 of 10,000 points"), std::string::npos) << expected;
+    EXPECT_EQ(found.substr(0, 120), expected.substr(0, 120));
+    EXPECT_FALSE(fs::exists(folder_ / "team.pct"));
 }
 
 TEST_F(TeamBuild, OfFewPointsAndOfNone)

@@ -93,9 +93,9 @@ class Mpi(unittest.TestCase):
                 self.assert_same(self.folder / "mpi.pct", self.tree)
 
     def test_levels_on_a_grid_laz_and_doubles(self):
-        for name in ("scene.laz", "scene.xyz"):
+        for name in ("scene.laz", "scene.xyz", "scene.ply"):
             self.run_program("pcmlab", "convert", self.scene, self.folder / name, "-q")
-        for arguments in ([self.scene, "--fast"], [self.folder / "scene.laz"], [self.folder / "scene.xyz"]):
+        for arguments in ([self.scene, "--fast"], [self.folder / "scene.laz"], [self.folder / "scene.xyz"], [self.folder / "scene.ply"]):
             with self.subTest(arguments=arguments):
                 other = self.built("other.pct", *arguments)
                 run = self.together(3, self.folder / "mpi.pct", *arguments)
@@ -279,40 +279,70 @@ class Mpi(unittest.TestCase):
         self.assert_same(changed, expected)
         shutil.rmtree(expected)
 
-    def test_killed_filters_leave_no_tree_and_are_resumed(self):
+    # The operation, the name of its result, its options.
+    operations_to_kill = (
+        ("normals", "killed.pct", "--curvature", "-k", "24"),
+        ("radii", "killed.pct", "-k", "24", "--mean-distance"),
+        ("outliers", "killed.pct", "-k", "24"),
+        ("convert", "killed.laz", "--where", "intensity>100", "--where", "z<100"),
+    )
+
+    def killed(self, chance, seconds, *words):
+        """Runs an operation and kills a rank in its first seconds. Returns whether one was killed, and the exit code."""
+        process = subprocess.Popen(self.operation(chance.choice((1, 2, 3)), *words), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        begun, ranks = time.monotonic(), []
+        while not ranks and process.poll() is None:
+            ranks = processes_of(process.pid)
+        time.sleep(0.4 + chance.uniform(0, 0.9 * seconds))
+        was_killed = False
+        if process.poll() is None and ranks:
+            try:
+                os.kill(chance.choice(ranks), signal.SIGKILL)
+                was_killed = True
+            except ProcessLookupError:
+                pass
+        process.wait(timeout=60)
+        self.assertLess(time.monotonic() - begun, 60)
+        return was_killed, process.returncode
+
+    def assert_same_result(self, result, expected, was_killed):
+        if expected.is_dir():
+            self.assert_same(result, expected, was_killed)
+            return
+        self.assertTrue(result.read_bytes() == expected.read_bytes())
+        if not was_killed:
+            self.assertFalse(pathlib.Path(f"{result}.pct.part").exists())
+        shutil.rmtree(f"{result}.pct.part", ignore_errors=True)
+        result.unlink()
+
+    def test_killed_operations_leave_no_result_and_are_resumed(self):
         chance = random.Random(5)
-        output, expected = self.folder / "killed.pct", self.folder / "one.pct"
-        words = ("normals", self.tree, "--curvature", "-k", "24", "--memory", "96M", "--threads", "1", "-q")
-        self.run_program("pcmlab", *words[:-5], "--memory", "1G", "-q", "-o", expected)
-        begun = time.monotonic()
-        self.assertEqual(self.do_together(2, *words, "-o", output).returncode, 0)
-        seconds = time.monotonic() - begun
-        self.assert_same(output, expected)
-        kills = resumed = 0
-        for _ in range(3 * self.trees_to_kill):
-            process = subprocess.Popen(self.operation(chance.choice((1, 2, 3)), *words, "-o", output), stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-            begun, ranks = time.monotonic(), []
-            while not ranks and process.poll() is None:
-                ranks = processes_of(process.pid)
-            time.sleep(0.4 + chance.uniform(0, 0.9 * seconds))
-            if process.poll() is None and ranks:
-                try:
-                    os.kill(chance.choice(ranks), signal.SIGKILL)
-                    kills += 1
-                except ProcessLookupError:
-                    pass
-            process.wait(timeout=60)
-            was_killed = output.exists()
-            if not was_killed:
-                self.assertNotEqual(process.returncode, 0)
-                self.assertLess(time.monotonic() - begun, 60)
-                run = self.do_together(2, *words[:-1], "-o", output)
-                self.assertEqual(run.returncode, 0, run.stderr)
-                resumed += "interrupted work was resumed" in run.stdout
-            self.assert_same(output, expected, was_killed)
-        self.assertGreater(kills, self.trees_to_kill)
-        self.assertGreater(resumed, 0)
-        shutil.rmtree(expected)
+        for name, result, *options in self.operations_to_kill:
+            with self.subTest(operation=name):
+                output, expected = self.folder / result, self.folder / f"one{result[6:]}"
+                words = lambda result: (name, self.tree, result, *options) if name == "convert" else (name, self.tree, *options, "-o", result)
+                self.run_program("pcmlab", *words(expected), "--memory", "1G", "-q")
+                begun = time.monotonic()
+                self.assertEqual(self.do_together(2, *words(output), "--memory", "96M", "--threads", "1", "-q").returncode, 0)
+                seconds = time.monotonic() - begun
+                self.assert_same_result(output, expected, False)
+                before, kills, resumed = self.files(self.tree), 0, 0
+                for tries in range(6 * self.trees_to_kill):  # where operations end before they are killed
+                    if tries >= self.trees_to_kill and kills > self.trees_to_kill // 2 and resumed > 0:
+                        break
+                    was_killed, code = self.killed(chance, seconds, *words(output), "--memory", "96M", "--threads", "1")
+                    kills += was_killed
+                    had_its_name = output.exists()
+                    if not had_its_name:
+                        self.assertNotEqual(code, 0)
+                        run = self.do_together(2, *words(output), "--memory", "96M", "--threads", "1")
+                        self.assertEqual(run.returncode, 0, run.stderr)
+                        resumed += "interrupted work was resumed" in run.stdout
+                    self.assert_same_result(output, expected, had_its_name)
+                    self.assertEqual(self.files(self.tree), before)
+                self.assertGreater(kills, self.trees_to_kill // 2)
+                self.assertGreater(resumed, 0)
+                shutil.rmtree(expected) if expected.is_dir() else expected.unlink()
 
     def test_parts_of_a_tree_are_the_files_of_one_process(self):
         where = ("--where", "intensity>100", "--where", "z<100")

@@ -1,5 +1,7 @@
 #include "pcm/tree/source_rounding.h"
 
+#include "pcm/bpc/byte_order.h"
+
 #include <gtest/gtest.h>
 
 #include <charconv>
@@ -48,7 +50,11 @@ TEST(DecimalCount, TheOrderAndThePartsDoNotMatter)
         EXPECT_EQ(places_of(values), expected);
         DecimalCount first, second;
         for (std::size_t i = 0; i < values.size(); ++i) (i % 2 ? first : second).see(values[i]);
-        first.merge(second);
+        ByteWriter saved;
+        second.save(saved);
+        ByteReader in(saved.bytes().data(), saved.size(), {});
+        first.merge(DecimalCount::load(in));
+        EXPECT_EQ(in.left(), 0u);
         EXPECT_EQ(first.places(), expected);
     }
 }

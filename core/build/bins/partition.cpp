@@ -3,6 +3,7 @@
 #include "pcm/build/bins/batch_queue.h"
 #include "pcm/build/bins/distribute.h"
 #include "pcm/build/bins/divide_bins.h"
+#include "pcm/build/bins/doubles.h"
 #include "pcm/build/bins/ingest.h"
 #include "pcm/build/bins/position_grid.h"
 #include "pcm/build/bins/record_rows.h"
@@ -11,11 +12,6 @@
 #include "pcm/cloud/vector.h"
 #include "pcm/io/pipe/far_points.h"
 #include "pcm/system/error.h"
-
-#include <atomic>
-#include <cmath>
-#include <cstring>
-#include <limits>
 
 namespace pcm {
 namespace {
@@ -197,18 +193,15 @@ private:
         const RowLayout layout(found_.schema, true);
         Spool spool(work_.folder / "spool.tmp", layout, found_.schema, true, work_.space);
         FarPoints positions;
-        std::vector<std::array<DecimalCount, 3>> decimals(threads_);
-        const bool count_decimals = found_.position_type == ScalarType::f64 && !like_;
+        const bool with_decimals = counts_decimals(cloud_.info()) && !like_;
+        std::vector<DoubleRows> makers(threads_, DoubleRows(layout, with_decimals));
         StridedSample<Vec3d> sample;
-        const auto position = [](const PointBatch& batch, std::size_t i) {
-            return Vec3d{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
-        };
         std::vector<Spool::Writer> writers(threads_, Spool::Writer(spool));
         stream<PointBatch>(
             0.25,
             [&](const PointBatch& batch) {
                 for (std::size_t i = 0; i < batch.size; ++i) {
-                    const Vec3d p = position(batch, i);
+                    const Vec3d p{batch.xyz[0][i], batch.xyz[1][i], batch.xyz[2][i]};
                     if (!is_finite(p)) {
                         ++found_.points_skipped;
                         continue;
@@ -218,74 +211,42 @@ private:
                 }
             },
             [&](unsigned t, const PointBatch& batch, std::vector<std::byte>& rows) {
-                rows.resize(batch.size * layout.bytes);
-                put_attributes(batch, layout, rows.data());
-                std::size_t kept = 0;
-                for (std::size_t i = 0; i < batch.size; ++i) {
-                    const Vec3d p = position(batch, i);
-                    if (!is_finite(p)) continue;
-                    std::byte* row = rows.data() + kept++ * layout.bytes;
-                    if (row != rows.data() + i * layout.bytes)
-                        std::memmove(row, rows.data() + i * layout.bytes, layout.bytes);
-                    std::memcpy(row, p.data(), sizeof p);
-                    for (std::size_t a = 0; a < 3 && count_decimals; ++a) decimals[t][a].see(p[a]);
-                }
+                const std::size_t kept = makers[t].put(batch, rows);
                 writers[t].append(rows.data(), kept);
             },
             [](unsigned) {});
-        if (found_.points_skipped)
-            found_.notes.push_back(std::to_string(found_.points_skipped) +
-                                   " points without a finite position were left out");
-        for (std::size_t a = 0; a < 3 && count_decimals; ++a) {
-            for (unsigned t = 1; t < threads_; ++t) decimals[0][a].merge(decimals[t][a]);
-            found_.decimals[a] = decimals[0][a].places();
+        if (found_.points_skipped) found_.notes.push_back(note_of_skipped(found_.points_skipped));
+        for (std::size_t a = 0; a < 3 && with_decimals; ++a) {
+            for (unsigned t = 1; t < threads_; ++t) makers[0].decimals()[a].merge(makers[t].decimals()[a]);
+            found_.decimals[a] = makers[0].decimals()[a].places();
         }
         if (choose_grid(positions)) return put_on_grid<std::uint32_t>(spool, sample);
         return put_on_grid<std::uint64_t>(spool, sample);
     }
 
-    // Rows of doubles become rows of Coord, in place: with narrow coordinates a row begins later.
     template <class Coord>
     AnyBins put_on_grid(Spool& spool, StridedSample<Vec3d>& sample)
     {
-        static_assert(sizeof(Coord) <= sizeof(double));
-        constexpr std::size_t shift = 3 * (sizeof(double) - sizeof(Coord));
         found_.layout = RowLayout(found_.schema, sizeof(Coord) == 8);
-        const Grid& grid = found_.grid;
-        const auto on_grid = [&](const Vec3d& p) {
-            std::array<Coord, 3> c;
-            for (std::size_t a = 0; a < 3; ++a)
-                c[a] = to_coordinate<Coord>(to_grid_position(p[a], grid.scale[a], grid.offset[a]));
-            return c;
-        };
+        const GridRows<Coord> on_grid(found_.grid, found_.decimals);
         typename TopPlanner<Coord>::Sample coordinates;
         coordinates.reserve(sample.items().size());
-        for (const Vec3d& p : sample.items()) coordinates.push_back(on_grid(p));
+        for (const Vec3d& p : sample.items()) coordinates.push_back(on_grid.on_grid(p));
         sample = StridedSample<Vec3d>();
-        const SourceRounding rounding(found_.decimals);
-        std::vector<Observed> observed(threads_);
-        std::atomic<bool> rounded{false};
+        struct Seen {
+            Observed observed;
+            bool rounded = false;
+        };
+        std::vector<Seen> seen(threads_);
         AnyBins bins = of_spool<Coord>(spool, coordinates, [&](unsigned t, std::byte* row) {
-            Observed& seen = observed[t];
-            Vec3d p;
-            std::memcpy(p.data(), row, sizeof p);
-            const auto c = on_grid(p);
-            row += shift;
-            std::memcpy(row, c.data(), sizeof c);
-            Vec3i q;
-            for (std::size_t a = 0; a < 3; ++a) {
-                q[a] = to_grid<Coord>(c[a]);
-                const double stored = grid.to_source(q[a], a);
-                if (stored == p[a]) continue;
-                if (!rounded) rounded = true;
-                seen.position_error = std::max(seen.position_error, std::fabs(rounding(stored, a) - p[a]));
-            }
-            seen.see(q);
-            seen.hash += hash_rows(row, 1, found_.layout.bytes);
-            return row;
+            return on_grid.convert(row, found_.layout.bytes, seen[t].observed, seen[t].rounded);
         });
+        bool rounded = false;
+        for (const Seen& of_thread : seen) {
+            rounded = rounded || of_thread.rounded;
+            found_.observed.merge(of_thread.observed);
+        }
         if (!rounded) found_.decimals = {no_decimals, no_decimals, no_decimals};
-        for (const Observed& o : observed) found_.observed.merge(o);
         return bins;
     }
 
@@ -324,33 +285,16 @@ private:
         set_grid(*cloud_.info().grid);
     }
 
-    // Doubles that come from integers keep the grid of those integers. Others get a power of two per axis, the finest
-    // that holds the largest coordinate. True when all positions are narrow on the grid.
+    // True when all positions are narrow on the grid.
     bool choose_grid(const FarPoints& positions)
     {
         if (like_) {
             set_grid(like_->grid);
             return !like_->wide;
         }
-        const Box3d& box = positions.box();
-        if (cloud_.info().near_grid && resolves(*cloud_.info().near_grid, box)) {
-            const Grid grid = *cloud_.info().near_grid;
-            check_tree_grid(grid);
-            set_grid(grid);
-            found_.position_type = ScalarType::i32;
-            found_.decimals = {no_decimals, no_decimals, no_decimals};
-            bool narrow = true;
-            for (std::size_t a = 0; a < 3 && !box.empty(); ++a)
-                for (const double end : {box.min[a], box.max[a]}) {
-                    const std::int64_t q = to_grid_position(end, grid.scale[a], grid.offset[a]);
-                    narrow = narrow && q >= std::numeric_limits<std::int32_t>::min() &&
-                             q <= std::numeric_limits<std::int32_t>::max();
-                }
-            return narrow;
-        }
-        check_tree_positions(positions);
-        set_grid(power_of_two_grid(box));
-        return false;
+        const bool narrow = pcm::choose_grid(cloud_.info(), positions, found_);
+        finer_ = axis_shift(found_.grid);
+        return narrow;
     }
 
     PointReader& cloud_;

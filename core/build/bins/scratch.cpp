@@ -213,13 +213,15 @@ bool Scratch::can_hold(std::size_t bin) const
 
 void Scratch::forget(std::size_t bin) { bins_[bin] = Bin(); }
 
-Scratch::Writer::Writer(Scratch& scratch, std::size_t first_bin, std::size_t bins, std::size_t buffer_bytes)
+Scratch::Writer::Writer(Scratch& scratch, std::size_t first_bin, std::size_t bins, std::size_t buffer_bytes,
+                        std::vector<std::byte> buffer)
     : scratch_(scratch),
       first_bin_(first_bin),
       rows_each_(std::clamp<std::size_t>(buffer_bytes / (bins * scratch.row_bytes_), 16, 4096)),
-      buffer_(bins * rows_each_ * scratch.row_bytes_),
+      buffer_(std::move(buffer)),
       filled_(bins, 0)
 {
+    buffer_.resize(bins * rows_each_ * scratch.row_bytes_);
 }
 
 void Scratch::Writer::add(std::size_t bin, const std::byte* row)

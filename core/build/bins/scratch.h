@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 namespace pcm {
@@ -42,11 +43,15 @@ public:
     class Writer {
     public:
         // Buffers `buffer_bytes` in all, shared by bins [first_bin, first_bin + bins).
-        Writer(Scratch& scratch, std::size_t first_bin, std::size_t bins, std::size_t buffer_bytes);
+        // `buffer`: the memory of an earlier one, which need not be cleared by the system again.
+        Writer(Scratch& scratch, std::size_t first_bin, std::size_t bins, std::size_t buffer_bytes,
+               std::vector<std::byte> buffer = {});
         void add(std::size_t bin, const std::byte* row);
         // The same for rows that follow one another.
         void add(const std::uint32_t* bins, const std::byte* rows, std::size_t count);
         void flush();
+        // After flush(), at last: the memory of the buffers.
+        std::vector<std::byte> take_buffer() { return std::move(buffer_); }
 
     private:
         void flush(std::size_t slot);

@@ -1,5 +1,6 @@
 #include "pcm/build/bins/spool.h"
 
+#include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/checksum.h"
 #include "pcm/system/error.h"
 
@@ -40,6 +41,39 @@ Spool::Spool(const std::filesystem::path& path, const RowLayout& layout, const S
              ScratchSpace& space)
     : file_(path, space), row_bytes_(layout.bytes), doubles_(doubles), packing_(layout, schema, true, doubles)
 {
+}
+
+Spool::Spool(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, bool doubles,
+             ScratchSpace& space, ByteReader& in)
+    : file_(path, space, true),
+      row_bytes_(layout.bytes),
+      doubles_(doubles),
+      packing_(layout, schema, true, doubles),
+      kept_(true)
+{
+    for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
+        Block block{};
+        for (std::uint64_t* number : {&block.offset, &block.bytes, &block.rows, &block.checksum})
+            *number = in.get<std::uint64_t>();
+        for (std::size_t a = 0; a < 3; ++a) {
+            block.codes.divisor[a] = in.get<double>();
+            block.codes.shift[a] = in.get<std::uint32_t>();
+        }
+        blocks_.push_back(block);
+        rows_ += block.rows;
+    }
+}
+
+void Spool::save(ByteWriter& out) const
+{
+    out.put(static_cast<std::uint64_t>(blocks_.size()));
+    for (const Block& block : blocks_) {
+        for (const std::uint64_t number : {block.offset, block.bytes, block.rows, block.checksum}) out.put(number);
+        for (std::size_t a = 0; a < 3; ++a) {
+            out.put(block.codes.divisor[a]);
+            out.put(block.codes.shift[a]);
+        }
+    }
 }
 
 void Spool::Writer::code_doubles_of(std::byte* rows, std::size_t count, DoubleCodes& codes)

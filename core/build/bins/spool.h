@@ -12,12 +12,26 @@
 
 namespace pcm {
 
+class ByteReader;
+class ByteWriter;
+
 class Spool {
 public:
     // Rows of this layout; `doubles`: the layout is wide and positions are doubles, which keep their bits.
     Spool(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, bool doubles,
           ScratchSpace& space);
-    ~Spool() { file_.remove(); }
+    // Reopens a file that was kept, as it was when save() wrote `in`.
+    Spool(const std::filesystem::path& path, const RowLayout& layout, const Schema& schema, bool doubles,
+          ScratchSpace& space, ByteReader& in);
+    ~Spool()
+    {
+        if (!kept_) file_.remove();
+    }
+
+    // The file stays. To be called when all writers have ended, like save().
+    void keep() { kept_ = true; }
+    void save(ByteWriter& out) const;
+    std::uint64_t bytes() const { return file_.bytes(); }
 
     std::size_t row_bytes() const { return row_bytes_; }
     std::uint64_t rows() const { return rows_; }
@@ -57,6 +71,7 @@ private:
     std::mutex mutex_;
     std::vector<Block> blocks_;
     std::uint64_t rows_ = 0;
+    bool kept_ = false;
 };
 
 }  // namespace pcm

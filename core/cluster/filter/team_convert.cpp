@@ -31,23 +31,31 @@ std::unique_ptr<TreeReader> reader_of(const std::vector<fs::path>& inputs, const
     return reader;
 }
 
-std::vector<std::byte> identity_of(const fs::path& input, const std::vector<std::byte>& request)
+std::vector<std::byte> state_of(const Tree& tree)
 {
-    const TreeInfo info = Tree::open(input)->info();
+    ByteWriter out;
+    put_state(out, tree.info());
+    return std::move(out.bytes());
+}
+
+std::vector<std::byte> identity_of(const Tree& tree, const std::vector<std::byte>& request)
+{
     ByteWriter out;
     out.put_string("convert");
-    put_state(out, info);
+    put_state(out, tree.info());
     out.put_bytes(request.data(), request.size());
     return std::move(out.bytes());
 }
 
 // In rank 0.
 ConvertReport write_output(const TeamFolder& folder, std::size_t jobs, const std::vector<fs::path>& inputs,
-                           const fs::path& output, const ConvertOptions& options)
+                           const Tree& selected, const fs::path& output, const ConvertOptions& options)
 {
     ConvertOptions last = options;
     last.progress = part_of(options.progress, end_of_selecting, 1);
     return convert(inputs, output, last, [&](std::unique_ptr<PointReader> tree) -> std::unique_ptr<PointReader> {
+        // convert() has opened the present tree or an earlier one.
+        if (state_of(*Tree::open(selected.folder())) != state_of(selected)) throw tree_has_changed(selected.folder());
         return std::make_unique<SelectedPoints>(std::move(tree), folder.jobs(), jobs);
     });
 }
@@ -60,7 +68,7 @@ ConvertReport convert_together(Team& team, const std::vector<fs::path>& inputs, 
     const std::unique_ptr<TreeReader> reader = reader_of(inputs, options);
     fs::path next_to_it = output.filename().empty() ? output.parent_path() : output;
     next_to_it += std::string(".") + tree_extension;
-    TeamFolder folder(team, next_to_it, true, identity_of(inputs.front(), request), true);
+    TeamFolder folder(team, next_to_it, true, identity_of(reader->tree(), request), true);
     begin_selected(folder.jobs());
     const std::vector<std::size_t> first =
         divide_among_jobs(reader->nodes().size(), [&](std::size_t n) { return reader->nodes()[n].points; });
@@ -77,7 +85,7 @@ ConvertReport convert_together(Team& team, const std::vector<fs::path>& inputs, 
         });
     ConvertReport report;
     if (team.rank() == 0) {
-        report = write_output(folder, jobs, inputs, output, options);
+        report = write_output(folder, jobs, inputs, reader->tree(), output, options);
         run_last_step(report.outcome, [&] {
             try {
                 folder.build().discard();

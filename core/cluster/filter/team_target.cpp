@@ -42,8 +42,7 @@ void TeamTarget::refuse_changed(const Tree& now) const
     const TreeInfo &before = tree_->info(), &info = now.info();
     if (info.generation == before.generation && info.content_hash == before.content_hash && info.bytes == before.bytes)
         return;
-    throw Error(ErrorCode::exists, tree_->folder(), "another program has changed the tree meanwhile",
-                "start this again; nothing was written");
+    throw tree_has_changed(tree_->folder());
 }
 
 void TeamTarget::change(const std::function<Outcome&(const fs::path& folder)>& work)

@@ -1,12 +1,14 @@
-// What the jobs of operations on one tree have in common: which tree they are of, and how its nodes are divided among
-// them.
+// What the jobs of operations on one tree have in common: which tree they are of, the error where it has changed, and
+// how its nodes are divided among them.
 #pragma once
 
 #include "pcm/bpc/byte_order.h"
+#include "pcm/system/error.h"
 #include "pcm/tree/tree.h"
 
 #include <cstddef>
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 namespace pcm {
@@ -18,6 +20,12 @@ inline void put_state(ByteWriter& out, const TreeInfo& info)
     out.put(info.points);
     out.put(info.content_hash);
     out.put(info.bytes);
+}
+
+inline Error tree_has_changed(const std::filesystem::path& tree)
+{
+    return Error(ErrorCode::exists, tree, "another program has changed the tree meanwhile",
+                 "start this again; nothing was written");
 }
 
 // The first node of each job; then, `nodes`. `points_of(node)`: its points.

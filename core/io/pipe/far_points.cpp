@@ -1,5 +1,6 @@
 #include "pcm/io/pipe/far_points.h"
 
+#include "pcm/bpc/byte_order.h"
 #include "pcm/cloud/vector.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
@@ -52,7 +53,67 @@ void FarPoints::watch(const Vec3d& p)
     Place place{};
     for (std::size_t a = 0; a < 3 && magnitude > 0; ++a)
         place[a] = static_cast<std::int16_t>(std::lround(std::scalbn(p[a], 6 - exponent)));
-    if (std::find(group.places.begin(), group.places.end(), place) == group.places.end()) group.places.push_back(place);
+    group.see(place);
+}
+
+void FarPoints::Group::see(const Place& place)
+{
+    if (places.size() <= few_places && std::find(places.begin(), places.end(), place) == places.end())
+        places.push_back(place);
+}
+
+void FarPoints::merge(const FarPoints& later)
+{
+    for (const auto& [exponent, theirs] : later.groups_) {
+        const auto [at, is_new] = groups_.try_emplace(exponent, theirs);
+        Group& group = at->second;
+        if (is_new) {
+            group.first_number += watched_;
+            continue;
+        }
+        group.points += theirs.points;
+        group.box.extend(theirs.box);
+        group.least = std::min(group.least, theirs.least);
+        for (const Place& place : theirs.places) group.see(place);
+    }
+    box_.extend(later.box_);
+    watched_ += later.watched_;
+}
+
+void FarPoints::save(ByteWriter& out) const
+{
+    out.put(watched_);
+    out.put(static_cast<std::uint64_t>(groups_.size()));
+    for (const auto& [exponent, group] : groups_) {
+        out.put(static_cast<std::int32_t>(exponent));
+        out.put(group.points);
+        out.put(group.least);
+        out.put(group.first_number);
+        for (const Vec3d& p : {group.box.min, group.box.max, group.first})
+            for (std::size_t a = 0; a < 3; ++a) out.put(p[a]);
+        out.put(static_cast<std::uint8_t>(group.places.size()));
+        for (const Place& place : group.places)
+            for (const std::int16_t part : place) out.put(part);
+    }
+}
+
+FarPoints FarPoints::load(ByteReader& in)
+{
+    FarPoints watched;
+    watched.watched_ = in.get<std::uint64_t>();
+    for (auto left = in.get<std::uint64_t>(); left > 0; --left) {
+        Group& group = watched.groups_[in.get<std::int32_t>()];
+        group.points = in.get<std::uint64_t>();
+        group.least = in.get<double>();
+        group.first_number = in.get<std::uint64_t>();
+        for (Vec3d* p : {&group.box.min, &group.box.max, &group.first})
+            for (std::size_t a = 0; a < 3; ++a) (*p)[a] = in.get<double>();
+        group.places.resize(in.get<std::uint8_t>());
+        for (Place& place : group.places)
+            for (std::int16_t& part : place) part = in.get<std::int16_t>();
+        watched.box_.extend(group.box);
+    }
+    return watched;
 }
 
 double FarPoints::usual_magnitude() const

@@ -15,6 +15,9 @@
 
 namespace pcm {
 
+class ByteReader;
+class ByteWriter;
+
 // Watches all positions of a cloud, in bounded memory: points are counted by the power of two of their largest
 // coordinate. One thread.
 class FarPoints {
@@ -22,6 +25,10 @@ public:
     // A batch of doubles. Points without a finite position are ignored.
     void watch(const PointBatch& batch);
     void watch(const Vec3d& p);
+    // Adds what another one has watched, as if its points came after these.
+    void merge(const FarPoints& later);
+    void save(ByteWriter& out) const;
+    static FarPoints load(ByteReader& in);
 
     const Box3d& box() const { return box_; }  // box of all points
     std::uint64_t points() const { return watched_; }
@@ -64,6 +71,7 @@ private:
         Vec3d first{};
         std::uint64_t first_number = 0;
         std::vector<Place> places;  // at most few_places + 1
+        void see(const Place& place);
     };
     // Consecutive groups together.
     struct Union {

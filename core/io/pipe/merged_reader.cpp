@@ -112,6 +112,7 @@ void MergedReader::look_at_headers(Inputs& inputs)
     info_.notes = std::move(inputs.notes);
     if (!errors.empty()) info_.notes.push_back(note_of_left_out(errors));
     for (std::string& note : notes.take()) info_.notes.push_back(std::move(note));
+    end_ = parts_.size();
     std::map<std::string, std::size_t> formats;
     for (const Part& part : parts_) ++formats[part.format];
     info_.format = formats.size() == 1 ? formats.begin()->first : FileNotes::list_of(formats);
@@ -342,7 +343,7 @@ bool MergedReader::read_records(RecordBatch& batch, std::size_t max_points)
 template <class Batch>
 bool MergedReader::read_next(Batch& batch, std::size_t max_points)
 {
-    while (current_ < parts_.size()) {
+    while (current_ < end_) {
         try {
             if (read_part(batch, max_points)) {
                 part_points_ += batch.size;
@@ -445,9 +446,18 @@ void MergedReader::seek(std::uint64_t index)
     open(current_).seek(part_points_);
 }
 
+void MergedReader::keep_sources(std::size_t first, std::size_t end)
+{
+    rewind();
+    open_.reset();
+    current_ = first;
+    end_ = end;
+}
+
 void MergedReader::rewind()
 {
     current_ = 0;
+    end_ = parts_.size();
     part_points_ = 0;
     info_.skipped.lines = info_.skipped.incomplete_files = 0;
     info_.move_error = 0;

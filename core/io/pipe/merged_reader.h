@@ -83,6 +83,8 @@ public:
 
     // Without those that were left out.
     const std::vector<Source>& sources() const { return sources_; }
+    // From now on the points of the sources [first, end) alone are read, from their beginning.
+    void keep_sources(std::size_t first, std::size_t end);
     // Number of points of each, as far as the headers say.
     std::vector<std::uint64_t> points_of_sources() const;
 
@@ -142,7 +144,7 @@ private:
     double total_weight_ = 0;
     std::uint64_t metadata_bytes_ = 0;
 
-    std::size_t current_ = 0;
+    std::size_t current_ = 0, end_ = 0;  // the parts that are still read
     std::unique_ptr<PointReader> open_;
     std::size_t open_part_ = 0;
     std::uint64_t part_points_ = 0;  // read of the current part

@@ -1,5 +1,6 @@
 #include "pcm/io/pipe/far_points.h"
 
+#include "pcm/bpc/byte_order.h"
 #include "pcm/system/error.h"
 
 #include <gtest/gtest.h>
@@ -42,6 +43,46 @@ std::vector<Vec3d> operator+(std::vector<Vec3d> points, const std::vector<Vec3d>
 {
     points.insert(points.end(), more.begin(), more.end());
     return points;
+}
+
+// Points that several watch, one part each, the last of which are far away.
+TEST(FarPoints, ThePartsOfACloudFindWhatOneFinds)
+{
+    std::mt19937_64 random(7);
+    unsigned found = 0;
+    for (int round = 0; round < 60; ++round) {
+        std::vector<Vec3d> points = scattered({0, 0, 0}, 100, 300 + random() % 700, random());
+        const std::size_t far = random() % 40;
+        for (std::size_t i = 0; i < far; ++i) {
+            const double where = round % 2 ? 3.4e38 : 3.4e38 / static_cast<double>(1 + i);
+            points[random() % points.size()] = Vec3d{where, -where, round % 3 ? where : 0.5};
+        }
+        FarPoints merged, one;
+        for (std::size_t i = 0; i < points.size();) {
+            FarPoints part;
+            for (std::size_t n = random() % 300; n > 0 && i < points.size(); --n) part.watch(points[i++]);
+            ByteWriter saved;
+            part.save(saved);
+            ByteReader in(saved.bytes().data(), saved.size(), {});
+            merged.merge(FarPoints::load(in));
+            EXPECT_EQ(in.left(), 0u);
+        }
+        for (const Vec3d& p : points) one.watch(p);
+        EXPECT_EQ(merged.points(), one.points());
+        EXPECT_EQ(merged.box(), one.box());
+        EXPECT_EQ(merged.usual_magnitude(), one.usual_magnitude());
+        const auto mine = merged.find(steps), expected = one.find(steps);
+        ASSERT_EQ(mine.has_value(), expected.has_value());
+        if (!mine) continue;
+        ++found;
+        EXPECT_EQ(mine->points, expected->points);
+        EXPECT_EQ(mine->first, expected->first);
+        EXPECT_EQ(mine->step, expected->step);
+        EXPECT_EQ(mine->spacing, expected->spacing);
+        EXPECT_EQ(mine->limit, expected->limit);
+    }
+    EXPECT_GT(found, 20u);
+    EXPECT_LT(found, 60u);
 }
 
 TEST(FarPoints, OrdinaryCloudsHaveNone)

@@ -304,6 +304,30 @@ TEST(MergedReader, SeeksAcrossFiles)
     EXPECT_THROW(streams.seek(0), Error);
 }
 
+// Readers that can seek, and others; all sources are read again after a seek.
+TEST(MergedReader, ReadsSomeSourcesAlone)
+{
+    std::vector<MemoryCloud> clouds;
+    for (const std::size_t count : {100u, 0u, 50u, 1u}) clouds.push_back(random_cloud({}, millimetres, count, count));
+    const std::array<std::size_t, 5> begins{0, 100, 100, 150, 151};
+    for (const bool seekable : {false, true}) {
+        MergedReader whole(sources_of(clouds, seekable)), reader(sources_of(clouds, seekable));
+        const MemoryCloud all = read_all(whole, 64);
+        for (const auto& [first, end] :
+             std::vector<std::array<std::size_t, 2>>{{2, 3}, {0, 2}, {1, 2}, {1, 4}, {3, 4}}) {
+            reader.keep_sources(first, end);
+            const MemoryCloud part = read_all(reader, 30);
+            ASSERT_EQ(part.points.size, begins[end] - begins[first]);
+            for (std::size_t k = 0; k < part.points.size; ++k)
+                ASSERT_EQ(part.points.grid_xyz[1][k], all.points.grid_xyz[1][begins[first] + k]);
+        }
+        if (seekable) {
+            reader.seek(0);
+            EXPECT_EQ(read_all(reader).points.size, 151u);
+        }
+    }
+}
+
 TEST(MergedReader, NoticesAFileThatChanges)
 {
     std::vector<MemoryCloud> clouds = {random_cloud({}, millimetres, 10, 1), random_cloud({}, millimetres, 10, 2)};
