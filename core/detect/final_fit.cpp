@@ -11,6 +11,7 @@
 #include "pcm/place/extreme_points.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/one_surface.h"
+#include "pcm/place/refit.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/primitive_list.h"
 #include "pcm/system/error.h"
@@ -251,6 +252,7 @@ private:
         const SurfacePart& part = assigned_.parts[candidate.part];
         if (!primitive.fit.has_shape()) return primitive;
         enlarge(primitive.fit.errors, alike);
+        if (!sums.use_interior) contain_inner(candidate, sums, alike, primitive.fit);
         bound(primitive, sums.facts->ends.points());
         if (primitive.fit.verdict == FitVerdict::good && !candidate.whole && is_piece(part, candidate.threshold)) {
             primitive.fit.verdict = FitVerdict::doubtful;
@@ -265,6 +267,17 @@ private:
         if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic)
             judge(primitive.fit, part, sums.facts->some.points());
         return primitive;
+    }
+
+    // What the points at edges have moved a shape by that has few others.
+    static void contain_inner(const Candidate& candidate, const Sums& sums, double alike, ShapeFit& fit)
+    {
+        if (sums.interior.points() < place_tuning().growth.min_compared) return;
+        ShapeFit inner = sums.interior.result(candidate.threshold);
+        enlarge(inner.errors, alike);
+        const auto moved = sums.interior.step();
+        if (moved) inner.shape = *moved;
+        contain_edges(moved ? inner : ShapeFit(), candidate.middle, fit);
     }
 
     // Whether neighbours' distances agree: with the surface continuing at the edge, as those of ground do, or much, on
