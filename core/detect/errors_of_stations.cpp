@@ -74,6 +74,15 @@ public:
 
     void run()
     {
+        watch_.report(stage, 0, true);
+        if (!primitives_.empty()) add_errors();
+        watch_.finish("Done");
+        report_.outcome.seconds += watch_.seconds();
+    }
+
+private:
+    void add_errors()
+    {
         survey();
         const std::vector<ShapePoints> points = sum_points();
         if (is_known_) find_agreement(points);
@@ -88,11 +97,8 @@ public:
             take_ray_errors(points[i], primitive);
             report_.outcome.error = std::max(report_.outcome.error, primitive.fit.threshold);
         }
-        watch_.finish("Done");
-        report_.outcome.seconds += watch_.seconds();
     }
 
-private:
     static std::uint32_t number_of(const ShapePoints& points)
     {
         return static_cast<std::uint32_t>(points.sums.stations());
@@ -233,7 +239,7 @@ private:
 
 void add_errors_of_stations(const std::shared_ptr<const Tree>& tree, const DetectOptions& options, DetectReport& report)
 {
-    if (!report.primitives.empty()) StationsOfShapes(*tree, options, report).run();
+    StationsOfShapes(*tree, options, report).run();
 }
 
 }  // namespace pcm
