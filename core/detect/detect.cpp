@@ -21,6 +21,7 @@
 
 #include "pcm/detect/assign_points.h"
 #include "pcm/detect/cloud_survey.h"
+#include "pcm/detect/errors_of_stations.h"
 #include "pcm/detect/final_fit.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/joined_report.h"
@@ -88,6 +89,9 @@ void check(const DetectOptions& options, const std::filesystem::path& tree)
     distance(options.step, "step");
     if (!(options.normal_angle > 0) || !std::isfinite(options.normal_angle))
         refuse("the largest angle of normals is " + exact(options.normal_angle) + "; it is above 0, in radians");
+    if (!(options.registration >= 0) || !std::isfinite(options.registration))
+        refuse("the registration is within " + exact(options.registration) +
+               "; it is a positive number of millimetres");
     if (options.least_points < 20)
         refuse("primitives of " + std::to_string(options.least_points) +
                " points cannot be detected; 20 are the least");
@@ -387,6 +391,7 @@ private:
             report_.notes.push_back(counted(result.unbounded, "primitive", "has", "have") +
                                     " no outline: the points are all on one line");
         report_.primitives = std::move(result.primitives);
+        report_.agreement = std::move(result.agreement);
         contested_ = std::move(result.contested);
         report_.labels = labels;
         report_.outcome.points_in = assigned.looked_at;
@@ -448,11 +453,8 @@ DetectOptions within(const DetectOptions& options, double begin, double end)
     return part;
 }
 
-}  // namespace
-
-DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
+DetectReport found_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
 {
-    check(options, tree->folder());
     const DetectOptions first = within(options, 0, 0.8), second = within(options, 0.8, 1);
     Detection whole(tree, first);
     const CloudPart quiet = whole.quiet();
@@ -470,6 +472,16 @@ DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const De
                          brief(found.threshold) + ", noise " + brief(found.noise) + ", spacing " +
                          brief(found.spacing));
     return joined(*tree, std::move(rest), std::move(found), options.least_points);
+}
+
+}  // namespace
+
+DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
+{
+    check(options, tree->folder());
+    DetectReport found = found_primitives(tree, within(options, 0, 0.95));
+    add_errors_of_stations(tree, within(options, 0.95, 1), found);
+    return found;
 }
 
 }  // namespace pcm

@@ -33,6 +33,9 @@ struct DetectOptions {
     // ones: most of the ground, and floors and walls that are not even. Else a note says how many there were.
     bool pieces = false;
     std::uint64_t seed = 1;
+    // Standard deviation of how far a station of the scanner is shifted along each axis: contained in the errors.
+    // Millimetres; source units are metres where the cloud does not state their unit. 0: unknown.
+    double registration = 0;
     Selection limit;
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     unsigned threads = 0;  // 0: one per processor; fewer run where the memory does not suffice for all
@@ -50,6 +53,9 @@ struct DetectReport {
     double spacing = 0, noise = 0;  // those of the cloud, source units, estimated at a few places
     double sample = 0;              // shapes are searched in one point for each cell of this size, source units
     std::vector<std::string> notes;
+    // One for each primitive: by how much its errors are enlarged because neighbouring points share errors, within a
+    // station where stations are known; at least 1.
+    std::vector<double> agreement;
     std::shared_ptr<const PointLabels> labels;  // label of each point, or 0
 };
 
@@ -58,7 +64,9 @@ struct DetectReport {
 // shapes with a sagitta below three thresholds and planes narrower than six are not primitives, floors, walls and
 // vessels that bend by more than the threshold are doubtful ones. The points that are left, and those of narrow planes
 // that may be several surfaces (FinalFit::contested), are searched again at half the threshold, for pipes down to four
-// spacings across and narrow planes. The result depends on the seed, neither on threads nor on memory. Throws
+// spacings across and narrow planes. The errors contain how far stations are apart, where points say from which they
+// are or options.registration does, and what errors along their rays may have left of their bias
+// (errors_of_stations.h). The result depends on the seed, neither on threads nor on memory. Throws
 // Error(invalid_argument) for options out of range, steps that reach too many points, and kinds that are not searched
 // for, Error(unsupported) for more than 2^31 parts of surfaces, what Selector throws, Error(cancelled), and what
 // reading and the scratch file throw.

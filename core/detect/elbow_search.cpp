@@ -219,6 +219,7 @@ private:
         fit.fit.kind = ShapeKind::torus;
         fit.fit.least_radius = (1 - 2 * tuned_.joints.max_radius_share) * radius;
         fit.fit.largest_radius = (1 + 2 * tuned_.joints.max_radius_share) * radius;
+        fit.registration = options_.registration;
         fit.limit = options_.limit;
         fit.threads = options_.threads;
         fit.memory_bytes = options_.memory_bytes;

@@ -13,8 +13,9 @@
 namespace pcm {
 
 struct ElbowOptions {
-    Selection limit;       // nothing else is looked at
-    unsigned threads = 0;  // 0: one per processor
+    Selection limit;          // nothing else is looked at
+    double registration = 0;  // FitAtOptions::registration, millimetres
+    unsigned threads = 0;     // 0: one per processor
     std::uint64_t memory_bytes = std::uint64_t(256) << 20;
     ProgressFunction progress;
 };

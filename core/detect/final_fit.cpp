@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/drawn_points.h"
+#include "pcm/detect/node_sums.h"
 #include "pcm/detect/sagitta.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_sums.h"
@@ -10,15 +11,14 @@
 #include "pcm/place/extreme_points.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/one_surface.h"
+#include "pcm/place/refit.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/primitive_list.h"
 #include "pcm/system/error.h"
-#include "pcm/threads/for_each_index.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <mutex>
 #include <numeric>
 #include <optional>
 #include <utility>
@@ -27,7 +27,6 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t no_candidate = 0xffffffffu;
-constexpr std::size_t groups = 64;  // groups of nodes; their sums are added in order
 // Points of a candidate that its doubts come from; of very many candidates fewer, so that they take 64 MB.
 constexpr std::size_t most_drawn = 500, least_drawn = 100, all_drawn = std::size_t(2) << 20;
 
@@ -107,7 +106,7 @@ double width_of(const std::vector<Vec3d>& outline)
     return width;
 }
 
-// By candidate.
+// Keyed by candidate.
 using GroupSums = std::map<std::uint32_t, Sums>;
 
 class Fitting {
@@ -148,7 +147,8 @@ public:
         std::vector<std::uint32_t> label_of(candidates_.size(), 0);
         for (const std::uint32_t c : order) {
             if (sums[c].all.points() < options_.least_points) continue;
-            Primitive primitive = primitive_of(candidates_[c], sums[c]);
+            const double alike = sums[c].facts->alike.factor();
+            Primitive primitive = primitive_of(candidates_[c], sums[c], alike);
             if (!primitive.fit.has_shape() || (options_.is_automatic && is_hidden(primitive, sums[c]))) continue;
             if (options_.only_good && !candidates_[c].thin && primitive.fit.verdict != FitVerdict::good) continue;
             primitive.colour = colour_in_turn(result_.primitives.size());
@@ -156,6 +156,7 @@ public:
             primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
                              std::to_string(++numbers_[primitive.fit.shape.kind]);
             result_.contested.push_back(is_contested(primitive, candidates_[c]));
+            result_.agreement.push_back(alike);
             result_.primitives.push_back(std::move(primitive));
         }
         relabel(label_of);
@@ -206,25 +207,6 @@ private:
         candidates_.push_back(candidate);
     }
 
-    // Calls see(group, node) for all nodes with points, by all threads, those of one group by one; then done(group).
-    template <class See, class Done>
-    void visit(double begin, double end, const See& see, const Done& done)
-    {
-        const std::size_t nodes = points_.tree().nodes().size();
-        for_each_index(
-            groups, options_.threads,
-            [&](std::size_t g, const Stop& stop) {
-                for (std::size_t n = g * nodes / groups; n < (g + 1) * nodes / groups && !stop.asked(); ++n) {
-                    const auto node = static_cast<NodeId>(n);
-                    if (points_.tree().node(node).points > 0) see(g, node);
-                }
-                if (!stop.asked()) done(g);
-            },
-            [&](std::size_t begun) {
-                options_.progress(begin + (end - begin) * static_cast<double>(begun) / static_cast<double>(groups));
-            });
-    }
-
     std::uint32_t candidate(std::uint32_t label) const
     {
         if (label == 0) return no_candidate;
@@ -232,26 +214,16 @@ private:
         return part == AssignedPoints::no_part ? no_candidate : candidate_of_[part];
     }
 
-    // The sums of groups are added in their order, so that the result does not depend on threads, and as soon as those
-    // before are there, so that few are held.
     std::vector<Sums> pass(double begin, double end, std::size_t drawn)
     {
         std::vector<Sums> sums;
         for (const Candidate& c : candidates_) sums.emplace_back(c, drawn);
-        std::vector<GroupSums> open(groups);
-        std::vector<bool> done(groups, false);
-        std::size_t next = 0;
-        std::mutex mutex;
-        visit(
-            begin, end, [&](std::size_t group, NodeId node) { add_node(node, drawn, open[group]); },
-            [&](std::size_t group) {
-                const std::lock_guard lock(mutex);
-                done[group] = true;
-                for (; next < groups && done[next]; ++next) {
-                    for (const auto& [c, part] : open[next]) sums[c].add(part);
-                    open[next].clear();
-                }
-            });
+        sum_over_nodes<GroupSums>(
+            points_.tree(), options_.threads, [&](GroupSums& part, NodeId node) { add_node(node, drawn, part); },
+            [&](const GroupSums& part) {
+                for (const auto& [c, own] : part) sums[c].add(own);
+            },
+            [&](double share) { options_.progress(begin + (end - begin) * share); });
         return sums;
     }
 
@@ -270,7 +242,7 @@ private:
         }
     }
 
-    Primitive primitive_of(const Candidate& candidate, const Sums& sums)
+    Primitive primitive_of(const Candidate& candidate, const Sums& sums, double alike)
     {
         Primitive primitive;
         primitive.fit = sums.best().result(candidate.threshold);
@@ -279,7 +251,8 @@ private:
         primitive.estimator = "detect";
         const SurfacePart& part = assigned_.parts[candidate.part];
         if (!primitive.fit.has_shape()) return primitive;
-        enlarge(primitive.fit.errors, sums.facts->alike.factor());
+        enlarge(primitive.fit.errors, alike);
+        if (!sums.use_interior) contain_inner(candidate, sums, alike, primitive.fit);
         bound(primitive, sums.facts->ends.points());
         if (primitive.fit.verdict == FitVerdict::good && !candidate.whole && is_piece(part, candidate.threshold)) {
             primitive.fit.verdict = FitVerdict::doubtful;
@@ -294,6 +267,17 @@ private:
         if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic)
             judge(primitive.fit, part, sums.facts->some.points());
         return primitive;
+    }
+
+    // What the points at edges have moved a shape by that has few others.
+    static void contain_inner(const Candidate& candidate, const Sums& sums, double alike, ShapeFit& fit)
+    {
+        if (sums.interior.points() < place_tuning().growth.min_compared) return;
+        ShapeFit inner = sums.interior.result(candidate.threshold);
+        enlarge(inner.errors, alike);
+        const auto moved = sums.interior.step();
+        if (moved) inner.shape = *moved;
+        contain_edges(moved ? inner : ShapeFit(), candidate.middle, fit);
     }
 
     // Whether neighbours' distances agree: with the surface continuing at the edge, as those of ground do, or much, on
@@ -352,21 +336,23 @@ private:
 
     void relabel(const std::vector<std::uint32_t>& label_of)
     {
-        visit(
-            0.8, 1,
-            [&](std::size_t, NodeId node) {
-                std::vector<std::uint32_t> labels = labels_.get(node);
-                if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
-                const std::vector<Vec3d> at = points_.positions(node);
-                for (std::size_t i = 0; i < labels.size(); ++i) {
-                    const std::uint32_t c = candidate(labels[i]);
-                    const bool near =
-                        c != no_candidate && distance_to(candidates_[c].shape, at[i]) <= candidates_[c].threshold;
-                    labels[i] = near ? label_of[c] : 0;
-                }
-                labels_.set_all(node, labels);
-            },
-            [](std::size_t) {});
+        struct Nothing {};
+        sum_over_nodes<Nothing>(
+            points_.tree(), options_.threads, [&](Nothing&, NodeId node) { relabel(node, label_of); },
+            [](const Nothing&) {}, [&](double share) { options_.progress(0.8 + 0.2 * share); });
+    }
+
+    void relabel(NodeId node, const std::vector<std::uint32_t>& label_of)
+    {
+        std::vector<std::uint32_t> labels = labels_.get(node);
+        if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
+        const std::vector<Vec3d> at = points_.positions(node);
+        for (std::size_t i = 0; i < labels.size(); ++i) {
+            const std::uint32_t c = candidate(labels[i]);
+            const bool near = c != no_candidate && distance_to(candidates_[c].shape, at[i]) <= candidates_[c].threshold;
+            labels[i] = near ? label_of[c] : 0;
+        }
+        labels_.set_all(node, labels);
     }
 
     const ChosenPoints& points_;

@@ -28,6 +28,7 @@ struct FinalFit {
     // One for each primitive: whether it is a narrow plane that may be several surfaces within one threshold, pipes
     // side by side or a step: it has more noise than the cloud, or points at both ends of the threshold.
     std::vector<bool> contested;
+    std::vector<double> agreement;  // see DetectReport
     // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
     // out by the threshold.
     std::uint64_t pieces = 0, piece_points = 0;

@@ -89,6 +89,10 @@ DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others, st
     const std::size_t first_count = rest.primitives.size();
     std::vector<Primitive> all = std::move(rest.primitives);
     std::move(others.primitives.begin(), others.primitives.end(), std::back_inserter(all));
+    std::vector<double> agreement = std::move(rest.agreement);
+    agreement.resize(first_count, 1);
+    agreement.insert(agreement.end(), others.agreement.begin(), others.agreement.end());
+    agreement.resize(all.size(), 1);
     const BothLabels both(tree, *rest.labels, *others.labels, all, first_count);
     const std::vector<std::uint64_t> lost = both.lost();
     std::vector<std::size_t> order;
@@ -101,9 +105,11 @@ DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others, st
                      [&](std::size_t a, std::size_t b) { return all[a].points > all[b].points; });
     std::vector<std::uint32_t> label_of(all.size(), 0);
     std::vector<Primitive> kept;
+    rest.agreement.clear();
     std::uint64_t points = 0;
     for (const std::size_t i : order) {
         kept.push_back(all[i]);
+        rest.agreement.push_back(agreement[i]);
         label_of[i] = static_cast<std::uint32_t>(kept.size());
         points += all[i].points;
     }

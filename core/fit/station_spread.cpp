@@ -82,6 +82,22 @@ void StationEvidence::add(const StationEvidence& other)
     for (const auto& [station, pull] : other.pulls_) pulls_[station] = pulls_[station] + pull;
 }
 
+double StationEvidence::deviation_from(const std::map<std::uint32_t, Vec3d>& shifts) const
+{
+    std::map<std::uint32_t, Vec3d> left = pulls_;
+    double weight = 0, squares = 0;
+    for (const auto& [pair, product] : products_) {
+        if (pair.first == pair.second) weight += product[0] + product[4] + product[8];
+        const auto shift = shifts.find(pair.second);
+        if (shift == shifts.end()) continue;
+        Vec3d& to = left.at(pair.first);
+        for (std::size_t a = 0; a < 3; ++a)
+            for (std::size_t b = 0; b < 3; ++b) to[a] -= product[3 * a + b] * shift->second[b];
+    }
+    for (const auto& [station, pull] : left) squares += dot(pull, pull);
+    return weight > 0 ? std::sqrt(squares) / weight : 0;
+}
+
 StationSpread StationEvidence::spread(double alike) const
 {
     StationSpread result;

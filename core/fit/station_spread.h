@@ -39,6 +39,9 @@ public:
     void add(const StationEvidence& other);
 
     std::size_t stations() const { return pulls_.size(); }
+    // How far the differences are from those that shifts of the stations explain, on average, source units; 0 without
+    // evidence. Stations without a shift are where they are.
+    double deviation_from(const std::map<std::uint32_t, Vec3d>& shifts) const;
     // `alike`: how many times as large errors of points are as those of independent ones.
     StationSpread spread(double alike = 1) const;
 

@@ -52,6 +52,7 @@ public:
         target_.declare_tree(arguments_);
         declare_kinds();
         declare_search();
+        declare_registration();
         region_.declare(arguments_, "Points to look at");
         clip_.declare(arguments_);
         declare_outputs();
@@ -154,6 +155,17 @@ private:
             .advanced();
     }
 
+    void declare_registration()
+    {
+        arguments_.add("registration", options_.registration)
+            .positive()
+            .unit("mm")
+            .group("What to find")
+            .label("Registration within")
+            .help(registration_help)
+            .automatic("what the stations show; else the +- contains the noise of the points alone");
+    }
+
     void declare_outputs()
     {
         const char* const group = "What to write";
@@ -228,6 +240,7 @@ private:
     {
         ElbowOptions elbows;
         elbows.limit = options_.limit;
+        elbows.registration = options_.registration;
         elbows.memory_bytes = options_.memory_bytes;
         elbows.threads = options_.threads;
         elbows.progress = options_.progress;
@@ -290,6 +303,8 @@ private:
         for (const Primitive& p : found.primitives)
             result.line(columns(std::to_string(p.label), grouped(p.points), brief(p.fit.noise), shape_text(p)));
         for (const PipeRun& run : runs) put_lines(result, run, "");
+        if (!found.primitives.empty() && found.primitives.front().stations)
+            result.line(spread_text(*found.primitives.front().stations));
         if (!out_.empty() && !found.primitives.empty()) result.line(out_ + ": written");
         if (!label_.empty())
             result.line(labels.tree.string() + ": attribute " + label_ + " written, " +

@@ -244,13 +244,7 @@ private:
             .unit("mm")
             .group(group)
             .label("Registration within")
-            .help(
-                "Standard deviation of how far a scanner's station is shifted along each axis after the registration, "
-                "as its report states it: the standard deviations of the shape (+-) then contain it. Without a unit of "
-                "length a cloud's coordinates are taken to be metres. Where points say from which station they are (an "
-                "attribute scan or point_source_id, gaps in gps_time) it is found from surfaces that several see, and "
-                "the larger one counts. Errors along the rays of a scanner, which turn thin pipes thinner, are taken "
-                "from the shape, and what may be left of them is in the +-, too")
+            .help(registration_help)
             .automatic("what the stations show; else the +- contains the noise of the points alone");
     }
 

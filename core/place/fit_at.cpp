@@ -33,13 +33,6 @@ namespace {
 
 const double even_spread = 1 / std::sqrt(3.0);  // rms distance of points anywhere within a threshold, per threshold
 
-double metres_per_unit(const std::vector<Metadata>& metadata)
-{
-    const auto system = coordinate_system_of(metadata);
-    const bool is_length = system && system->kind != CrsKind::geographic && system->horizontal.unit.is_known();
-    return is_length ? system->horizontal.unit.per_unit : 1;
-}
-
 class PlacedFit {
 public:
     PlacedFit(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options)

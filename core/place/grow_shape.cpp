@@ -1,7 +1,5 @@
 #include "pcm/place/grow_shape.h"
 
-#include "pcm/fit/models/shape_model.h"
-#include "pcm/fit/tuning.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/inner_points.h"
 #include "pcm/place/near_shape.h"
@@ -126,27 +124,7 @@ private:
     {
         if (inner.size() < tuned_.min_compared) return;
         const RefittedShape fitted = refit(inner, grown.fit.shape, 0.55, 0.7, true);
-        if (!fitted.fit.has_shape()) return doubt_edges(grown.fit);
-        const ShapeErrors moved = difference_of(grown.fit.shape, fitted.fit.shape, fitted.box.centre());
-        const auto contain = [](double by, double chance, double& error) {
-            if (by > chance) error = std::hypot(error, std::sqrt(by * by - chance * chance));
-        };
-        contain(moved.position, fitted.fit.errors.position, grown.fit.errors.position);
-        contain(moved.angle, fitted.fit.errors.angle, grown.fit.errors.angle);
-        contain(moved.radius, fitted.fit.errors.radius, grown.fit.errors.radius);
-        contain(moved.second, fitted.fit.errors.second, grown.fit.errors.second);
-        const auto [flat, other] = model_of(grown.fit.shape.kind).significance(grown.fit.shape, grown.fit.errors);
-        if (!(std::min(flat, other) >= fit_tuning().judgement.good_significance)) doubt_edges(grown.fit);
-    }
-
-    static void doubt_edges(ShapeFit& fit)
-    {
-        if (fit.verdict != FitVerdict::good) return;
-        fit.verdict = FitVerdict::doubtful;
-        fit.issue = FitIssue::thin_arc;
-        fit.message =
-            "most of its points lie next to other surfaces, and the others leave its size uncertain: take points "
-            "farther around it";
+        pcm::contain_edges(fitted.fit, fitted.box.centre(), grown.fit);
     }
 
     static void take(const RefittedShape& fitted, GrownShape& grown)

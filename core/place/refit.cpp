@@ -1,6 +1,8 @@
 #include "pcm/place/refit.h"
 
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/shape_sums.h"
+#include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/tuning.h"
 #include "pcm/select/point_scan.h"
@@ -157,6 +159,38 @@ ShapeErrors difference_of(const Shape& from, const Shape& to, const Vec3d& middl
     if (traits.has_axis()) change.angle = std::asin(std::min(1.0, length(cross(from.axis, to.axis))));
     for (const ShapeSize& size : traits.sizes) change.*size.error = std::fabs(from.*size.value - to.*size.value);
     return change;
+}
+
+namespace {
+
+void doubt_edges(ShapeFit& fit)
+{
+    if (fit.verdict != FitVerdict::good) return;
+    fit.verdict = FitVerdict::doubtful;
+    fit.issue = FitIssue::thin_arc;
+    fit.message =
+        "most of its points lie next to other surfaces, and the others leave its size uncertain: take points "
+        "farther around it";
+}
+
+// `by`: what the number has changed by.
+void contain(double by, double chance, double& error)
+{
+    if (by > chance) error = std::hypot(error, std::sqrt(by * by - chance * chance));
+}
+
+}  // namespace
+
+void contain_edges(const ShapeFit& inner, const Vec3d& middle, ShapeFit& fit)
+{
+    if (!inner.has_shape()) return doubt_edges(fit);
+    const ShapeErrors moved = difference_of(fit.shape, inner.shape, middle);
+    contain(moved.position, inner.errors.position, fit.errors.position);
+    contain(moved.angle, inner.errors.angle, fit.errors.angle);
+    contain(moved.radius, inner.errors.radius, fit.errors.radius);
+    contain(moved.second, inner.errors.second, fit.errors.second);
+    const auto [flat, other] = model_of(fit.shape.kind).significance(fit.shape, fit.errors);
+    if (!(std::min(flat, other) >= fit_tuning().judgement.good_significance)) doubt_edges(fit);
 }
 
 double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle)

@@ -36,6 +36,11 @@ RefittedShape refit_shape(const PointSet& points, const Shape& start, const Refi
 // How far two shapes of one kind are apart near a place, by their numbers: planes along the normal, axes across them.
 ShapeErrors difference_of(const Shape& from, const Shape& to, const Vec3d& middle);
 
+// What points at the edges of a shape, where other surfaces meet it, have moved its fit by, beyond what chance moves
+// the fit of the inner points alone: becomes a part of the fit's errors. Doubts a good fit whose size is then
+// uncertain, and one whose inner points determine no shape. `middle`: near the points.
+void contain_edges(const ShapeFit& inner, const Vec3d& middle, ShapeFit& fit);
+
 // How far two shapes of one kind are apart near a place, in units of the errors: the largest quotient of a change and
 // its error. 0 where all errors are infinite; infinite for a change where the error is 0.
 double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle);

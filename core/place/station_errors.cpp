@@ -2,7 +2,6 @@
 
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/ray_errors.h"
-#include "pcm/fit/station_sums.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/refit.h"
@@ -67,19 +66,17 @@ double agreement_within(StationScan& scan, const StationSums& sums, double sprea
         .factor();
 }
 
-// Takes the bias of errors along the rays from the shape, and adds what may be left of it to its errors.
-void leave_ray_errors(const PointSet& points, const PointStations& stations, const StationErrorOptions& options,
-                      Primitive& primitive)
+}  // namespace
+
+void leave_ray_errors(const std::vector<PointOfStation>& sample, double metres_per_unit, Primitive& primitive)
 {
     ShapeFit& fit = primitive.fit;
-    if (traits_of(fit.shape.kind).is_flat()) return;
-    const std::vector<PointOfStation> sample =
-        station_sample(points, stations, most_sampled_points, options.threads, part_of(options.progress, 0.75, 1));
+    if (traits_of(fit.shape.kind).is_flat() || sample.empty()) return;
     Box3d box;
     for (const PointOfStation& p : sample) box.extend(p.place);
     const RayErrorTuning& tuned = fit_tuning().ray_errors;
-    const auto better = without_ray_errors(fit.shape, sample, box.centre(), box.diagonal(),
-                                           tuned.widest_beam / options.metres_per_unit);
+    const auto better =
+        without_ray_errors(fit.shape, sample, box.centre(), box.diagonal(), tuned.widest_beam / metres_per_unit);
     if (!better) return;
     ShapeErrors left = difference_of(fit.shape, better->shape, box.centre());
     enlarge(left, tuned.left);
@@ -90,48 +87,56 @@ void leave_ray_errors(const PointSet& points, const PointStations& stations, con
     add_in_quadrature(fit.errors, of_beam);
 }
 
-void add_spread_of_stations(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
-                            double& agreement, Primitive& primitive)
+void add_unknown_spread(Primitive& primitive)
 {
+    const double registration = primitive.stations->registration;
+    if (!(registration > 0)) return;
+    add_in_quadrature(primitive.fit.errors, errors_of_unknown_stations(primitive.fit, registration));
+    doubt_uncertain_size(primitive.fit);
+}
+
+void add_known_spread(const StationSums& sums, const StationSpread& found, double within, double& agreement,
+                      Primitive& primitive)
+{
+    StationFacts& facts = *primitive.stations;
     ShapeFit& fit = primitive.fit;
-    StationFacts& facts = primitive.stations.emplace();
-    facts.registration = options.registration;
-    facts.source = around.are_named() ? around.points().source() : StationSource::none;
-    if (facts.source == StationSource::none) {
-        if (!(options.registration > 0)) return;
-        add_in_quadrature(fit.errors, errors_of_unknown_stations(fit, options.registration));
-        return doubt_uncertain_size(fit);
-    }
-    StationScan scan(points, around.points(), {options.threads, part_of(options.progress, 0, 0.75), 3});
-    const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });
-    const StationSums sums =
-        scan.sums(StationSums(fit.shape, box.centre(), box.diagonal()),
-                  [](StationSums& part, const Vec3d& p, std::uint32_t station) { part.add(p, station); });
-    facts.stations = static_cast<std::uint32_t>(sums.stations());
-    if (!sums.is_determined()) return;
-    if (facts.stations > StationEvidence::most_stations) {
-        if (options.registration > 0)
-            add_in_quadrature(fit.errors, errors_of_unknown_stations(fit, options.registration));
-        return doubt_uncertain_size(fit);
-    }
-    const double as_one = sums.noise_as_one(), within = sums.noise_within();
-    StationEvidence own;
-    double new_agreement = agreement;
-    if (facts.stations > 1) {
-        const double spread = sums.evidence(within).spread().spread;
-        if (agreement > 1) new_agreement = std::min(agreement, agreement_within(scan, sums, spread, within, box));
-        own = sums.evidence(within * new_agreement);
-    }
-    const StationSpread found = around.survey().evidence(own).spread();
     facts.freedom = found.freedom;
     facts.spread = found.spread;
-    if (facts.stations > 1 && as_one > 0)
-        enlarge(fit.errors, std::min(1.0, within / as_one) * new_agreement / agreement);
-    agreement = new_agreement;
-    const double spread = std::max(found.spread * student_factor(found.freedom), options.registration);
+    if (const double as_one = sums.noise_as_one(); facts.stations > 1 && as_one > 0)
+        enlarge(fit.errors, std::min(1.0, sums.noise_within() / as_one) * within / agreement);
+    agreement = within;
+    const double spread = std::max(found.spread * student_factor(found.freedom), facts.registration);
     if (!(spread > 0)) return;
     add_in_quadrature(fit.errors, sums.errors_of_spread(spread));
     doubt_uncertain_size(fit);
+}
+
+namespace {
+
+void add_spread_of_stations(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
+                            double& agreement, Primitive& primitive)
+{
+    StationFacts& facts = primitive.stations.emplace();
+    facts.registration = options.registration;
+    facts.source = around.are_named() ? around.points().source() : StationSource::none;
+    if (facts.source == StationSource::none) return add_unknown_spread(primitive);
+    StationScan scan(points, around.points(), {options.threads, part_of(options.progress, 0, 0.75), 3});
+    const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });
+    const StationSums sums =
+        scan.sums(StationSums(primitive.fit.shape, box.centre(), box.diagonal()),
+                  [](StationSums& part, const Vec3d& p, std::uint32_t station) { part.add(p, station); });
+    facts.stations = static_cast<std::uint32_t>(sums.stations());
+    if (!sums.is_determined()) return;
+    if (facts.stations > StationEvidence::most_stations) return add_unknown_spread(primitive);
+    StationEvidence own;
+    double within = agreement;
+    if (facts.stations > 1) {
+        const double noise = sums.noise_within();
+        const double spread = sums.evidence(noise).spread().spread;
+        if (agreement > 1) within = std::min(agreement, agreement_within(scan, sums, spread, noise, box));
+        own = sums.evidence(noise * within);
+    }
+    add_known_spread(sums, around.survey().evidence(own).spread(), within, agreement, primitive);
 }
 
 }  // namespace
@@ -141,7 +146,10 @@ void add_station_errors(const PointSet& points, StationsAround& around, const St
 {
     if (!primitive.fit.has_shape() || points.empty()) return;
     add_spread_of_stations(points, around, options, agreement, primitive);
-    leave_ray_errors(points, around.points(), options, primitive);
+    if (traits_of(primitive.fit.shape.kind).is_flat()) return;
+    leave_ray_errors(station_sample(points, around.points(), most_sampled_points, options.threads,
+                                    part_of(options.progress, 0.75, 1)),
+                     options.metres_per_unit, primitive);
 }
 
 }  // namespace pcm

@@ -11,10 +11,14 @@
 // the ratio of their errors to that of the position.
 #pragma once
 
+#include "pcm/fit/ray_errors.h"
+#include "pcm/fit/station_sums.h"
 #include "pcm/place/stations_around.h"
 #include "pcm/query/point_set.h"
 #include "pcm/shapes/primitive.h"
 #include "pcm/system/progress.h"
+
+#include <vector>
 
 namespace pcm {
 
@@ -33,5 +37,18 @@ struct StationErrorOptions {
 // Error(cancelled), and what reading throws.
 void add_station_errors(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
                         double& agreement, Primitive& primitive);
+
+// The steps of that, for many shapes whose points are streamed past together. `primitive` has `stations` with their
+// source, number and registration. Each doubts a good fit whose size is then uncertain.
+//
+// Adds the registration that is given, where the stations are unknown or too many.
+void add_unknown_spread(Primitive& primitive);
+// Adds the effect of shifts of that spread. The sums are those of its points: they determine the shape, and the
+// stations are StationEvidence::most_stations at most. `agreement` becomes `within`, the factor within stations.
+void add_known_spread(const StationSums& sums, const StationSpread& found, double within, double& agreement,
+                      Primitive& primitive);
+// Takes the bias of errors along the rays from a curved shape, and adds what may be left of it to its errors.
+// `sample`: some of its points.
+void leave_ray_errors(const std::vector<PointOfStation>& sample, double metres_per_unit, Primitive& primitive);
 
 }  // namespace pcm

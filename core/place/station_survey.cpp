@@ -31,26 +31,7 @@ struct StationPoint {
     std::uint32_t station = 0;
 };
 
-// Residual of the normal equations for the found shifts, relative to their weight.
-double deviation_of(const StationPatch& patch, const StationSpread& found)
-{
-    const std::size_t count = patch.stations.size();
-    std::vector<double> shift(count);
-    for (std::size_t s = 0; s < count; ++s) {
-        const auto at = found.shifts.find(patch.stations[s]);
-        shift[s] = at == found.shifts.end() ? 0 : dot(patch.normal, at->second);
-    }
-    double weight = 0, squares = 0;
-    for (std::size_t s = 0; s < count; ++s) {
-        double left = patch.u[s];
-        for (std::size_t t = 0; t < count; ++t) left -= patch.h[s * count + t] * shift[t];
-        squares += left * left;
-        weight += patch.h[s * count + s];
-    }
-    return weight > 0 ? std::sqrt(squares) / weight : 0;
-}
-
-void add_patch(const StationPatch& patch, StationEvidence& evidence)
+StationEvidence evidence_of(const StationPatch& patch)
 {
     const std::size_t count = patch.stations.size(), columns = 3 * count;
     std::vector<double> whole(columns * columns), pulls(columns);
@@ -62,7 +43,9 @@ void add_patch(const StationPatch& patch, StationEvidence& evidence)
                     whole[(3 * s + a) * columns + 3 * t + b] =
                         patch.h[s * count + t] * patch.normal[a] * patch.normal[b];
         }
+    StationEvidence evidence;
     evidence.add(patch.stations, whole, pulls, patch.noise);
+    return evidence;
 }
 
 // The frame of a patch: its middle, and its axes, the normal last; false where the points do not lie along a surface.
@@ -318,12 +301,12 @@ private:
 };
 
 // Those that deviate from the shifts by a few medians of the deviations of those that have agreed, at most.
-std::vector<bool> agreeing_with(const StationSpread& found, const std::vector<StationPatch>& patches,
+std::vector<bool> agreeing_with(const StationSpread& found, const std::vector<StationEvidence>& parts,
                                 const std::vector<bool>& agreed)
 {
     std::vector<double> deviations, sorted;
-    for (std::size_t i = 0; i < patches.size(); ++i) {
-        deviations.push_back(deviation_of(patches[i], found));
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+        deviations.push_back(parts[i].deviation_from(found.shifts));
         if (agreed[i]) sorted.push_back(deviations.back());
     }
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -336,20 +319,32 @@ std::vector<bool> agreeing_with(const StationSpread& found, const std::vector<St
 
 }  // namespace
 
-StationEvidence StationSurvey::evidence(const StationEvidence& known) const
+StationEvidence agreeing_evidence(const StationEvidence& known, const std::vector<StationEvidence>& parts)
 {
-    std::vector<bool> agrees(patches.size(), true);
+    std::vector<bool> agrees(parts.size(), true);
     StationEvidence evidence;
     for (int round = 0; round < most_agreeing_rounds; ++round) {
         evidence = known;
-        for (std::size_t i = 0; i < patches.size(); ++i)
-            if (agrees[i]) add_patch(patches[i], evidence);
-        if (patches.empty()) break;
-        const std::vector<bool> now = agreeing_with(evidence.spread(), patches, agrees);
+        for (std::size_t i = 0; i < parts.size(); ++i)
+            if (agrees[i]) evidence.add(parts[i]);
+        if (parts.empty()) break;
+        const std::vector<bool> now = agreeing_with(evidence.spread(), parts, agrees);
         if (now == agrees) break;
         agrees = now;
     }
     return evidence;
+}
+
+std::vector<StationEvidence> StationSurvey::parts() const
+{
+    std::vector<StationEvidence> parts;
+    for (const StationPatch& patch : patches) parts.push_back(evidence_of(patch));
+    return parts;
+}
+
+StationEvidence StationSurvey::evidence(const StationEvidence& known) const
+{
+    return agreeing_evidence(known, parts());
 }
 
 StationSurvey station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place)

@@ -20,6 +20,10 @@ struct StationPatch {
     double mixed = 0, mixed_by_chance = 0;  // numbers of points whose nearest neighbour is of another station
 };
 
+// What is known of the stations and those of the parts that agree with each other and with it: a part that contradicts
+// the others by more than a few of their deviations is left out.
+StationEvidence agreeing_evidence(const StationEvidence& known, const std::vector<StationEvidence>& parts);
+
 struct StationSurvey {
     std::vector<StationPatch> patches;  // those of little noise
     // False where points of different numbers do not mix on the surfaces: points of stations do, those of tiles,
@@ -30,6 +34,7 @@ struct StationSurvey {
     // included: the two faces of a plate, each seen by another station, contradict others by as much as the plate is
     // thick.
     StationEvidence evidence(const StationEvidence& known = {}) const;
+    std::vector<StationEvidence> parts() const;  // one for each patch
 };
 
 // The points of the node at the place and of the nodes above it, in the box of the lowest of these, then of the next

@@ -34,5 +34,7 @@ const char* name_of(StationSource source);  // "attribute"
 // Which errors the +- contains, as a sentence for people: "seen from 3 stations; stations differ by 0.0014 here: the +-
 // contains the noise and this".
 std::string station_text(const StationFacts& facts);
+// The same of all shapes of a cloud: without how many stations see a shape.
+std::string spread_text(const StationFacts& facts);
 
 }  // namespace pcm

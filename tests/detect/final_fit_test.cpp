@@ -48,7 +48,7 @@ protected:
         for (SurfacePart& part : assigned_.parts) part.points = 0;
         for (const PlacedPoint& p : all_points(*tree_)) {
             const auto floor = static_cast<std::uint32_t>(p.position[0] / 2);
-            const std::uint32_t label = (floor + 1) | interior_label;
+            const std::uint32_t label = (floor + 1) | (is_inside_(p.position) ? interior_label : 0);
             labels.set(p.node, {p.number}, &label);
             assigned_.parts[floor].box.extend(p.position);
             ++assigned_.parts[floor].points;
@@ -67,6 +67,7 @@ protected:
     TemporaryFolder folder_;
     std::shared_ptr<const Tree> tree_;
     AssignedPoints assigned_;
+    std::function<bool(const Vec3d&)> is_inside_ = [](const Vec3d&) { return true; };
     double cell_ = 0.005;
     Hypothesis hypothesis_ = [] {
         Hypothesis floor;
@@ -150,6 +151,22 @@ TEST_F(FinalFitTest, NarrowPlanesOfSeveralSurfacesAreContested)
     EXPECT_EQ(contested(20000, 0.0023), (std::vector<bool>{false, false, false})) << "141 thresholds wide";
     hypothesis_.whole = true;
     EXPECT_EQ(contested(10000, 0.0023), (std::vector<bool>{false, false, false})) << "a rough surface that ends";
+}
+
+// The border along one side of each floor is 5 mm higher, as where another surface meets it, and turns the floor.
+TEST_F(FinalFitTest, ErrorsContainWhatTheEdgesMoveAShapeBy)
+{
+    build([](std::size_t, double x, double, Dice& dice) { return (x > 0.7 ? 0.005 : 0) + 0.0005 * dice.normal(); });
+    const auto inside_to = [&](double end) {
+        is_inside_ = [end](const Vec3d& p) { return std::fmod(p[0], 2) < end && std::fmod(p[0], 2) > 0.3; };
+        return fit(false).primitives[0].fit;  // floor 2
+    };
+    const ShapeFit few = inside_to(0.6), none = inside_to(0.3);
+    const auto angle = [](const ShapeFit& one) { return length(cross(one.shape.axis, {0, 0, 1})); };
+    EXPECT_GT(angle(few), 0.003) << "a third of the points inside is too few to be used alone";
+    EXPECT_LE(angle(few), 2 * few.errors.angle);
+    EXPECT_GT(angle(none), 5 * none.errors.angle) << "nothing shows it without points inside";
+    EXPECT_EQ(few.verdict, FitVerdict::good);
 }
 
 // Wide relative to the threshold, as floors and ceilings of rooms that bend by more than it.

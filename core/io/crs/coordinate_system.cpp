@@ -188,6 +188,13 @@ std::optional<CoordinateSystem> coordinate_system_of(const std::vector<Metadata>
     return {};
 }
 
+double metres_per_unit(const std::vector<Metadata>& metadata)
+{
+    const auto system = coordinate_system_of(metadata);
+    const bool is_length = system && system->kind != CrsKind::geographic && system->horizontal.unit.is_known();
+    return is_length ? system->horizontal.unit.per_unit : 1;
+}
+
 bool is_wkt_record(const Metadata& block) { return is_record(block.key, "LASF_Projection", 2112); }
 
 bool is_geotiff_record(const Metadata& block)

@@ -49,6 +49,9 @@ std::optional<CoordinateSystem> coordinate_system_of_text(std::string_view text,
 // coordinate metadata, then comments of text files. Nothing where the metadata have none or it cannot be decoded.
 std::optional<CoordinateSystem> coordinate_system_of(const std::vector<Metadata>& metadata);
 
+// Metres in a source unit of positions: 1 where the metadata state none, or one of angles.
+double metres_per_unit(const std::vector<Metadata>& metadata);
+
 // Whether a block states the coordinate system, or is a part of that: all of these go together.
 bool is_crs_block(const Metadata& block);
 bool is_wkt_record(const Metadata& block);         // LASF_Projection 2112

@@ -23,6 +23,14 @@ inline constexpr const char* pipe_runs_help =
     "axis";
 // Name, parts, and the numbers in the unit, which may be empty.
 void put_lines(Result& result, const PipeRun& run, const std::string& unit);
+// What --registration of a fit and of a detection is.
+inline constexpr const char* registration_help =
+    "Standard deviation of how far a scanner's station is shifted along each axis after the registration, "
+    "as its report states it: the standard deviations of the shape (+-) then contain it. Without a unit of "
+    "length a cloud's coordinates are taken to be metres. Where points say from which station they are (an "
+    "attribute scan or point_source_id, gaps in gps_time) it is found from surfaces that several see, and "
+    "the larger one counts. Errors along the rays of a scanner, which turn thin pipes thinner, are taken "
+    "from the shape, and what may be left of them is in the +-, too";
 // The area of a plane with an outline: "52.1 +- 3.2 in the concave outline of its points".
 std::string area_text(const Primitive& primitive);
 
