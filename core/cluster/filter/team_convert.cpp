@@ -38,7 +38,7 @@ std::vector<std::byte> state_of(const Tree& tree)
     return std::move(out.bytes());
 }
 
-std::vector<std::byte> identity_of(const Tree& tree, const std::vector<std::byte>& request)
+std::vector<std::byte> identity_of_request(const Tree& tree, const std::vector<std::byte>& request)
 {
     ByteWriter out;
     out.put_string("convert");
@@ -68,7 +68,7 @@ ConvertReport convert_together(Team& team, const std::vector<fs::path>& inputs, 
     const std::unique_ptr<TreeReader> reader = reader_of(inputs, options);
     fs::path next_to_it = output.filename().empty() ? output.parent_path() : output;
     next_to_it += std::string(".") + tree_extension;
-    TeamFolder folder(team, next_to_it, true, identity_of(reader->tree(), request), true);
+    TeamFolder folder(team, next_to_it, true, identity_of_request(reader->tree(), request), true);
     begin_selected(folder.jobs());
     const std::vector<std::size_t> first =
         divide_among_jobs(reader->nodes().size(), [&](std::size_t n) { return reader->nodes()[n].points; });
