@@ -117,6 +117,7 @@ private:
     const Selector selector_;
     const PickCone cone_;
     ColumnSet columns_;
+    bool waits_ = true;  // for nodes to be read
     std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> nodes_;
     std::optional<PickHit> best_;
     std::atomic<double> best_depth_{infinity};
@@ -129,8 +130,9 @@ private:
 
 void Search::queue(NodeId id, double limit)
 {
-    const Node& node = tree_.node(id);
-    if (node.box.empty()) return;
+    const Node* const found = waits_ ? &tree_.node(id) : tree_.nodes().find(id);
+    if (!found || found->box.empty()) return;
+    const Node& node = *found;
     // Points below a node are of finer levels than its own.
     if (node.points > 0) limit = std::min(limit, cone_.limit(node.first_level));
     const Box3d box = tree_.box(id);
@@ -157,6 +159,7 @@ std::optional<Search::Waiting> Search::next()
 
 void Search::in_memory()
 {
+    waits_ = false;
     while (const auto of = next())
         if (const L2Cache::Handle chunk = cache_.find(of->node, columns_)) look_at_whole(of->node, *chunk);
 }

@@ -80,14 +80,16 @@ Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& l
     double unknown = infinity;  // squared: a point that was not compared may be this near
     std::uint64_t compared = 0;
     std::size_t looked_at = 0;
-    const auto ask = [&](NodeId id) {
-        const Node& node = tree.node(id);
-        if (node.subtree_points == 0) return;
+    // A node that has not been read is somewhere in its parent's box, at this squared distance.
+    const auto ask = [&](NodeId id, double square_above) {
+        const Node* const node = tree.nodes().find(id);
+        if (!node) unknown = std::min(unknown, square_above);
+        if (!node || node->subtree_points == 0) return;
         const Box3d box = tree.box(id);
         nearest = std::min(nearest, farthest_nearest_of(box, place));
         open.emplace(squared_distance(box, place), id);
     };
-    ask(0);
+    ask(0, 0);
     while (!open.empty() && open.top().first < nearest && looked_at < limits.nodes) {
         const auto [box_square, id] = open.top();
         open.pop();
@@ -105,7 +107,7 @@ Clearance clearance(L2Cache& cache, const Vec3d& place, const ClearanceLimits& l
             }
         }
         for (const NodeId child : node.children)
-            if (child != no_node) ask(child);
+            if (child != no_node) ask(child, box_square);
     }
     if (!open.empty()) unknown = std::min(unknown, open.top().first);
     const double least = std::min(nearest, unknown);

@@ -92,7 +92,8 @@ std::optional<Ground> ground_under(L2Cache& cache, const Vec3d& place, std::size
     using Open = std::pair<double, NodeId>;  // squared distance to its box in plan
     std::priority_queue<Open, std::vector<Open>, std::greater<>> open;
     const auto ask = [&](NodeId id) {
-        if (tree.node(id).subtree_points > 0) open.emplace(near.distance(tree.box(id)), id);
+        const Node* const node = tree.nodes().find(id);  // null: its points are not in memory either
+        if (node && node->subtree_points > 0) open.emplace(near.distance(tree.box(id)), id);
     };
     ask(0);
     std::uint64_t compared = 0;

@@ -19,12 +19,7 @@ struct DrawnPages {
 
 class UnreadNodesOfPictures : public testing::Test {
 protected:
-    void write_pages(std::uint32_t nodes) const
-    {
-        TreeIndex index = decode_index(read_file(path()), "index");
-        index.pages = pages_of(nodes, index.nodes.size());
-        write_file(path(), encode_index(index));
-    }
+    void write_pages(std::uint32_t nodes) const { write_in_pages(folder_ / "cube.pct", nodes); }
     std::filesystem::path path() const { return folder_ / "cube.pct" / index_file_name; }
     test::TemporaryFolder folder_;
 };

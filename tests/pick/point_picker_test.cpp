@@ -11,6 +11,7 @@
 #include "tests/memory_reader.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
+#include "tests/tree/small_tree.h"
 #include "tests/view/random_views.h"
 
 #include <algorithm>
@@ -368,9 +369,9 @@ TEST_P(PointPickerTest, AKnownHitStandsWhereNothingIsNearer)
 
 TEST_P(PointPickerTest, InMemoryReadsNothingAndKnowsAllOnceAllIsThere)
 {
+    read_again_in_pages(folder_ / "t.pct", cloud_);
     PointPicker picker(cloud_->cache());
     std::mt19937_64 random(10);
-    cloud_->cache().clear();
     const std::uint64_t loaded = cloud_->cache().statistics().loaded_bytes;
     for (int i = 0; i < 50; ++i) {
         const PickResult nothing = picker.in_memory(random_ray(random));
@@ -378,6 +379,7 @@ TEST_P(PointPickerTest, InMemoryReadsNothingAndKnowsAllOnceAllIsThere)
         EXPECT_EQ(nothing.chunks, 0u);
     }
     EXPECT_EQ(cloud_->cache().statistics().loaded_bytes, loaded);
+    EXPECT_EQ(cloud_->tree()->nodes().pages_loaded(), 1u);
     cloud_->cache().set_capacity(64 << 20);
     for (NodeId id = 0; id < cloud_->tree()->nodes().size(); ++id)
         cloud_->cache().get(id, ColumnSet::whole(cloud_->info().schema));

@@ -64,9 +64,7 @@ protected:
     void SetUp() override
     {
         build(120000, 1000);
-        TreeIndex paged = index();
-        paged.pages = pages_of(7, paged.nodes.size());
-        write_index(paged);
+        write_in_pages(tree(), 7);
         file_ = std::make_shared<DoorFile>(index_path());
         nodes_ = open_index(file_).nodes;
         ASSERT_EQ(nodes_.pages_loaded(), 1u);

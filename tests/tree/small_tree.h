@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/build/builder.h"
+#include "pcm/point_cloud.h"
 #include "pcm/system/file.h"
 #include "pcm/tree/tree.h"
 #include "pcm/tree/tree_index.h"
@@ -14,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <vector>
 
 namespace pcm::test {
@@ -39,6 +41,22 @@ inline std::vector<std::uint32_t> pages_of(std::uint32_t nodes_a_page, std::size
     for (std::size_t first = 0; first < nodes; first += nodes_a_page)
         pages.push_back(static_cast<std::uint32_t>(std::min<std::size_t>(nodes_a_page, nodes - first)));
     return pages;
+}
+
+// Writes the index of a tree again, with few nodes in a page.
+inline void write_in_pages(const std::filesystem::path& folder, std::uint32_t nodes_a_page)
+{
+    TreeIndex index = decode_index(read_file(folder / index_file_name), "index");
+    index.pages = pages_of(nodes_a_page, index.nodes.size());
+    write_file(folder / index_file_name, encode_index(index));
+}
+
+// Opens a tree of which few nodes have been read.
+inline void read_again_in_pages(const std::filesystem::path& folder, std::shared_ptr<PointCloud>& cloud)
+{
+    cloud.reset();
+    write_in_pages(folder, 5);
+    cloud = PointCloud::open(folder);
 }
 
 inline std::size_t open_descriptors()

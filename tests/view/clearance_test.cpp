@@ -6,6 +6,7 @@
 #include "pcm/point_cloud.h"
 #include "tests/clouds.h"
 #include "tests/support.h"
+#include "tests/tree/small_tree.h"
 
 #include <cmath>
 #include <limits>
@@ -61,6 +62,7 @@ protected:
 
 TEST_P(ClearanceTest, HoldsWithAnyPartInMemory)
 {
+    read_again_in_pages(folder_ / "t.pct", cloud_);
     L2Cache& cache = cloud_->cache();
     const Tree& tree = cache.tree();
     double error_before = std::numeric_limits<double>::infinity();
@@ -70,6 +72,8 @@ TEST_P(ClearanceTest, HoldsWithAnyPartInMemory)
         for (NodeId id = 0; id < tree.nodes().size() * share; ++id)
             if (tree.node(id).points > 0) cache.get(id, ColumnSet::only_positions());
         const auto loaded = cache.statistics().loaded_bytes;
+        const std::size_t pages = tree.nodes().pages_loaded();
+        if (share < 1) EXPECT_LT(pages, tree.nodes().pages());
         EXPECT_EQ(loaded > loads_before, share > 0);
         double error = 0;
         for (const Vec3d& place : places_) {
@@ -93,6 +97,7 @@ TEST_P(ClearanceTest, HoldsWithAnyPartInMemory)
         EXPECT_LE(error, error_before * (1 + 1e-9) + step);  // more in memory: no worse
         error_before = error;
         EXPECT_EQ(cache.statistics().loaded_bytes, loaded) << "something was read";
+        EXPECT_EQ(tree.nodes().pages_loaded(), pages) << "nodes were read";
     }
 }
 

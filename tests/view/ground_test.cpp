@@ -6,6 +6,7 @@
 #include "pcm/point_cloud.h"
 #include "tests/memory_reader.h"
 #include "tests/support.h"
+#include "tests/tree/small_tree.h"
 
 #include <gtest/gtest.h>
 
@@ -46,6 +47,7 @@ protected:
 
 TEST_F(GroundTest, IsTheSixthLowestOfTheNearestInMemory)
 {
+    read_again_in_pages(folder_ / "t.pct", cloud_);
     L2Cache& cache = cloud_->cache();
     const Tree& tree = cache.tree();
     EXPECT_FALSE(ground_under(cache, tree.info().bounds().centre(), 2));  // nothing is in memory, and nothing is read
@@ -60,6 +62,8 @@ TEST_F(GroundTest, IsTheSixthLowestOfTheNearestInMemory)
             for (std::size_t i = 0; i < chunk->points; ++i)
                 points.push_back(tree.info().grid.to_source(chunk->positions->grid(i)));
         }
+        const std::size_t pages = tree.nodes().pages_loaded();
+        if (share < 1) EXPECT_LT(pages, tree.nodes().pages());
         const Box3d box = tree.info().bounds();
         for (int round = 0; round < 100; ++round) {
             const std::size_t axis = round % 4 == 3 ? 1 : 2, u = (axis + 1) % 3, v = (axis + 2) % 3;
@@ -86,6 +90,7 @@ TEST_F(GroundTest, IsTheSixthLowestOfTheNearestInMemory)
                 ++found;
             }
         }
+        EXPECT_EQ(tree.nodes().pages_loaded(), pages) << "nodes were read";
     }
     EXPECT_GT(found, 50);
 }

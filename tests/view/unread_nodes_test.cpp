@@ -64,9 +64,7 @@ protected:
     void build_pages(std::uint32_t nodes_a_page) const
     {
         build(120000, 1000);
-        TreeIndex paged = index();
-        paged.pages = pages_of(nodes_a_page, paged.nodes.size());
-        write_index(paged);
+        write_in_pages(tree(), nodes_a_page);
     }
     Camera random_camera(std::mt19937_64& random, const Tree& opened) const
     {
