@@ -22,7 +22,7 @@
 namespace pcm {
 namespace {
 
-constexpr const char* stage = "Comparing stations";
+constexpr const char* comparing = "Comparing stations";
 constexpr std::size_t most_surveyed = 4;      // places around which surfaces are compared
 constexpr std::uint64_t most_summed = 20000;  // points of a shape, about, that its stations are compared by
 // Points of a shape, about, that errors along rays are found from; of very many shapes fewer, so that they take 64 MB.
@@ -74,7 +74,7 @@ public:
 
     void run()
     {
-        watch_.report(stage, 0, true);
+        watch_.report(comparing, 0, true);
         if (!primitives_.empty()) add_errors();
         watch_.finish("Done");
         report_.outcome.seconds += watch_.seconds();
@@ -166,7 +166,7 @@ private:
             for (const auto& [shape, points] : part) sums[shape].add(points);
         };
         sum_over_nodes<PointsOfShapes>(tree_, threads_, see, add,
-                                       [&](double share) { watch_.report(stage, 0.5 * share); });
+                                       [&](double share) { watch_.report(comparing, 0.5 * share); });
         return sums;
     }
 
@@ -197,7 +197,7 @@ private:
             for (const auto& [shape, agreement] : part) all[shape].add(agreement);
         };
         sum_over_nodes<AgreementOfShapes>(tree_, threads_, see, add,
-                                          [&](double share) { watch_.report(stage, 0.5 + 0.5 * share); });
+                                          [&](double share) { watch_.report(comparing, 0.5 + 0.5 * share); });
         for (std::size_t i = 0; i < points.size(); ++i)
             if (shifted[i]) within_[i] = std::min(within_[i], all[i].factor());
     }
