@@ -119,7 +119,7 @@ private:
             if (team_.rank() != 0) continue;
             const std::size_t before = sample.size(), bytes = in.left();
             sample.resize(before + bytes / sizeof sample[0]);
-            std::memcpy(sample.data() + before, in.get_bytes(bytes), bytes);
+            if (bytes > 0) std::memcpy(sample.data() + before, in.get_bytes(bytes), bytes);
         }
         return kept;
     }

@@ -124,7 +124,8 @@ TEST_F(TeamBuild, IntegersOfTilesAreKeptByAllRanks)
     BuildOptions options = small_chunks();
     options.progress = [](const ProgressUpdate& update) { return update.fraction < 0.5; };
     EXPECT_THROW(build(2, tiles(cloud(), 0.37), options), Error);
-    EXPECT_GT(names_in(folder_ / "team.pct.part" / "jobs" / "batches").size(), 20u);
+    // How many are left depends on the time at which it was cancelled; doubles would have none.
+    EXPECT_GT(names_in(folder_ / "team.pct.part" / "jobs" / "batches").size(), 0u);
     EXPECT_FALSE(fs::exists(folder_ / "team.pct.part" / "scratch.tmp"));
 }
 
