@@ -1,9 +1,8 @@
 // Clouds of doubles read by the ranks of a team.
 //
 // Each rank reads ranges of points, or some files where these can only be read from their beginning, and keeps their
-// rows in a spool a job, with what the choice of the grid needs. When the number of all rows is known, every n-th one
-// of the spools is the sample by which rank 0 chooses the cuts between bins. Then rows get their places on the grid and
-// in bins, a spool a job.
+// rows in a spool a job, with what the choice of the grid needs. Rank 0 then chooses the cuts between bins from a
+// sample: every n-th row of all spools. Last, rows are put on the grid and into bins, a spool a job.
 #pragma once
 
 #include "pcm/cluster/bin_rows.h"

@@ -10,10 +10,10 @@ namespace pcm {
 
 // Adds the effect of the stations to the errors of all primitives, and takes what errors along the rays of a scanner
 // have done to curved ones, whose thresholds are enlarged by as much: each point with a label stays within. Where the
-// points say from which stations they are, the spread of these is one number for the whole cloud, from all good shapes
-// that several stations see and from the surfaces around a few of them (agreeing_evidence()). Sets `stations`; doubts
-// good fits whose size is then uncertain. `options`: its registration, threads and progress are used; the result does
-// not depend on threads. Throws what reading throws, and Error(cancelled).
+// points name their stations, the spread of these is one number for the whole cloud. It is found from all good shapes
+// with points of several stations, and from the surfaces around a few of them (agreeing_evidence()). Sets `stations`;
+// good fits whose size is then uncertain become doubtful. `options`: its registration, threads and progress are used;
+// the result does not depend on threads. Throws what reading throws, and Error(cancelled).
 void add_errors_of_stations(const std::shared_ptr<const Tree>& tree, const DetectOptions& options,
                             DetectReport& report);
 

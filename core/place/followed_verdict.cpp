@@ -185,8 +185,8 @@ void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutE
                   "surfaces, so take a smaller neighbourhood, or give a threshold");
 }
 
-// Near its tangent an elbow is next to the cylinder of its pipe by less than the noise. Where the points do not show
-// that the place lies before the tangent, it may be either's.
+// Near its tangent an elbow is closer to the cylinder of its pipe than the noise. A place is the pipe's only if the
+// points show that it lies before the tangent; else it may belong to the elbow.
 void FollowedVerdict::doubt_bent(const FollowedPoints& followed, double noise, FittedPrimitive& result)
 {
     ShapeFit& fit = result.primitive.fit;
