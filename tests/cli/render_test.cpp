@@ -162,6 +162,22 @@ TEST_F(Render, PCM_NOT_UNDER_ADDRESS(UntilTheTargetWithinABudget))
     EXPECT_LT(target["pictures"][0]["points_drawn"], 20000);
 }
 
+// More than a first frame draws, before the time that points take is known.
+TEST_F(Render, PCM_NOT_UNDER_ADDRESS(TheTargetIsReachedByLargeClouds))
+{
+    ASSERT_EQ(pcmlab("generate " + path("large.las") + " -n 350000 --no-truth").code, 0);
+    ASSERT_EQ(pcmlab("build " + path("large.las") + " -o " + path("large.pct") + " --chunk-points 5000").code, 0);
+    const std::string some = " --converge 1 --until target --target-px 0.01 --overwrite -o " + path("a.png");
+    for (const char* time : {"", " --frame-budget 100000"}) {
+        const Json all = render(path("large.pct") + some + time);
+        EXPECT_EQ(all["pictures"][0]["points_drawn"], 350000) << time;
+        EXPECT_LE(all["pictures"][0]["screen_error_px"], 0.01) << time;
+    }
+    const Json few = render(path("large.pct") + some + " --point-budget 320000");
+    EXPECT_GT(few["pictures"][0]["points_drawn"], 305000);
+    EXPECT_LE(few["pictures"][0]["points_drawn"], 320000);
+}
+
 // Smooth by default, on request of more or fewer frames or none.
 TEST_F(Render, PCM_NOT_UNDER_ADDRESS(ThePictureIsTheMeanOfFrames))
 {

@@ -61,6 +61,19 @@ TEST(FrameBudget, SettlesBelowTheAskedTimeOnFastAndSlowDevices)
 }
 
 // Time that a frame needs in addition to its points is reserved.
+// Who draws until a target is reached draws another frame then.
+TEST(FrameBudget, AFirstFrameOfEnoughPointsIsToBeMeasured)
+{
+    FrameBudget budget;
+    EXPECT_FALSE(budget.is_to_be_measured(work(100)));  // too few to learn from
+    budget.measured(work(100), 1);
+    EXPECT_TRUE(budget.is_to_be_measured(work(100'000)));
+    budget.measured(work(100'000), 1);
+    EXPECT_FALSE(budget.is_to_be_measured(work(100'000)));
+    budget.forget();
+    EXPECT_TRUE(budget.is_to_be_measured(work(100'000)));
+}
+
 TEST(FrameBudget, LeavesRoomForTheRestOfTheFrame)
 {
     FrameBudget budget;

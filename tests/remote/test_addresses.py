@@ -62,6 +62,18 @@ class Addresses(CommandCase):
             size = sum(file.stat().st_size for file in self.tree.iterdir())
             self.assertLess(len(server.requests), 8 + size / (4 << 20))
 
+    def test_a_first_view_of_1_6_million_points_takes_few_requests(self):
+        view = ["-o", self.folder / "view.png", "--overwrite", "--size", "320x240", "--converge", "1", "--until", "target", "--target-px", "0.1",
+                "--point-budget", "1600000"]
+        tried = self.run_command("render", self.tree, "-o", self.folder / "tried.png", "--size", "16x16", "--until", "target", "--point-budget", "10000")
+        if tried.returncode != 0 and "OpenGL" in tried.stderr:
+            self.skipTest(tried.stderr)
+        with RangeServer(self.folder, delay=0.06) as server:
+            picture = self.answer("render", server.address("site.pct"), *view)["pictures"][0]
+            self.assertGreater(picture["points_drawn"], 1500000)
+            # The index, the end of the last data file, and the front in requests that grow.
+            self.assertLessEqual(len(server.requests), 8)
+
     def test_blocks_that_are_kept_serve_again_and_without_the_server(self):
         kept = self.folder / "kept"
         variables = {"PCM_NETWORK_CACHE": "1G", "PCM_NETWORK_CACHE_FOLDER": kept}

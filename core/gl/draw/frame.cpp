@@ -93,7 +93,9 @@ DetailLimits Frame::current_limits()
         if (format.colour == ColourSource::none) format.colour = ColourSource::rgb;
         allowed.page_points = std::min(allowed.page_points, L1Cache::points_per_page(format));
     }
-    allowed.point_budget = picture.budget.points(roots, options.point_budget);
+    // Without a limit of time nothing has to be learnt first.
+    allowed.point_budget =
+        std::isinf(options.frame_budget_ms) ? options.point_budget : picture.budget.points(roots, options.point_budget);
     report.effective_point_budget = allowed.point_budget;
     const std::uint64_t pages = l1.pages_available(owners);
     // The coarsest chunks are always allowed.

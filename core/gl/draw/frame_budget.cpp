@@ -5,6 +5,15 @@
 #include <limits>
 
 namespace pcm {
+namespace {
+
+bool is_nearly_empty(const FrameWork& work)
+{
+    const BudgetTuning& tuned = gl_tuning().budget;
+    return static_cast<double>(work.vertices) < tuned.nearly_empty * static_cast<double>(tuned.min_points);
+}
+
+}  // namespace
 
 FrameBudget::Features FrameBudget::features(const FrameWork& work)
 {
@@ -20,12 +29,11 @@ double FrameBudget::expected(const FrameWork& work) const
 void FrameBudget::measured(const FrameWork& work, double milliseconds)
 {
     const CostTuning& tuned = gl_tuning().cost;
-    const double nearly_empty = gl_tuning().budget.nearly_empty * static_cast<double>(gl_tuning().budget.min_points);
     last_ms_ = milliseconds;
     expected_ms_ = 0;
     // A nearly empty frame measures the fixed cost: it gives only an upper bound of the cost per point.
     const Features x = features(work);
-    if (!(milliseconds > 0) || (x[0] < nearly_empty && (measures_ == 0 || milliseconds > expected(work)))) return;
+    if (!(milliseconds > 0) || (is_nearly_empty(work) && (measures_ == 0 || milliseconds > expected(work)))) return;
     if (measures_++ == 0) {
         const Features first_costs{tuned.vertex, tuned.splat, tuned.pixel};
         const double scale = milliseconds / (x[0] * first_costs[0] + x[1] * first_costs[1] + x[2] * first_costs[2]);
@@ -82,6 +90,8 @@ std::uint64_t FrameBudget::points(std::uint64_t floor, std::uint64_t ceiling)
         std::min(std::max({points_, floor, std::uint64_t(tuned.min_points)}), std::max(ceiling, std::uint64_t(1)));
     return std::min(points_, ceiling);
 }
+
+bool FrameBudget::is_to_be_measured(const FrameWork& work) const { return measures_ == 0 && !is_nearly_empty(work); }
 
 double FrameBudget::available(double budget_ms) const
 {

@@ -57,6 +57,8 @@ public:
     {
         return points_ < ceiling && goal_ > gl_tuning().budget.min_growth * static_cast<double>(points_);
     }
+    // Whether a frame that draws `work` measures the costs, and none has so far.
+    bool is_to_be_measured(const FrameWork& work) const;
     double last_measured_ms() const { return last_ms_; }  // drawing time; 0 before the first
 
     // Call it when the style changes: costs are learnt anew, the number of points stays.

@@ -266,7 +266,7 @@ void draw_moving(Frame& frame, const SceneSelection& selection, bool resting)
     const bool more_to_come = progress.more_to_come && !served.refused;
     const bool budget_grows = all_fit && selection.budget_reached &&
                               report.effective_point_budget < frame.options.point_budget &&
-                              p.budget.can_grow(frame.options.point_budget);
+                              (p.budget.can_grow(frame.options.point_budget) || p.budget.is_to_be_measured(frame.work));
     // Also when the window is finished and the next one has not been requested.
     report.repaint =
         served.out_of_time || (budget_grows && !frame.options.converge) || (more_to_come && !progress.waits);
