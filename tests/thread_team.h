@@ -11,6 +11,7 @@
 #include <functional>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 #include <vector>
 
@@ -40,6 +41,9 @@ public:
         for (const std::exception_ptr& error : errors)
             if (error) std::rethrow_exception(error);
     }
+
+    // Whoever takes a number of this counter fails.
+    void fail_at(std::uint64_t counter) { fails_at_ = counter; }
 
     std::uint64_t bytes_exchanged() const { return bytes_exchanged_; }
     std::uint64_t exchanges() const { return exchanges_; }
@@ -113,6 +117,7 @@ private:
         {
             const std::lock_guard lock(all_.mutex_);
             if (all_.ended_) throw Ended();
+            if (counter == all_.fails_at_) throw Error(ErrorCode::io, {}, "the disk is gone");
             return all_.counters_[counter]++;
         }
 
@@ -134,6 +139,7 @@ private:
     std::vector<std::vector<unsigned>> neighbours_;
     std::map<std::uint64_t, std::uint64_t> counters_;
     std::atomic<std::uint64_t> bytes_exchanged_{0}, exchanges_{0};
+    std::optional<std::uint64_t> fails_at_;
     std::size_t here_ = 0;
     std::uint64_t steps_ = 0;
     bool ended_ = false;

@@ -4,13 +4,12 @@
 #include "pcm/build/bins/divide_bins.h"
 #include "pcm/build/build_checkpoint.h"
 #include "pcm/cluster/share_jobs.h"
+#include "pcm/cluster/stages.h"
 
 #include <map>
 
 namespace pcm {
 namespace {
-
-constexpr const char* divisions_stage = "divisions";
 
 // A bin that was divided by itself: bin 0 and node 0 are its own there.
 template <class Coord>
@@ -40,11 +39,11 @@ public:
         for (std::size_t bin = 0; bin < rows_.bins(); ++bin)
             if (is_large_bin(rows_.rows(bin), bin_points_)) large.push_back(bin);
         if (large.empty()) return;
-        all_.jobs.begin(divisions_stage);
+        all_.jobs.begin(stage::divisions);
         share_jobs(
             all_.team, count_divisions, large.size(), 1,
             [&](std::size_t i) {
-                if (!all_.jobs.is_done({divisions_stage, large[i]})) divide(large[i]);
+                if (!all_.jobs.is_done({stage::divisions, large[i]})) divide(large[i]);
             },
             [&](std::size_t) { all_.work.watch.report("Sorting points into bins", 0.4); });
         for (const std::size_t bin : large) divided_.emplace(bin, load(bin));
@@ -54,7 +53,7 @@ public:
 private:
     void divide(std::size_t bin)
     {
-        const JobFolder::Key job{divisions_stage, bin};
+        const JobFolder::Key job{stage::divisions, bin};
         const std::filesystem::path path = all_.jobs.unfinished(job);
         ByteWriter record;
         std::uint64_t bytes;
@@ -86,8 +85,8 @@ private:
 
     DividedBin<Coord> load(std::size_t bin)
     {
-        const std::filesystem::path path = all_.jobs.file({divisions_stage, bin});
-        const std::vector<std::byte> record = all_.jobs.record({divisions_stage, bin});
+        const std::filesystem::path path = all_.jobs.file({stage::divisions, bin});
+        const std::vector<std::byte> record = all_.jobs.record({stage::divisions, bin});
         ByteReader in(record.data(), record.size(), path);
         DividedBin<Coord> divided;
         divided.top = load_top<Coord>(in);

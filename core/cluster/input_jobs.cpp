@@ -13,7 +13,9 @@
 #include "pcm/cluster/batches.h"
 #include "pcm/cluster/division_jobs.h"
 #include "pcm/cluster/share_jobs.h"
+#include "pcm/cluster/shared_record.h"
 #include "pcm/cluster/spool_jobs.h"
+#include "pcm/cluster/stages.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
@@ -26,9 +28,7 @@ namespace {
 
 using Narrow = std::uint32_t;
 using Key = JobFolder::Key;
-constexpr const char* plan_stage = "plan";
-constexpr const char* batch_stage = "batches";
-constexpr Key plan_of_cloud{plan_stage, 0}, plan_of_kept_integers{plan_stage, 1};
+constexpr Key plan_of_cloud{stage::plan, 0}, plan_of_kept_integers{stage::plan, 1};
 
 class InputJobs {
 public:
@@ -47,8 +47,8 @@ public:
 
     AnyTop run()
     {
-        jobs_.begin(plan_stage);
-        jobs_.begin(batch_stage);
+        jobs_.begin(stage::plan);
+        jobs_.begin(stage::batches);
         if (cloud_.can_keep_integers()) {
             cloud_.keep_integers(true);
             if (can_be_read_in_batches())
@@ -68,7 +68,7 @@ private:
     template <class Make>
     std::optional<AnyTop> follow_plan(const Key& key, const Make& make)
     {
-        const std::vector<std::byte> plan = find_or_make(key, make);
+        const std::vector<std::byte> plan = find_or_make(team_, jobs_, key, make);
         ByteReader in(plan.data(), plan.size(), jobs_.file(key));
         switch (in.get<std::uint8_t>()) {
             case take_bins_of_one:
@@ -86,18 +86,6 @@ private:
         const FileInfo& info = cloud_.info();
         return info.grid && info.points_known && cloud_.seekable() && !options_.read.skip_bad_files &&
                !options_.read.largest_coordinate;
-    }
-
-    template <class Make>
-    std::vector<std::byte> find_or_make(const Key& key, const Make& make)
-    {
-        std::vector<std::byte> found;
-        if (team_.rank() == 0) found = jobs_.record_if_done(key).value_or(std::vector<std::byte>());
-        found = team_.broadcast(0, std::move(found));
-        if (!found.empty()) return found;
-        std::vector<std::byte> made = make();
-        if (team_.rank() == 0) jobs_.write(key, {}, made);
-        return team_.broadcast(0, std::move(made));
     }
 
     // Collective: the sample of all ranks, in rank 0. False where integers were lost.
@@ -144,11 +132,21 @@ private:
         return std::move(plan.bytes());
     }
 
+    // What rank 0 reads alone lies with the plan.
+    struct WorkOfOne : Workspace {
+        explicit WorkOfOne(const InputJobs& all)
+            : Workspace(all.jobs_.file(plan_of_cloud).parent_path(), all.work_.memory_bytes, all.work_.chunk_points,
+                        all.work_.threads, all.options_.progress)
+        {
+        }
+    };
+
     // By rank 0; the plan is the result.
     std::vector<std::byte> read_by_one()
     {
         if (team_.rank() != 0) return {};
-        const AnyBins bins = partition(cloud_, work_, found_);
+        WorkOfOne work(*this);
+        const AnyBins bins = partition(cloud_, work, found_);
         take_reader_facts(cloud_.info(), found_);
         ByteWriter plan;
         plan.put(static_cast<std::uint8_t>(take_bins_of_one));
@@ -160,8 +158,9 @@ private:
 
     AnyTop take_bins(ByteReader& in)
     {
-        const AnyBins bins = load_bins(found_, work_, cloud_.info().schema, in);
-        const std::uint32_t file = rows_.add_file(work_.folder / scratch_file_name);
+        WorkOfOne work(*this);
+        const AnyBins bins = load_bins(found_, work, cloud_.info().schema, in);
+        const std::uint32_t file = rows_.add_file(work.folder / scratch_file_name);
         return std::visit(
             [&](const auto& of) -> AnyTop {
                 rows_.add_bins(of.scratch->bins());
@@ -189,7 +188,7 @@ private:
         share_jobs(
             team_, count_batches, batches.size(), 1,
             [&](std::size_t i) {
-                if (!jobs_.is_done({batch_stage, i})) read_batch(i, batches[i], bins);
+                if (!jobs_.is_done({stage::batches, i})) read_batch(i, batches[i], bins);
             },
             [&](std::size_t begun) {
                 work_.watch.report("Reading points", 0.4 * static_cast<double>(begun) /
@@ -197,7 +196,7 @@ private:
             });
         buffer_ = {};
         FileInfo info = header_;
-        const BatchFacts facts = take_batches(team_, jobs_, batch_stage, batches.size(), bins, rows_, info);
+        const BatchFacts facts = take_batches(team_, jobs_, stage::batches, batches.size(), bins, rows_, info);
         if (!facts.kept) {
             found_ = Ingested();
             return std::nullopt;
@@ -228,7 +227,7 @@ private:
 
     void read_batch(std::size_t number, const Batch& batch, std::size_t bins)
     {
-        const Key job{batch_stage, number};
+        const Key job{stage::batches, number};
         const std::filesystem::path path = jobs_.unfinished(job);
         BatchFacts facts;
         std::uint64_t bytes;

@@ -4,6 +4,9 @@
 #include "pcm/system/error.h"
 #include "pcm/system/part_file.h"
 
+#include <sys/stat.h>
+
+#include <algorithm>
 #include <cstdio>
 #include <utility>
 
@@ -50,6 +53,8 @@ bool JobFolder::is_done(const Key& job) const
 
 std::vector<std::byte> JobFolder::record(const Key& job) const
 {
+    if (!is_done(job))
+        throw Error(ErrorCode::not_found, file(job), "the file of a finished part of the work is gone", how_to_go_on());
     const File from(file(job), File::Mode::read);
     const std::uint64_t size = from.size();
     End end;
@@ -60,9 +65,11 @@ std::vector<std::byte> JobFolder::record(const Key& job) const
         from.read_at(record.data(), record.size(), size - sizeof end - end.bytes);
         if (checksum(record.data(), record.size()) == end.checksum) return record;
     }
-    throw Error(ErrorCode::corrupt, from.path(), "the file of a finished part of the work is damaged",
-                "remove this file and start the build again");
+    throw Error(ErrorCode::corrupt, from.path(), "the file of a finished part of the work is damaged", how_to_go_on());
 }
+
+// Jobs that could do a part again may have been given up.
+std::string JobFolder::how_to_go_on() const { return "remove " + folder_.parent_path().string() + " and start again"; }
 
 std::optional<std::vector<std::byte>> JobFolder::record_if_done(const Key& job) const
 {
@@ -91,6 +98,29 @@ void JobFolder::write(const Key& job, const std::vector<std::byte>& data, const 
         to.write_at(data.data(), data.size(), 0);
     }
     finish(job, name, data.size(), record);
+}
+
+void JobFolder::give_up(const std::vector<const char*>& stages, const char* done) const
+{
+    if (durable_) sync_folder(folder_ / done);
+    most_bytes();
+    std::error_code error;  // what stays takes room, and does no harm
+    for (const char* name : stages) fs::remove_all(folder_ / name, error);
+}
+
+std::uint64_t JobFolder::most_bytes() const
+{
+    std::error_code error;
+    std::uint64_t bytes = 0;
+    for (auto entry = fs::recursive_directory_iterator(folder_, error); !error && entry != fs::end(entry);
+         entry.increment(error)) {
+        struct stat status {};  // files have holes
+        if (::stat(entry->path().c_str(), &status) == 0) bytes += static_cast<std::uint64_t>(status.st_blocks) * 512;
+    }
+    std::uint64_t most = most_bytes_;
+    while (most < bytes && !most_bytes_.compare_exchange_weak(most, bytes)) {
+    }
+    return std::max(most, bytes);
 }
 
 void JobFolder::remove_unfinished() const

@@ -11,6 +11,7 @@
 
 #include "pcm/system/file.h"
 
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
@@ -41,7 +42,8 @@ public:
     // A name for the job's file until it is finished, of no other process or thread.
     std::filesystem::path unfinished(const Key& job) const;
     bool is_done(const Key& job) const;
-    // The record of a job that is done. Throws Error(corrupt) for a file that finish() has not written.
+    // The record of a job that is done. Throws Error(corrupt) for a file that finish() has not written,
+    // Error(not_found) where there is none.
     std::vector<std::byte> record(const Key& job) const;
     std::optional<std::vector<std::byte>> record_if_done(const Key& job) const;
 
@@ -54,10 +56,19 @@ public:
     // Removes the unfinished files of processes that were killed.
     void remove_unfinished() const;
 
+    // Removes the files of stages that nothing reads any more, since all jobs of the stage `done`, which did, are done.
+    // Those keep their names also where a machine fails. By one process.
+    void give_up(const std::vector<const char*>& stages, const char* done) const;
+    // Room on disk that all files took when give_up() or this was called in this process, the most.
+    std::uint64_t most_bytes() const;
+
 private:
+    std::string how_to_go_on() const;
+
     const std::filesystem::path folder_;
     const unsigned rank_;
     const bool durable_;
+    mutable std::atomic<std::uint64_t> most_bytes_{0};
 };
 
 }  // namespace pcm

@@ -2,16 +2,12 @@
 
 #include "pcm/bpc/byte_order.h"
 #include "pcm/bpc/checksum.h"
+#include "pcm/cluster/shared_record.h"
+#include "pcm/cluster/stages.h"
 #include "pcm/system/error.h"
 #include "pcm/threads/for_each_index.h"
 
 namespace pcm {
-namespace {
-
-constexpr const char* levels_stage = "levels";
-constexpr const char* levelled_stage = "levelled";  // one job: what is known when all bins have their levels
-
-}  // namespace
 
 template <class Coord>
 std::vector<unsigned> owners_of_bins(const TopTree<Coord>& top, const BinFiles<Coord>& bins, unsigned ranks)
@@ -41,16 +37,10 @@ template <class Coord>
 void LevelFiles::choose(const Ingested& cloud, const TopTree<Coord>& top, BinFiles<Coord>& bins)
 {
     for (std::size_t bin = 0; bin < points_.size(); ++bin) points_[bin] = bins.rows(bin);
-    all_.jobs.begin(levels_stage);
-    all_.jobs.begin(levelled_stage);
-    std::vector<std::byte> record;
-    if (all_.team.rank() == 0) record = all_.jobs.record_if_done({levelled_stage}).value_or(std::vector<std::byte>());
-    record = all_.team.broadcast(0, std::move(record));
-    if (record.empty()) {
-        record = sample(cloud, top, bins);
-        all_.team.wait();
-        if (all_.team.rank() == 0) all_.jobs.write({levelled_stage}, {}, record);
-    }
+    all_.jobs.begin(stage::levels);
+    all_.jobs.begin(stage::levelled);
+    const std::vector<std::byte> record =
+        find_or_make(all_.team, all_.jobs, {stage::levelled}, [&] { return sample(cloud, top, bins); });
     ByteReader in(record.data(), record.size(), all_.work.folder);
     spacings_.resize(in.get<std::uint64_t>());
     for (double& spacing : spacings_) spacing = in.get<double>();
@@ -69,19 +59,19 @@ std::vector<std::byte> LevelFiles::sample(const Ingested& cloud, const TopTree<C
     for (std::size_t bin = 0; bin < points_.size(); ++bin)
         if (points_[bin] > 0 && exchange.owns(bin)) bins.load(bin);
     LevelSampler<Coord> sampler(bins.bins().points(), Lattice(cloud.grid), all_.options.sampling,
-                                all_.jobs.unfinished({levels_stage}));
+                                all_.jobs.unfinished({stage::levels}));
     sampler.share(exchange);
     sampler.run(threads, [&](double fraction) { all_.work.watch.report("Choosing levels", 0.5 + 0.2 * fraction); });
     all_.work.space.take(sampler.bytes());
     for_each_index(
         points_.size(), threads,
         [&](std::size_t bin) {
-            if (points_[bin] == 0 || !exchange.owns(bin) || all_.jobs.is_done({levels_stage, bin})) return;
+            if (points_[bin] == 0 || !exchange.owns(bin) || all_.jobs.is_done({stage::levels, bin})) return;
             const std::vector<std::uint8_t> levels = sampler.levels(bin);
             ByteWriter record;
             record.put(checksum(levels.data(), levels.size()));
             const auto* const bytes = reinterpret_cast<const std::byte*>(levels.data());
-            all_.jobs.write({levels_stage, bin}, {bytes, bytes + levels.size()}, record.bytes());
+            all_.jobs.write({stage::levels, bin}, {bytes, bytes + levels.size()}, record.bytes());
         },
         [&](std::size_t) { all_.work.watch.report("Choosing levels", 0.7); });
     ByteWriter record;
@@ -94,8 +84,8 @@ std::vector<std::byte> LevelFiles::sample(const Ingested& cloud, const TopTree<C
 
 std::vector<std::uint8_t> LevelFiles::levels(std::size_t bin) const
 {
-    const std::vector<std::byte> record = all_.jobs.record({levels_stage, bin});
-    const File file(all_.jobs.file({levels_stage, bin}), File::Mode::read);
+    const std::vector<std::byte> record = all_.jobs.record({stage::levels, bin});
+    const File file(all_.jobs.file({stage::levels, bin}), File::Mode::read);
     std::vector<std::uint8_t> levels(points_[bin]);
     file.read_at(levels.data(), levels.size(), 0);
     ByteReader in(record.data(), record.size(), file.path());

@@ -14,12 +14,16 @@ template <class Coord>
 class BinFiles {
 public:
     BinFiles(const TeamWork& team_work, const Ingested& cloud, std::size_t bins);
+    // Bins that have been sorted, as save() wrote them.
+    BinFiles(const TeamWork& team_work, const Ingested& cloud, ByteReader& in);
 
     // Collective: sorts the bins. Then the boxes of all of them are known.
     void sort(const BinRows& rows);
+    void save(ByteWriter& out) const;  // the boxes
     // Before the points of a bin are read: finds where they lie. One thread a bin.
     void load(std::size_t bin);
     const SortedBins<Coord>& bins() const { return sorted_; }
+    std::size_t count() const { return count_; }
     std::uint64_t rows(std::size_t bin) const { return sorted_.rows(bin); }
 
 private:

@@ -16,6 +16,8 @@
 #include "pcm/cluster/batches.h"
 #include "pcm/cluster/division_jobs.h"
 #include "pcm/cluster/share_jobs.h"
+#include "pcm/cluster/shared_record.h"
+#include "pcm/cluster/stages.h"
 #include "pcm/system/error.h"
 
 #include <algorithm>
@@ -27,10 +29,7 @@
 namespace pcm {
 namespace {
 
-constexpr const char* spool_stage = "spools";
-constexpr const char* sample_stage = "samples";
-constexpr const char* spooled_stage = "spooled";  // the rows of spools in bins
-constexpr JobFolder::Key cuts_job{"cuts"};
+constexpr JobFolder::Key cuts_job{stage::cuts};
 
 // What a part of the cloud, or all of it, has in common.
 struct SpoolFacts {
@@ -71,12 +70,12 @@ public:
     {
         found_.schema = header_.schema;
         found_.position_type = header_.position_type;
-        for (const char* stage : {spool_stage, sample_stage, spooled_stage, cuts_job.stage}) all_.jobs.begin(stage);
+        for (const char* name : {stage::spools, stage::samples, stage::spooled, stage::cuts}) all_.jobs.begin(name);
     }
 
     AnyTop run()
     {
-        share(spool_stage, count_spools, "Reading points", 0, 0.25, [this](std::size_t part) { spool(part); });
+        share(stage::spools, count_spools, "Reading points", 0, 0.25, [this](std::size_t part) { spool(part); });
         take_facts();
         if (choose_grid(header_, facts_.positions, found_)) return put_in_bins<std::uint32_t>();
         return put_in_bins<std::uint64_t>();
@@ -103,12 +102,13 @@ public:
 
 private:
     template <class Work>
-    void share(const char* stage, std::uint64_t counter, const char* what, double begin, double end, const Work& work)
+    void share(const char* of_stage, std::uint64_t counter, const char* what, double begin, double end,
+               const Work& work)
     {
         share_jobs(
             all_.team, counter, parts_.size(), 1,
             [&](std::size_t part) {
-                if (!all_.jobs.is_done({stage, part})) work(part);
+                if (!all_.jobs.is_done({of_stage, part})) work(part);
             },
             [&](std::size_t begun) {
                 all_.work.watch.report(what, begin + (end - begin) * static_cast<double>(begun) /
@@ -127,7 +127,7 @@ private:
 
     void spool(std::size_t part)
     {
-        const JobFolder::Key job{spool_stage, part};
+        const JobFolder::Key job{stage::spools, part};
         const std::filesystem::path path = all_.jobs.unfinished(job);
         const std::size_t notes = cloud_.info().notes.size(), blocks = cloud_.info().metadata.size();
         std::uint64_t left = ~std::uint64_t(0), bytes = 0;
@@ -185,7 +185,7 @@ private:
     void read_spool(std::size_t part, const See& see) const
     {
         const std::vector<std::byte> blocks = piece_of(part, blocks_piece);
-        const std::filesystem::path path = all_.jobs.file({spool_stage, part});
+        const std::filesystem::path path = all_.jobs.file({stage::spools, part});
         ByteReader in(blocks.data(), blocks.size(), path);
         const Spool spool(path, layout_, header_.schema, true, all_.work.space, in);
         std::vector<std::byte> rows;
@@ -199,8 +199,8 @@ private:
     enum Piece : std::uint8_t { facts_piece, blocks_piece };
     std::vector<std::byte> piece_of(std::size_t part, Piece piece) const
     {
-        const std::vector<std::byte> record = all_.jobs.record({spool_stage, part});
-        ByteReader in(record.data(), record.size(), all_.jobs.file({spool_stage, part}));
+        const std::vector<std::byte> record = all_.jobs.record({stage::spools, part});
+        ByteReader in(record.data(), record.size(), all_.jobs.file({stage::spools, part}));
         for (int before = 0; before < piece; ++before) in.get_bytes(in.get<std::uint64_t>());
         const auto bytes = in.get<std::uint64_t>();
         const std::byte* const from = in.get_bytes(bytes);
@@ -237,38 +237,20 @@ private:
     {
         found_.layout = RowLayout(found_.schema, sizeof(Coord) == 8);
         const GridRows<Coord> on_grid(found_.grid, found_.decimals);
-        const std::vector<std::byte> cuts = find_or_choose_cuts<Coord>(on_grid);
+        const std::vector<std::byte> cuts =
+            find_or_make(all_.team, all_.jobs, cuts_job, [&] { return choose_cuts<Coord>(on_grid); });
         ByteReader in(cuts.data(), cuts.size(), all_.jobs.file(cuts_job));
         const auto bins = in.get<std::uint64_t>();
         TopTree<Coord> top = load_top<Coord>(in);
-        share(spooled_stage, count_spooled, "Sorting points into bins", 0.25, 0.4,
+        share(stage::spooled, count_spooled, "Sorting points into bins", 0.25, 0.4,
               [&](std::size_t part) { distribute_spool<Coord>(part, on_grid, top, bins); });
         buffer_ = {};
-        const BatchFacts facts = take_batches(all_.team, all_.jobs, spooled_stage, parts_.size(), bins, rows_, info_);
+        const BatchFacts facts = take_batches(all_.team, all_.jobs, stage::spooled, parts_.size(), bins, rows_, info_);
         found_.observed = facts.observed;
         if (!facts.rounded) found_.decimals = {no_decimals, no_decimals, no_decimals};
         take_reader_facts(info_, found_);
         divide_bins<Coord>(all_, found_, top, rows_);
         return top;
-    }
-
-    // Collective.
-    template <class Coord>
-    std::vector<std::byte> find_or_choose_cuts(const GridRows<Coord>& on_grid)
-    {
-        std::vector<std::byte> cuts;
-        if (all_.team.rank() == 0) cuts = all_.jobs.record_if_done(cuts_job).value_or(std::vector<std::byte>());
-        cuts = all_.team.broadcast(0, std::move(cuts));
-        if (!cuts.empty()) return cuts;
-        const std::uint64_t per_bin = all_.work.bin_points(facts_.rows);
-        if (facts_.rows > per_bin)
-            share(sample_stage, count_samples, "Reading points", 0.25, 0.27,
-                  [this](std::size_t part) { sample(part); });
-        if (all_.team.rank() == 0) {
-            cuts = choose_cuts<Coord>(on_grid, per_bin);
-            all_.jobs.write(cuts_job, {}, cuts);
-        }
-        return all_.team.broadcast(0, std::move(cuts));
     }
 
     // The positions of every n-th row of the cloud, as one process samples them.
@@ -282,16 +264,22 @@ private:
             for (std::size_t at = 0; at < rows.size(); at += layout_.bytes, ++row)
                 if (row % stride == 0) positions.put_bytes(rows.data() + at, bytes);
         });
-        all_.jobs.write({sample_stage, part}, {}, positions.bytes());
+        all_.jobs.write({stage::samples, part}, {}, positions.bytes());
     }
 
-    // In rank 0.
+    // Collective; the cuts are rank 0's.
     template <class Coord>
-    std::vector<std::byte> choose_cuts(const GridRows<Coord>& on_grid, std::uint64_t per_bin) const
+    std::vector<std::byte> choose_cuts(const GridRows<Coord>& on_grid)
     {
+        const std::uint64_t per_bin = all_.work.bin_points(facts_.rows);
+        const bool is_sampled = facts_.rows > per_bin;
+        if (is_sampled)
+            share(stage::samples, count_samples, "Reading points", 0.25, 0.27,
+                  [this](std::size_t part) { sample(part); });
+        if (all_.team.rank() != 0) return {};
         typename TopPlanner<Coord>::Sample sample;
-        for (std::size_t part = 0; part < parts_.size() && facts_.rows > per_bin; ++part) {
-            const std::vector<std::byte> positions = all_.jobs.record({sample_stage, part});
+        for (std::size_t part = 0; is_sampled && part < parts_.size(); ++part) {
+            const std::vector<std::byte> positions = all_.jobs.record({stage::samples, part});
             for (std::size_t at = 0; at < positions.size(); at += 3 * sizeof(double)) {
                 Vec3d p;
                 std::memcpy(p.data(), positions.data() + at, sizeof p);
@@ -311,7 +299,7 @@ private:
     template <class Coord>
     void distribute_spool(std::size_t part, const GridRows<Coord>& on_grid, const TopTree<Coord>& top, std::size_t bins)
     {
-        const JobFolder::Key job{spooled_stage, part};
+        const JobFolder::Key job{stage::spooled, part};
         const std::filesystem::path path = all_.jobs.unfinished(job);
         BatchFacts facts;
         ByteWriter record;

@@ -5,6 +5,7 @@
 #include "pcm/build/nodes/node_plan.h"
 #include "pcm/cluster/data_layout.h"
 #include "pcm/cluster/share_jobs.h"
+#include "pcm/cluster/stages.h"
 #include "pcm/tree/tree_index.h"
 
 #include <algorithm>
@@ -15,9 +16,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* subtrees_stage = "subtrees";
-constexpr const char* above_stage = "above";  // one job: the nodes above the subtrees
-constexpr const char* data_stage = "data";
 // Points of a subtree: some bins, so that few points are handed up by way of files; of large clouds a share, so that
 // rank 0 has few subtrees.
 constexpr std::uint64_t bins_a_subtree = 8, most_subtrees = 4096;
@@ -85,16 +83,17 @@ public:
     // Collective.
     TeamTree run(const fs::path& folder, DraftStore& drafts)
     {
-        for (const char* name : {subtrees_stage, above_stage, data_stage}) all_.jobs.begin(name);
+        for (const char* name : {stage::subtrees, stage::above, stage::data}) all_.jobs.begin(name);
         share_jobs(
             all_.team, count_subtrees, subtrees_.size(), all_.work.bin_threads(cloud_.layout, cloud_.observed.points),
             [&](std::size_t i) {
-                if (!all_.jobs.is_done({subtrees_stage, i})) build(i);
+                if (!all_.jobs.is_done({stage::subtrees, i})) build(i);
             },
             [&](std::size_t begun) { report("Building chunks", 0.7, 0.25, begun, subtrees_.size()); });
         TeamTree tree;
         ByteWriter bytes;
         if (all_.team.rank() == 0) {
+            all_.jobs.give_up({stage::bins, stage::levels}, stage::subtrees);
             const DataLayout layout = join(drafts, tree);
             layout.save(bytes);
         }
@@ -157,7 +156,7 @@ private:
 
     void build(std::size_t number)
     {
-        const JobFolder::Key key{subtrees_stage, number};
+        const JobFolder::Key key{stage::subtrees, number};
         const fs::path path = all_.jobs.unfinished(key);
         DraftStore drafts;
         Builder builder(options_, drafts);
@@ -189,7 +188,7 @@ private:
 
     Region load(std::size_t number, DraftStore& drafts) const
     {
-        const std::vector<std::byte> record = all_.jobs.record({subtrees_stage, number});
+        const std::vector<std::byte> record = all_.jobs.record({stage::subtrees, number});
         ByteReader in(record.data(), record.size(), all_.work.folder);
         Region region;
         if (in.get<std::uint8_t>()) region.draft = get_subtree(in, drafts, [](Draft&) {});
@@ -203,7 +202,7 @@ private:
         Builder builder(options_, drafts);
         DataLayout layout(plan_.back().histogram);
         std::map<std::size_t, Region> regions;
-        const JobFolder::Key key{above_stage};
+        const JobFolder::Key key{stage::above};
         const fs::path path = all_.jobs.unfinished(key);
         std::uint64_t end = 0;
         {
@@ -241,7 +240,7 @@ private:
                 const fs::path name = folder / data_file_name(static_cast<std::uint32_t>(i));
                 std::error_code error;
                 if (fs::exists(name, error) && File(name, File::Mode::read).size() == bytes[i]) return;
-                const fs::path path = all_.jobs.unfinished({data_stage, i});
+                const fs::path path = all_.jobs.unfinished({stage::data, i});
                 write_data_file(layout.files()[i], path);
                 rename_path(path, name, "giving a data file its name");
                 sync_folder(folder);
@@ -258,7 +257,7 @@ private:
         for (const DataLayout::Run& run : runs) {
             const bool is_above = run.source == subtrees_.size();
             const File from(
-                all_.jobs.file(is_above ? JobFolder::Key{above_stage} : JobFolder::Key{subtrees_stage, run.source}),
+                all_.jobs.file(is_above ? JobFolder::Key{stage::above} : JobFolder::Key{stage::subtrees, run.source}),
                 File::Mode::read);
             for (std::uint64_t done = 0; done < run.bytes; done += buffer.size()) {
                 buffer.resize(std::min(most, run.bytes - done));

@@ -6,6 +6,8 @@
 #include "pcm/build/written_tree.h"
 #include "pcm/cluster/input_jobs.h"
 #include "pcm/cluster/rank_error.h"
+#include "pcm/cluster/shared_record.h"
+#include "pcm/cluster/stages.h"
 #include "pcm/cluster/subtree_jobs.h"
 #include "pcm/cluster/team_folder.h"
 #include "pcm/system/error.h"
@@ -20,6 +22,8 @@ namespace pcm {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr JobFolder::Key sorted_job{stage::sorted};
 
 class TeamBuild {
 public:
@@ -36,9 +40,19 @@ public:
         Workspace work(folder_->path(), options_.memory_bytes, options_.chunk_points, options_.threads,
                        options_.progress);
         const TeamWork all{team_, folder_->jobs(), work, options_};
-        BinRows rows(found_);
-        const AnyTop top = read_input(all, cloud_, found_, rows);
-        std::visit([&](const auto& of) { make_tree(all, of, rows); }, top);
+        all.jobs.begin(sorted_job.stage);
+        const std::vector<std::byte> sorted = find_or_make(team_, all.jobs, sorted_job, [&] { return sort(all); });
+        if (team_.rank() == 0)
+            all.jobs.give_up({stage::plan, stage::batches, stage::spools, stage::samples, stage::cuts, stage::spooled,
+                              stage::divisions},
+                             stage::sorted);
+        ByteReader in(sorted.data(), sorted.size(), all.jobs.file(sorted_job));
+        found_ = Ingested();
+        load_found(found_, cloud_.info().schema, in);
+        if (found_.layout.coordinate_bytes == 8)
+            make_tree<std::uint64_t>(all, in);
+        else
+            make_tree<std::uint32_t>(all, in);
         finish(work);
         team_.wait();
         return std::move(report_);
@@ -61,17 +75,39 @@ private:
                 "the remains of an interrupted build of other files or with other options were removed");
     }
 
-    template <class Coord>
-    void make_tree(const TeamWork& all, const TopTree<Coord>& top, const BinRows& rows)
+    // Collective: reads and sorts the points. Returns, in rank 0, what is known of them then.
+    std::vector<std::byte> sort(const TeamWork& all)
     {
+        BinRows rows(found_);
+        const AnyTop any = read_input(all, cloud_, found_, rows);
+        ByteWriter known;
+        save_found(found_, known);
+        std::visit([&](const auto& top) { sort_bins(all, top, rows, known); }, any);
+        if (options_.resume && team_.rank() == 0) sync_folder(all.jobs.file({stage::bins}).parent_path());
+        return std::move(known.bytes());
+    }
+
+    template <class Coord>
+    void sort_bins(const TeamWork& all, const TopTree<Coord>& top, const BinRows& rows, ByteWriter& known) const
+    {
+        BinFiles<Coord> bins(all, found_, rows.bins());
+        bins.sort(rows);
+        save_top(top, known);
+        bins.save(known);
+    }
+
+    // `sorted`: the cuts and the bins, as sort_bins() wrote them.
+    template <class Coord>
+    void make_tree(const TeamWork& all, ByteReader& sorted)
+    {
+        const TopTree<Coord> top = load_top<Coord>(sorted);
+        BinFiles<Coord> bins(all, found_, sorted);
         const fs::path tree_folder = folder_->path() / "tree";
         DraftStore drafts;
         TeamTree tree;
         std::vector<double> spacings;
         if (found_.observed.points > 0) {
-            BinFiles<Coord> bins(all, found_, rows.bins());
-            bins.sort(rows);
-            LevelFiles levels(all, rows.bins());
+            LevelFiles levels(all, bins.count());
             levels.choose(found_, top, bins);
             spacings = levels.spacings();
             tree = build_nodes(all, found_, top, bins, levels, tree_folder, drafts);
@@ -99,15 +135,11 @@ private:
         work.watch.report("Done", 1);
     }
 
-    // Collective: rank 0 gives the tree its name.
+    // Rank 0 gives the tree its name.
     void finish(Workspace& work)
     {
-        ByteWriter peak;
-        peak.put(work.space.peak());
-        const std::vector<Team::Bytes> peaks = team_.gather(std::move(peak.bytes()));
         if (team_.rank() != 0) return;
-        for (const Team::Bytes& bytes : peaks)
-            report_.scratch_bytes += ByteReader(bytes.data(), bytes.size(), output_).get<std::uint64_t>();
+        report_.scratch_bytes = folder_->jobs().most_bytes();
         report_.outcome.seconds = work.watch.seconds();
         if (then_) run_then(then_, folder_->build().tree(), output_, report_);
         run_last_step(report_.outcome, [this] { folder_->build().publish(); });

@@ -3,13 +3,16 @@
 #include "pcm/cluster/team_build.h"
 
 #include "pcm/build/builder.h"
+#include "pcm/cluster/stages.h"
 #include "pcm/cluster/team_folder.h"
+#include "pcm/cluster/team_work.h"
 #include "pcm/io/reader.h"
 #include "pcm/system/error.h"
 #include "pcm/system/renamed_error.h"
 #include "pcm/tree/source_rounding.h"
 #include "tests/build/build_support.h"
 #include "tests/clouds.h"
+#include "tests/cluster/counting_team.h"
 #include "tests/sanitizers.h"
 #include "tests/support.h"
 #include "tests/thread_team.h"
@@ -20,6 +23,7 @@
 #include <array>
 #include <fstream>
 #include <limits>
+#include <optional>
 
 namespace pcm {
 namespace {
@@ -48,9 +52,11 @@ protected:
         }
         return files;
     }
-    BuildReport build(unsigned ranks, const std::vector<fs::path>& inputs, BuildOptions options)
+    BuildReport build(unsigned ranks, const std::vector<fs::path>& inputs, const BuildOptions& options,
+                      std::optional<JobCounter> failing = std::nullopt)
     {
         ThreadTeams team(ranks);
+        if (failing) team.fail_at(*failing);
         BuildReport report;
         team.run([&](Team& rank) {
             BuildOptions own = options;
@@ -60,6 +66,24 @@ protected:
         });
         bytes_exchanged_ = team.bytes_exchanged();
         return report;
+    }
+    // A build that fails when the stage of this counter begins.
+    void fail(unsigned ranks, const std::vector<fs::path>& inputs, JobCounter stage, BuildOptions options)
+    {
+        options.resume = true;
+        try {
+            build(ranks, inputs, options, stage);
+            ADD_FAILURE() << "stage " << stage << " was not reached";
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("the disk is gone"), std::string::npos) << error.what();
+        }
+        EXPECT_FALSE(fs::exists(folder_ / "team.pct"));
+    }
+    // What a stage has left.
+    std::vector<std::string> jobs_of(const char* stage) const
+    {
+        const fs::path folder = folder_ / "team.pct.part" / "jobs" / stage;
+        return fs::exists(folder) ? names_in(folder) : std::vector<std::string>();
     }
     // Trees by teams of several sizes, sampled in both ways.
     void expect_same_tree(const std::vector<fs::path>& inputs)
@@ -121,12 +145,9 @@ TEST_F(TeamBuild, OfManyTiles)
 // All ranks read them, in batches.
 TEST_F(TeamBuild, IntegersOfTilesAreKeptByAllRanks)
 {
-    BuildOptions options = small_chunks();
-    options.progress = [](const ProgressUpdate& update) { return update.fraction < 0.5; };
-    EXPECT_THROW(build(2, tiles(cloud(), 0.37), options), Error);
-    // How many are left depends on the time at which it was cancelled; doubles would have none.
-    EXPECT_GT(names_in(folder_ / "team.pct.part" / "jobs" / "batches").size(), 0u);
-    EXPECT_FALSE(fs::exists(folder_ / "team.pct.part" / "scratch.tmp"));
+    fail(2, tiles(cloud(), 0.37), count_bins, small_chunks());
+    EXPECT_GT(jobs_of(stage::batches).size(), 20u);
+    EXPECT_TRUE(jobs_of(stage::spools).empty());
 }
 
 // A point does not fit the first tile's grid, though the header promises it: it is read again as doubles. The sample
@@ -139,11 +160,9 @@ TEST_F(TeamBuild, OfTilesOfWhichAHeaderIsWrong)
         points[far].x = std::numeric_limits<std::int32_t>::max();
         const std::vector<fs::path> inputs = tiles(points, 0.37);
         expect_same_tree(inputs);
-        BuildOptions options = small_chunks();
-        options.progress = [](const ProgressUpdate& update) { return update.fraction < 0.6; };
-        EXPECT_THROW(build(3, inputs, options), Error);
-        EXPECT_EQ(names_in(folder_ / "team.pct.part" / "jobs" / "plan").size(), 1u);
-        EXPECT_EQ(names_in(folder_ / "team.pct.part" / "jobs" / "batches").empty(), far == 56'000);
+        fail(3, inputs, count_bins, small_chunks());
+        EXPECT_EQ(jobs_of(stage::plan).size(), 1u);
+        EXPECT_EQ(jobs_of(stage::batches).empty(), far == 56'000);
         const BuildReport report = build(2, inputs, small_chunks());
         EXPECT_NE(std::find(report.notes.begin(), report.notes.end(), "an interrupted build was resumed"),
                   report.notes.end());
@@ -185,11 +204,9 @@ TEST_F(TeamBuild, OfDoublesThatAllRanksRead)
         }
         expect_same_tree(inputs);
         const Contents expected = contents(folder_ / "one.pct");
+        fail(3, inputs, off > 0 ? count_spooled : count_bins, small_chunks());
+        EXPECT_GT(jobs_of(stage::spools).size(), 4u);
         BuildOptions options = small_chunks();
-        options.progress = [&](const ProgressUpdate& update) { return update.fraction < (off > 0 ? 0.26 : 0.41); };
-        EXPECT_THROW(build(3, inputs, options), Error);
-        EXPECT_GT(names_in(folder_ / "team.pct.part" / "jobs" / "spools").size(), 4u);
-        options = small_chunks();
         options.sampling = Sampling::grid;
         options.memory_bytes *= 2;
         build(2, inputs, options);
@@ -229,10 +246,8 @@ TEST_F(TeamBuild, OfTextWithDecimals)
     }
     expect_same_tree(inputs);
     EXPECT_TRUE(SourceRounding(Tree::open(folder_ / "one.pct")->info()).has_decimals());
-    BuildOptions options = small_chunks();
-    options.progress = [](const ProgressUpdate& update) { return update.fraction < 0.5; };
-    EXPECT_THROW(build(3, inputs, options), Error);
-    EXPECT_EQ(names_in(folder_ / "team.pct.part" / "jobs" / "spools").size(), 5u);
+    fail(3, inputs, count_bins, small_chunks());
+    EXPECT_EQ(jobs_of(stage::spools).size(), 5u);
 }
 
 TEST_F(TeamBuild, RefusesPointsThatAreTooFarAway)
@@ -306,6 +321,69 @@ TEST_F(TeamBuild, ARankThatFailsEndsTheTeamAndTheNextOneResumes)
     }
     EXPECT_GT(failed, 5u);
     EXPECT_EQ(resumed, failed);
+}
+
+// A build that fails at a step is resumed by the same call, also with more ranks.
+TEST_F(TeamBuild, EachStepCanBeTheLast)
+{
+    write_las(folder_ / "in.las", records(Shape::surface, 9'000, 6), {});
+    const std::vector<fs::path> inputs{folder_ / "in.las"};
+    build_tree(inputs, folder_ / "one.pct", small_chunks());
+    const Contents expected = contents(folder_ / "one.pct");
+    CountingTeam whole;
+    build_tree_by(whole, inputs, folder_ / "team.pct", small_chunks());
+    ASSERT_GT(whole.calls(), 30u);
+    for (std::size_t call = 0; call < whole.calls(); ++call) {
+        SCOPED_TRACE("failed before call " + std::to_string(call));
+        fs::remove_all(folder_ / "team.pct");
+        CountingTeam team(call, [] { throw Error(ErrorCode::io, {}, "the disk is gone"); });
+        EXPECT_THROW(build_tree_by(team, inputs, folder_ / "team.pct", small_chunks()), Error);
+        if (call + 1 < whole.calls()) build(1 + call % 3, inputs, small_chunks());
+        EXPECT_TRUE(contents(folder_ / "team.pct") == expected);
+    }
+}
+
+// Rows are given up when they are sorted, sorted bins and their levels when their chunks are built.
+TEST_F(TeamBuild, StagesAreGivenUpWhenNothingReadsThem)
+{
+    for (const bool doubles : {false, true}) {
+        SCOPED_TRACE(doubles ? "doubles" : "integers");
+        const std::vector<fs::path> inputs = tiles(records(Shape::surface, 70'000, 6), doubles ? 0.005 : 0);
+        BuildOptions options = small_chunks();
+        options.overwrite = true;
+        build_tree(inputs, folder_ / "one.pct", options);
+        fail(2, inputs, count_subtrees, small_chunks());
+        for (const char* gone :
+             {stage::plan, stage::batches, stage::spools, stage::samples, stage::cuts, stage::spooled})
+            EXPECT_TRUE(jobs_of(gone).empty()) << gone;
+        EXPECT_GT(jobs_of(stage::bins).size(), 10u);
+        fail(3, inputs, count_data_files, small_chunks());
+        for (const char* gone : {stage::plan, stage::batches, stage::bins, stage::levels})
+            EXPECT_TRUE(jobs_of(gone).empty()) << gone;
+        EXPECT_GT(jobs_of(stage::subtrees).size(), 1u);
+        const BuildReport report = build(2, inputs, small_chunks());
+        EXPECT_TRUE(contents(folder_ / "team.pct") == contents(folder_ / "one.pct"));
+        EXPECT_GT(report.scratch_bytes, 30'000u);
+        fs::remove_all(folder_ / "team.pct");
+    }
+}
+
+// The stages before have been given up, so that it cannot be made again.
+TEST_F(TeamBuild, AFinishedPartThatIsGoneEndsTheBuild)
+{
+    write_las(folder_ / "in.las", records(Shape::surface, 20'000, 6), {});
+    fail(2, {folder_ / "in.las"}, count_subtrees, small_chunks());
+    const fs::path bins = folder_ / "team.pct.part" / "jobs" / stage::bins;
+    fs::remove(bins / names_in(bins).front());
+    try {
+        build(2, {folder_ / "in.las"}, small_chunks());
+        ADD_FAILURE() << "nothing was thrown";
+    } catch (const Error& error) {
+        EXPECT_NE(std::string(error.what()).find("is gone"), std::string::npos) << error.what();
+        EXPECT_NE(std::string(error.what()).find("team.pct.part and start again"), std::string::npos) << error.what();
+    }
+    fs::remove_all(folder_ / "team.pct.part");
+    build(2, {folder_ / "in.las"}, small_chunks());
 }
 
 // Another build's work is not taken.
