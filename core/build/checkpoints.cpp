@@ -1,5 +1,7 @@
 #include "pcm/build/checkpoints.h"
 
+#include "pcm/system/seconds.h"
+
 namespace pcm {
 
 Checkpoints::Checkpoints(const std::filesystem::path& journal, const std::vector<std::byte>& build, double seconds)
@@ -52,7 +54,7 @@ void Checkpoints::forget_found()
 bool Checkpoints::due() const
 {
     const std::lock_guard lock(mutex_);
-    return journal_ && std::chrono::duration<double>(std::chrono::steady_clock::now() - last_).count() >= seconds_;
+    return journal_ && seconds_since(last_) >= seconds_;
 }
 
 void Checkpoints::push(std::function<void()> task)

@@ -21,7 +21,7 @@ auto named_by_rank(const Team& team, const std::filesystem::path& path, const Wo
         return work();
     } catch (const Error& error) {
         if (error.is_done() || error.code() == ErrorCode::cancelled || rank.empty()) throw;
-        throw Error(error.code(), error.path(), without_path(error) + rank);
+        throw Error(error.code(), error.path(), text_alone(error) + rank, error.hint());
     } catch (const std::filesystem::filesystem_error& error) {
         throw Error::from_errno(error.code().value(), error.path1(), "working in the folder" + rank);
     } catch (const std::bad_alloc&) {

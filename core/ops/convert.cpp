@@ -13,6 +13,7 @@
 #include "pcm/query/nearest.h"
 #include "pcm/system/error.h"
 #include "pcm/system/progress_part.h"
+#include "pcm/system/seconds.h"
 #include "pcm/system/text.h"
 #include "pcm/system/tree_folder.h"
 #include "pcm/system/url.h"
@@ -211,7 +212,7 @@ private:
             const auto start = std::chrono::steady_clock::now();
             report.outcome.points_in = report.outcome.points_out = Tree::open(input)->info().points;
             report.bytes = bucket.send(input, progress);
-            report.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+            report.outcome.seconds = seconds_since(start);
             report.outcome.error_meaning = "largest position error, source units";
             return report;
         }

@@ -1,6 +1,7 @@
 #include "pcm/remote/transfers.h"
 
 #include "pcm/system/error.h"
+#include "pcm/system/seconds.h"
 #include "pcm/system/shared_module.h"
 #include "pcm/system/work_done.h"
 
@@ -75,7 +76,7 @@ bool Patience::wait(double retry_after, double most_seconds)
 {
     thread_local std::minstd_rand random{std::random_device{}()};
     const double pause = std::max(retry_after, next_ * std::uniform_real_distribution<>(0.5, 1.0)(random));
-    const double gone = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    const double gone = seconds_since(start_);
     if (!(gone + pause < most_seconds)) return false;
     std::this_thread::sleep_for(std::chrono::duration<double>(pause));
     next_ = std::min(2 * next_, longest_wait);

@@ -13,10 +13,8 @@ std::string renamed(std::string text, const std::filesystem::path& from, const s
 
 Error renamed(const Error& error, const std::filesystem::path& from, const std::filesystem::path& to)
 {
-    std::string what = error.what();
-    if (const std::string path = error.path().string() + ": "; what.compare(0, path.size(), path) == 0)
-        what.erase(0, path.size());
-    return Error(error.code(), renamed(error.path().string(), from, to), renamed(what, from, to));
+    return Error(error.code(), renamed(error.path().string(), from, to), renamed(text_alone(error), from, to),
+                 renamed(error.hint(), from, to));
 }
 
 std::string without_path(const Error& error)
@@ -25,6 +23,14 @@ std::string without_path(const Error& error)
     const std::string path = error.path().string() + ": ";
     if (!error.path().empty() && what.compare(0, path.size(), path) == 0) what.erase(0, path.size());
     return what;
+}
+
+std::string text_alone(const Error& error)
+{
+    std::string text = without_path(error);
+    if (const std::string hint = " (" + error.hint() + ")"; !error.hint().empty() && text.size() > hint.size())
+        text.erase(text.size() - hint.size());
+    return text;
 }
 
 }  // namespace pcm

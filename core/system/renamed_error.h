@@ -14,5 +14,7 @@ std::string renamed(std::string text, const std::filesystem::path& from, const s
 Error renamed(const Error& error, const std::filesystem::path& from, const std::filesystem::path& to);
 // The error's text without its path at the beginning: a new Error puts one in front again. Any thread.
 std::string without_path(const Error& error);
+// Without its hint at the end, too.
+std::string text_alone(const Error& error);
 
 }  // namespace pcm

@@ -1,5 +1,7 @@
 #include "pcm/tree/node_loader.h"
 
+#include "pcm/system/seconds.h"
+
 #include <algorithm>
 #include <exception>
 #include <system_error>
@@ -96,10 +98,7 @@ std::string NodeLoader::error() const
     return failed_ ? error_ : std::string();
 }
 
-double NodeLoader::seconds_left() const
-{
-    return retry_after_ - std::chrono::duration<double>(Clock::now() - *failed_).count();
-}
+double NodeLoader::seconds_left() const { return retry_after_ - seconds_since(*failed_); }
 
 double NodeLoader::seconds_to_retry() const
 {

@@ -250,6 +250,21 @@ TEST_F(TeamBuild, OfTextWithDecimals)
     EXPECT_EQ(jobs_of(stage::spools).size(), 5u);
 }
 
+// Whole files a rank, with positions of their own kinds and poses.
+TEST_F(TeamBuild, OfE57PtsAndPtxFiles)
+{
+    std::vector<fs::path> inputs;
+    for (const char* name :
+         {"e57/bunnyDouble.e57", "pts/bunnyData.pts", "e57/tiny_spherical.e57", "ptx/1.2-with-color.ptx"}) {
+        PCM_REQUIRE_SAMPLE(name);
+        inputs.push_back(sample(name));
+    }
+    expect_same_tree(inputs);
+    fail(3, inputs, count_bins, small_chunks());
+    EXPECT_GT(jobs_of(stage::spools).size(), 1u);
+    EXPECT_GT(jobs_of(stage::spooled).size(), 1u);
+}
+
 TEST_F(TeamBuild, RefusesPointsThatAreTooFarAway)
 {
     std::vector<fs::path> inputs;
@@ -380,7 +395,7 @@ TEST_F(TeamBuild, AFinishedPartThatIsGoneEndsTheBuild)
         ADD_FAILURE() << "nothing was thrown";
     } catch (const Error& error) {
         EXPECT_NE(std::string(error.what()).find("is gone"), std::string::npos) << error.what();
-        EXPECT_NE(std::string(error.what()).find("team.pct.part and start again"), std::string::npos) << error.what();
+        EXPECT_NE(error.hint().find("team.pct.part and start again"), std::string::npos) << error.hint();
     }
     fs::remove_all(folder_ / "team.pct.part");
     build(2, {folder_ / "in.las"}, small_chunks());

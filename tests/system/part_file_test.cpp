@@ -1,4 +1,4 @@
-// Working names, and small things of outputs: renamed errors, fields, extensions, names of list entries, pages.
+// Working names, and small things of outputs: renamed errors, waits, fields, extensions, names of list entries, pages.
 #include "pcm/system/part_file.h"
 
 #include "pcm/lists/undo_list.h"
@@ -6,6 +6,7 @@
 #include "pcm/system/new_output.h"
 #include "pcm/system/page_allocator.h"
 #include "pcm/system/renamed_error.h"
+#include "pcm/system/seconds.h"
 #include "tests/support.h"
 
 #include <unistd.h>
@@ -114,7 +115,18 @@ TEST(RenamedErrors, NameTheOtherPathEverywhere)
     EXPECT_EQ(std::string(other.what()).find("/a/x"), std::string::npos) << other.what();
     EXPECT_EQ(std::string(other.what()).find("/tree/f: the file /tree/g is short"), 0u) << other.what();
     EXPECT_NE(std::string(other.what()).find("see /tree"), std::string::npos) << other.what();
+    EXPECT_EQ(other.hint(), "see /tree");
+    EXPECT_EQ(text_alone(other), "the file /tree/g is short");
     EXPECT_EQ(std::string(renamed(Error(ErrorCode::io, {}, "no path"), "/a", "/b").what()), "no path");
+}
+
+TEST(Waits, NoneIsNotTheSooner)
+{
+    EXPECT_EQ(sooner(2, 3), 2);
+    EXPECT_EQ(sooner(3, 2), 2);
+    EXPECT_EQ(sooner(0, 3), 3);
+    EXPECT_EQ(sooner(3, 0), 3);
+    EXPECT_EQ(sooner(0, 0), 0);
 }
 
 TEST(NewOutputs, ExistingFilesAreReplacedOnlyWhenAsked)

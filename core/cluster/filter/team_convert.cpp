@@ -40,9 +40,10 @@ std::vector<std::byte> state_of(const Tree& tree)
 
 std::vector<std::byte> identity_of_request(const Tree& tree, const std::vector<std::byte>& request)
 {
+    const std::vector<std::byte> state = state_of(tree);
     ByteWriter out;
     out.put_string("convert");
-    put_state(out, tree.info());
+    out.put_bytes(state.data(), state.size());
     out.put_bytes(request.data(), request.size());
     return std::move(out.bytes());
 }

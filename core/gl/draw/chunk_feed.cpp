@@ -2,6 +2,7 @@
 
 #include "pcm/gl/draw/view_clips.h"
 #include "pcm/gl/tuning.h"
+#include "pcm/system/seconds.h"
 
 #include <algorithm>
 #include <iterator>
@@ -9,11 +10,6 @@
 
 namespace pcm {
 namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point when)
-{
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - when).count();
-}
 
 }  // namespace
 
@@ -133,7 +129,7 @@ double ChunkFeed::seconds_to_retry() const
     double seconds = 0;
     for (const auto& [node, when] : failed_) {
         const double left = std::max(least, gl_tuning().loading.retry_after - seconds_since(when));
-        seconds = seconds > 0 ? std::min(seconds, left) : left;
+        seconds = sooner(seconds, left);
     }
     return seconds;
 }

@@ -21,11 +21,6 @@ double spacing_covered(const CloudStyle& style)
 
 }  // namespace
 
-double milliseconds_since(Frame::Clock::time_point start)
-{
-    return std::chrono::duration<double, std::milli>(Frame::Clock::now() - start).count();
-}
-
 float fill_of(double spacing_px, const CloudStyle& style)
 {
     if (spacing_px <= spacing_covered(style)) return 0;
@@ -136,7 +131,7 @@ Served Frame::upload(const SceneSelection& selection)
     const auto begun = Clock::now();
     for (const std::size_t turn : turns) {
         // At least one is uploaded.
-        const double left = std::max(0.0, budget - milliseconds_since(begun));
+        const double left = std::max(0.0, budget - 1e3 * seconds_since(begun));
         if (left == 0 && sum.uploaded > 0) {
             sum.out_of_time = true;
             break;
@@ -147,7 +142,7 @@ Served Frame::upload(const SceneSelection& selection)
         sum.out_of_time = sum.out_of_time || served.out_of_time;
         sum.refused = sum.refused || served.refused;
     }
-    report.upload_ms = milliseconds_since(begun);
+    report.upload_ms = 1e3 * seconds_since(begun);
     return sum;
 }
 

@@ -6,6 +6,7 @@
 #include "pcm/gl/draw/view_clips.h"
 #include "pcm/gl/l1/vertex_format.h"
 #include "pcm/gl/tuning.h"
+#include "pcm/system/seconds.h"
 
 #include <array>
 #include <chrono>
@@ -84,8 +85,6 @@ struct Frame {
     Served upload(const SceneSelection& selection);
 };
 
-double milliseconds_since(Frame::Clock::time_point start);
-
 // The size of splats, in whole pixels, that fills gaps of this spacing; 0 where the style's own size does.
 float fill_of(double spacing_px, const CloudStyle& style);
 
@@ -133,7 +132,7 @@ void timed(Frame& frame, const Draw& draw)
     }
     frame.report.points_added = frame.work.points;
     end_strokes(frame);
-    frame.drawing_ms = milliseconds_since(start);
+    frame.drawing_ms = 1e3 * seconds_since(start);
 }
 
 // Draws a view that has moved, or whose chunks are still being loaded. When a resting one shows all of its selection,

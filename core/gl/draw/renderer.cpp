@@ -274,14 +274,12 @@ struct Renderer::Impl {
             clouds[t].error = frame.clouds[t].feed->error();
             if (clouds[t].error.empty()) clouds[t].error = frame.clouds[t].nodes->error();
             if (!clouds[t].error.empty()) report.error = clouds[t].error;
-            for (const double retry :
-                 {frame.clouds[t].feed->seconds_to_retry(), frame.clouds[t].nodes->seconds_to_retry()})
-                if (retry > 0)
-                    report.retry_seconds = report.retry_seconds > 0 ? std::min(report.retry_seconds, retry) : retry;
+            report.retry_seconds = sooner(report.retry_seconds, frame.clouds[t].feed->seconds_to_retry());
+            report.retry_seconds = sooner(report.retry_seconds, frame.clouds[t].nodes->seconds_to_retry());
         }
         report.clouds = std::move(clouds);
         report.programs = splats.programs() + compositor.programs();
-        report.frame_ms = milliseconds_since(frame.start);
+        report.frame_ms = 1e3 * seconds_since(frame.start);
         const double more_uploads = frame.converges ? std::max(0.0, report.upload_ms - options.upload_budget_ms) : 0;
         if (p.unmeasured == 0) p.budget.measured_overhead(report.frame_ms - frame.drawing_ms - more_uploads);
         return report;

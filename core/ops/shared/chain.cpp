@@ -19,15 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// The text of an error without its path and its hint, which stand around it.
-std::string text_alone(const Error& error)
-{
-    std::string text = without_path(error);
-    if (const std::string hint = " (" + error.hint() + ")"; !error.hint().empty() && text.size() > hint.size())
-        text.erase(text.size() - hint.size());
-    return text;
-}
-
 bool is_any_tree(const std::string& path) { return is_tree(path) || is_tree_folder(tree_folder_of(path)); }
 
 bool is_file_output(const fs::path& path)

@@ -3,6 +3,7 @@
 #include "pcm/system/output_path.h"
 #include "pcm/system/progress_part.h"
 #include "pcm/system/renamed_error.h"
+#include "pcm/system/seconds.h"
 
 #include <algorithm>
 
@@ -134,7 +135,7 @@ void Sources::describe(Result& result, const BuildReport& report) const
     result.output = choice_.in_place ? path_.string() : choice_.copy.string();
     result.makes = choice_.in_place ? Makes::changed : is_point_file_name(result.output) ? Makes::file : Makes::cloud;
     result.outcome = report.outcome;
-    result.outcome.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    result.outcome.seconds = seconds_since(start_);
     result.notes = notes_;
     for (const std::string& note : report.notes)
         if (std::find(notes_.begin(), notes_.end(), note) == notes_.end()) result.notes.push_back(note);
