@@ -13,7 +13,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Incremented whenever the same files and options would make another tree, or the layout of scratch files changes.
-constexpr std::uint32_t build_version = 5;
+constexpr std::uint32_t build_version = 6;
 
 template <class T>
 void put_all(ByteWriter& out, const T& values)

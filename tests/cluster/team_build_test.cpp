@@ -146,7 +146,7 @@ TEST_F(TeamBuild, OfManyTiles)
 TEST_F(TeamBuild, IntegersOfTilesAreKeptByAllRanks)
 {
     fail(2, tiles(cloud(), 0.37), count_bins, small_chunks());
-    EXPECT_GT(jobs_of(stage::batches).size(), 20u);
+    EXPECT_GE(jobs_of(stage::batches).size(), tries<std::size_t>(21, 10));
     EXPECT_TRUE(jobs_of(stage::spools).empty());
 }
 
