@@ -45,9 +45,11 @@ protected:
         FitAtOptions options;
         for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
         const FittedPrimitive found = fit_at(*cloud, {edge_middle + offset}, {}, options);
+        count_ = found.points.size();
         return found.primitive.fit;
     }
     TemporaryFolder folder_;
+    std::uint64_t count_ = 0;  // number of points of the answer
 };
 
 // The edge of a plate of 10 mm, 1.6 m long, is no wider than points of the faces next to it may move it.
@@ -59,6 +61,8 @@ TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(TheNarrowEdgeOfAPlateIsAnswered
         EXPECT_EQ(fit.verdict, FitVerdict::doubtful);
         ASSERT_EQ(fit.shape.kind, ShapeKind::plane) << fit.message;
         EXPECT_LT(std::fabs(dot(fit.shape.axis, Vec3d{0, 1, 0})), 0.2);
+        EXPECT_GT(count_, 400u);
+        EXPECT_LT(count_, 850u) << "of 640, without those of the faces next to it";
         EXPECT_LT(std::fabs(dot(fit.shape.axis, edge_middle + Vec3d{0.2, 0, 0} - fit.shape.point)), edge_noise);
     }
 }
