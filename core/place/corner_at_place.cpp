@@ -16,8 +16,8 @@
 namespace pcm {
 namespace {
 
-constexpr int directions = 72;  // in which the border of a plane is looked for
-constexpr int most_rounds = 6;  // in which the planes of a corner settle
+constexpr int border_directions = 72;  // in which the border of a plane is looked for
+constexpr int most_rounds = 6;         // in which the planes of a corner settle
 
 double height(const Shape& plane, const Vec3d& p) { return dot(plane.axis, p - plane.point); }
 
@@ -74,8 +74,8 @@ private:
         border.point = place_;
         border_distance_ = infinity;
         std::vector<double> outwards(on_widest_.size());
-        for (int k = 0; k < directions; ++k) {
-            const Vec3d out = frame.at(2 * pi * k / directions);
+        for (int k = 0; k < border_directions; ++k) {
+            const Vec3d out = frame.at(2 * pi * k / border_directions);
             for (std::size_t i = 0; i < on_widest_.size(); ++i) outwards[i] = dot(out, on_widest_[i] - place_);
             const auto last = outwards.end() - 1 - static_cast<std::ptrdiff_t>(beyond);
             std::nth_element(outwards.begin(), last, outwards.end());
@@ -326,8 +326,8 @@ std::optional<Region> Corner::side(const Vec3d& place) const
 {
     const Shape& own = plane_at_place();
     std::vector<Region::Plane> sides;
-    for (const auto& [face, other] : outer)
-        sides.push_back({face.axis - other.axis, height(face, place) - height(other, place)});
+    for (const auto& [ended, other] : outer)
+        sides.push_back({ended.axis - other.axis, height(ended, place) - height(other, place)});
     for (const Shape* other : {&widest, edge ? &*edge : nullptr, back ? &*back : nullptr})
         if (other && other != &own)
             sides.push_back({own.axis - other->axis, height(own, place) - height(*other, place)});
