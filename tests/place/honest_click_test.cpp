@@ -141,7 +141,7 @@ TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(ByAnElbowsTangentTheElbowIsAnswered
         EXPECT_LT(std::fabs(fit.shape.radius - wide), 4 * fit.errors.radius);
         EXPECT_LT(std::fabs(fit.shape.second - narrow), 4 * fit.errors.second);
     }
-    EXPECT_GE(tori, 4) << "as a pipe that is doubted";
+    EXPECT_EQ(tori, 8) << "without the points farther along the bend seven";
     for (const Vec3d& place : straight) {
         const ShapeFit fit = at(points, place).primitive.fit;
         EXPECT_EQ(fit.verdict, FitVerdict::good) << fit.message;
