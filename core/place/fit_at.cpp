@@ -6,12 +6,13 @@
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
-#include "pcm/place/face_at_place.h"
+#include "pcm/place/edge_answers.h"
 #include "pcm/place/few_points.h"
 #include "pcm/place/fit_at_arguments.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/inner_points.h"
 #include "pcm/place/local_fit.h"
+#include "pcm/place/one_surface.h"
 #include "pcm/place/station_errors.h"
 #include "pcm/place/stations_around.h"
 #include "pcm/place/tuning.h"
@@ -47,7 +48,7 @@ public:
 
     FittedPrimitive run(const std::vector<Vec3d>& not_places)
     {
-        for (const Vec3d& p : not_places) leave_out(p);
+        for (const Vec3d& p : not_places) limit_.clips.push_back(left_out(cloud_, p, places_, limit_, options_));
         FittedPrimitive result = best_in_time();
         if (options_.grow && options_.fit.threshold == 0)
             doubt_small(result, metres_per_unit(tree_->info().metadata), options_.threads);
@@ -93,24 +94,6 @@ private:
     // differs from place to place, and growth may raise the threshold.
     enum class Way { even, narrow, uneven };
 
-    NearOptions near_options(std::size_t count) const
-    {
-        NearOptions options;
-        options.places = true;
-        options.radius = options_.radius;
-        options.count = options.radius > 0 ? 0 : count;
-        options.limit = limit_;
-        return options;
-    }
-
-    void leave_out(const Vec3d& place)
-    {
-        const std::size_t count = options_.count > 0 ? options_.count : place_tuning().neighbourhood.first_points;
-        double radius = points_near(cloud_, place, near_options(count)).radius;
-        for (const Vec3d& p : places_) radius = std::min(radius, length(p - place) / 2);
-        limit_.clips.push_back({Region::sphere(place, radius), true});
-    }
-
     // When the time is over, the shape of the places.
     FittedPrimitive best_in_time()
     {
@@ -121,7 +104,7 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            return or_face(best_of_thresholds());
+            return or_elbow(or_edge(best_of_thresholds()));
         } catch (const Error& error) {
             if (error.code() != ErrorCode::cancelled || !is_late_) throw;
         }
@@ -135,22 +118,42 @@ private:
         return result;
     }
 
-    // Where no shape of the nearest points is good, or neighbours leave it together as those of two faces do, that of
-    // the face at the place alone.
-    FittedPrimitive or_face(FittedPrimitive found)
+    // Where a pipe bends at the place, the elbow if that has the place.
+    FittedPrimitive or_elbow(FittedPrimitive found)
     {
-        const bool is_good = found.primitive.fit.verdict == FitVerdict::good;
-        const bool may_be_two =
-            !traits_of(found.primitive.fit.shape.kind).is_flat() && found.agreement > tuned_.max_other_agreement;
-        if ((is_good && !may_be_two) || places_.size() != 1) return found;
+        const Vec3d place = places_.front();
+        if (!place_on_bend_ || found.primitive.fit.verdict == FitVerdict::good || is_other_place_) return found;
+        FitAtOptions options = options_;
+        options.limit = limit_;
+        options.progress = part_of(progress_in_time_, 0.9, 1);
+        options.found_at_place = {};
+        const std::vector<Vec3d> on_bend{*place_on_bend_};
+        PlacedFit fit(cloud_, on_bend, options);
+        fit.is_other_place_ = true;
+        FittedPrimitive elbow = fit.best_in_time();
+        const ShapeFit& torus = elbow.primitive.fit;
+        const bool has_place =
+            elbow.part && elbow.part->has(place) && distance_to(torus.shape, place) <= farthest_place(torus);
+        if (torus.verdict != FitVerdict::good || torus.shape.kind != ShapeKind::torus || !has_place) return found;
+        elbow.notes.push_back(
+            "the place lies next to where the pipe begins to bend: the elbow was fitted farther along it");
+        return elbow;
+    }
+
+    FittedPrimitive or_edge(FittedPrimitive found)
+    {
+        if (places_.size() != 1) return found;
         LocalFitOptions options = local_options();
         options.progress = part_of(progress_in_time_, 0.9, 0.9);
-        std::optional<LocalFit> face = fit_face(cloud_, places_.front(), options);
-        if (!face) return found;
-        whole_progress_ = part_of(progress_in_time_, 0.9, 1);
-        FittedPrimitive of_face = followed(std::move(*face), Way::even, 0, 1);
-        doubt_few_points(of_face);
-        return of_face.primitive.fit.verdict == FitVerdict::good ? of_face : found;
+        const FollowFace follow = [this](LocalFit face, const std::optional<Clip>& side) {
+            whole_progress_ = part_of(progress_in_time_, 0.9, 1);
+            if (side) limit_.clips.push_back(*side);
+            FittedPrimitive of_face = followed(std::move(face), Way::even, 0, 1);
+            if (side) limit_.clips.pop_back();
+            doubt_few_points(of_face);
+            return of_face;
+        };
+        return EdgeAnswers(cloud_, places_.front(), options, follow).best(std::move(found));
     }
 
     // The first threshold that holds all of the noise around the places may cut that of the rest of the surface:
@@ -449,6 +452,7 @@ private:
         other_kind_ = verdict.other_kind();
         other_doubt_ = verdict.other_doubt();
         cuts_noise_ = verdict.cuts_noise();
+        place_on_bend_ = verdict.place_on_bend();
     }
 
     static void keep_reached_seeds(FittedPrimitive& result)
@@ -478,7 +482,9 @@ private:
     KnownErrors known_;
     std::optional<ShapeFit> other_kind_;  // FollowedVerdict::other_kind()
     std::string other_doubt_;
-    double agreement_ = 1;  // GrownShape::agreement of the last one
+    double agreement_ = 1;                // GrownShape::agreement of the last one
+    std::optional<Vec3d> place_on_bend_;  // FollowedVerdict::place_on_bend() of the last one
+    bool is_other_place_ = false;         // whether the place is one of a bend next to the place that was picked
 };
 
 }  // namespace

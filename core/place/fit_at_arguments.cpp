@@ -1,6 +1,8 @@
 #include "pcm/place/fit_at_arguments.h"
 
 #include "pcm/cloud/coordinates.h"
+#include "pcm/place/near_points.h"
+#include "pcm/place/tuning.h"
 #include "pcm/system/error.h"
 #include "pcm/system/text.h"
 
@@ -32,6 +34,19 @@ void require_arguments(const std::vector<Vec3d>& places, const std::vector<Vec3d
                "; it is a positive number of millimetres");
     if (!(options.step >= 0) || !std::isfinite(options.step))
         refuse("the step of growth is " + exact(options.step) + "; it is a positive number of source units");
+}
+
+Clip left_out(const PointCloud& cloud, const Vec3d& place, const std::vector<Vec3d>& places, const Selection& limit,
+              const FitAtOptions& options)
+{
+    NearOptions near;
+    near.places = true;
+    near.radius = options.radius;
+    if (!(near.radius > 0)) near.count = options.count > 0 ? options.count : place_tuning().neighbourhood.first_points;
+    near.limit = limit;
+    double radius = points_near(cloud, place, near).radius;
+    for (const Vec3d& p : places) radius = std::min(radius, length(p - place) / 2);
+    return {Region::sphere(place, radius), true};
 }
 
 }  // namespace pcm

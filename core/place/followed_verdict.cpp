@@ -39,6 +39,19 @@ bool may_be_other_kind(const FollowedPoints& followed, const Departure& departur
 // together: a mixture of two normal distributions has the kurtosis 3 - 2 share^2, and b is its inverse.
 double share_between(double b) { return std::sqrt(std::clamp((3 - 1 / b) / 2, 0.0, 1.0)); }
 
+// A point far along the bend, where it is no longer within the noise of the pipe: a tenth of the points are farther.
+std::optional<Vec3d> place_along(const NearBend& bend, const Vec3d& place, const std::vector<Vec3d>& points)
+{
+    const auto way = [&](const Vec3d& p) { return dot(p - place, bend.direction); };
+    std::vector<Vec3d> bent;
+    for (const Vec3d& p : points)
+        if (way(p) > std::max(bend.start, 0.0)) bent.push_back(p);
+    if (bent.empty()) return {};
+    const auto far = bent.begin() + static_cast<std::ptrdiff_t>(bent.size() * 9 / 10);
+    std::nth_element(bent.begin(), far, bent.end(), [&](const Vec3d& a, const Vec3d& b) { return way(a) < way(b); });
+    return *far;
+}
+
 }  // namespace
 
 void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
@@ -201,9 +214,11 @@ void FollowedVerdict::doubt_bent(const FollowedPoints& followed, double noise, F
         const double reach = reach_of_bends(pipe);
         const auto is_near = [&](const Vec3d& p) { return std::fabs(dot(p - place, fit.shape.axis)) <= reach; };
         const PointSet near = points_where(followed.around, is_near, options_.threads, part_of(progress_, 0.94, 0.94));
-        const auto bend =
-            bend_near(pipe, random_points(near, most_bent, options_.threads, part_of(progress_, 0.94, 0.94)));
+        const std::vector<Vec3d> points =
+            random_points(near, most_bent, options_.threads, part_of(progress_, 0.94, 0.94));
+        const auto bend = bend_near(pipe, points);
         if (!bend || bend->least_start > 0) continue;
+        place_on_bend_ = place_along(*bend, place, points);
         return doubt(fit, FitIssue::other_surface,
                      "the pipe bends at the place that was picked, or next to it, with a radius of " +
                          brief(bend->radius) + ": pick a place farther along the pipe, or fit a torus");

@@ -48,6 +48,8 @@ public:
     // turn, and if it cannot be, the fit is doubtful for the reason `other_doubt`.
     const std::optional<ShapeFit>& other_kind() const { return other_; }
     const std::string& other_doubt() const { return other_doubt_; }
+    // A point of the bend, where the place may lie on that.
+    const std::optional<Vec3d>& place_on_bend() const { return place_on_bend_; }
     // Whether it was doubted because the threshold cuts the noise of its points.
     bool cuts_noise() const { return cuts_noise_; }
 
@@ -95,6 +97,7 @@ private:
     const ProgressFunction& progress_;
     std::optional<ShapeFit> other_;
     std::string other_doubt_;
+    std::optional<Vec3d> place_on_bend_;
     bool cuts_noise_ = false;
     std::optional<Stations> stations_;  // once they were looked for
 };

@@ -188,6 +188,7 @@ std::optional<NearBend> bend_near(const PipeAtPlace& pipe, const std::vector<Vec
     if (!(found.evidence > place_tuning().kinds.min_evidence)) return {};
     found.start = best.start * ways[way].reach();
     found.radius = 1 / curvature;
+    found.direction = (way == 0 ? 1.0 : -1.0) * pipe.cylinder.axis;
     const double most = best.misfit + interval * interval / 2 * shared;
     found.least_start = std::min(least_start(pipes[0], most), least_start(pipes[1], most)) * ways[way].reach();
     return found;

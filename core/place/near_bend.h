@@ -16,6 +16,7 @@ struct NearBend {
     double least_start = 0;  // least way, of a bend along the axis or against it, that the points allow at three
                              // deviations; -infinity: all of them
     double radius = 0;       // radius of the bend's axis
+    Vec3d direction{};       // along the pipe's axis, to the bend
     double evidence = 0;     // logarithm of the likelihood ratio of the bent pipe to the straight one
 };
 

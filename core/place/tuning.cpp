@@ -69,8 +69,7 @@ ValuesAtPlace values_at_place(PlaceTuning& place)
     }};
 }
 
-using ValuesOfGrowth =
-    std::array<TunedValue, values_of<GrowthTuning, EvenNoiseTuning, TurnedTuning, FollowingTuning, FaceTuning>>;
+using ValuesOfGrowth = std::array<TunedValue, values_of<GrowthTuning, EvenNoiseTuning, TurnedTuning, FollowingTuning>>;
 ValuesOfGrowth values_of_growth(PlaceTuning& place)
 {
     return {{
@@ -113,9 +112,30 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.less_agreement),
         PCM_TUNED(place.following.max_station_noise),
         PCM_TUNED(place.following.max_left_by_stations),
+    }};
+}
+
+using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, CornerAtPlaceTuning>>;
+ValuesOfEdges values_of_edges(PlaceTuning& place)
+{
+    return {{
         PCM_TUNED(place.faces.min_gap),
         PCM_TUNED(place.faces.min_share),
         PCM_TUNED(place.faces.max_others),
+        PCM_TUNED(place.corners.plane_noises),
+        PCM_TUNED(place.corners.reach_noises),
+        PCM_TUNED(place.corners.min_share),
+        PCM_TUNED(place.corners.beyond_border),
+        PCM_TUNED(place.corners.max_within),
+        PCM_TUNED(place.corners.min_back),
+        PCM_TUNED(place.corners.min_held),
+        PCM_TUNED(place.corners.min_held_of_curved),
+        PCM_TUNED(place.corners.min_back_near),
+        PCM_TUNED(place.corners.min_spread),
+        PCM_TUNED(place.corners.min_edge_points),
+        PCM_TUNED(place.corners.min_edge_share),
+        PCM_TUNED(place.corners.min_margin),
+        PCM_TUNED(place.corners.max_angle),
     }};
 }
 
@@ -144,7 +164,7 @@ ValuesOfStations values_of_stations(PlaceTuning& place)
     }};
 }
 
-static_assert(std::tuple_size_v<ValuesAtPlace> + std::tuple_size_v<ValuesOfGrowth> +
+static_assert(std::tuple_size_v<ValuesAtPlace> + std::tuple_size_v<ValuesOfGrowth> + std::tuple_size_v<ValuesOfEdges> +
                   std::tuple_size_v<ValuesOfStations> ==
               values_of<PlaceTuning>);
 
@@ -157,6 +177,7 @@ std::vector<TunedValue> place_tuned_values()
     std::vector<TunedValue> all;
     for (const TunedValue& value : values_at_place(place_values)) all.push_back(value);
     for (const TunedValue& value : values_of_growth(place_values)) all.push_back(value);
+    for (const TunedValue& value : values_of_edges(place_values)) all.push_back(value);
     for (const TunedValue& value : values_of_stations(place_values)) all.push_back(value);
     return all;
 }

@@ -73,6 +73,7 @@ TEST_F(NearBendTest, ItsBeginningAndRadiusAreFound)
                 EXPECT_GT(bend->least_start, -way - 0.05);
                 EXPECT_NEAR(bend->radius, wide, 0.3 * wide);
                 EXPECT_GT(bend->evidence, 50);
+                EXPECT_NEAR(dot(bend->direction, along * pipe_.cylinder.axis), 1, 1e-9);
             }
         }
 }

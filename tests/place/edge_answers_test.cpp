@@ -1,0 +1,116 @@
+// Clicks next to the edges of plates and posts.
+#include "pcm/place/edge_answers.h"
+
+#include "pcm/place/fit_at.h"
+#include "tests/place/shape_cloud.h"
+#include "tests/sanitizers.h"
+
+#include <cmath>
+#include <memory>
+#include <vector>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+constexpr double edge_noise = 0.0013;
+constexpr Vec3d edge_middle{456780, 5432100, 120};
+
+// A box about the middle: points on its four faces along z, 5 mm apart on average.
+std::vector<SurfacePoint> box_along_z(double x, double y, double z, Dice& dice)
+{
+    constexpr double density = 1 / (0.005 * 0.005);
+    std::vector<SurfacePoint> points;
+    for (const int side : {-1, 1}) {
+        for (int i = 0; i < static_cast<int>(y * z * density); ++i)
+            points.push_back({edge_middle + Vec3d{side * x / 2 + edge_noise * dice.normal(),
+                                                  dice.between(-y / 2, y / 2), dice.between(-z / 2, z / 2)},
+                              {}});
+        for (int i = 0; i < static_cast<int>(x * z * density); ++i)
+            points.push_back(
+                {edge_middle + Vec3d{dice.between(-x / 2, x / 2), side * y / 2 + edge_noise * dice.normal(),
+                                     dice.between(-z / 2, z / 2)},
+                 {}});
+    }
+    return points;
+}
+
+class EdgeAnswersTest : public testing::Test {
+protected:
+    ShapeFit answer(const std::vector<SurfacePoint>& points, const Vec3d& offset)
+    {
+        build_surface_tree(folder_.path(), points);
+        const auto cloud = PointCloud::open(folder_ / "surface.pct");
+        FitAtOptions options;
+        for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+        const FittedPrimitive found = fit_at(*cloud, {edge_middle + offset}, {}, options);
+        count_ = found.points.size();
+        return found.primitive.fit;
+    }
+    TemporaryFolder folder_;
+    std::uint64_t count_ = 0;  // number of points of the answer
+};
+
+// The edge of a plate of 10 mm, 1.6 m long, is no wider than points of the faces next to it may move it.
+TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(TheNarrowEdgeOfAPlateIsAnsweredAndDoubted))
+{
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        Dice dice(seed);
+        const ShapeFit fit = answer(box_along_z(0.4, 0.01, 1.6, dice), {0.2, 0, 0.1});
+        EXPECT_EQ(fit.verdict, FitVerdict::doubtful);
+        ASSERT_EQ(fit.shape.kind, ShapeKind::plane) << fit.message;
+        EXPECT_LT(std::fabs(dot(fit.shape.axis, Vec3d{0, 1, 0})), 0.2);
+        EXPECT_GT(count_, 400u);
+        EXPECT_LT(count_, 850u) << "of 640, without those of the faces next to it";
+        EXPECT_LT(std::fabs(dot(fit.shape.axis, edge_middle + Vec3d{0.2, 0, 0} - fit.shape.point)), edge_noise);
+    }
+}
+
+// Half a standard deviation from an edge of a post, no plane is good; 20 mm away all are.
+TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(PlacesOnAnEdgeAreDoubted))
+{
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        Dice dice(seed);
+        const std::vector<SurfacePoint> points = box_along_z(0.15, 0.15, 1, dice);
+        const ShapeFit at_edge = answer(points, {0.0747, 0.0746, 0.1});
+        EXPECT_NE(at_edge.verdict, FitVerdict::good) << at_edge.message;
+        const ShapeFit on_face = answer(points, {0.055, 0.075, 0.1});
+        EXPECT_EQ(on_face.verdict, FitVerdict::good) << on_face.message;
+        EXPECT_EQ(on_face.shape.kind, ShapeKind::plane);
+    }
+}
+
+// Four standard deviations from the edge of a post, the face at the place.
+TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(AFaceNextToAnEdgeIsAnswered))
+{
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        Dice dice(seed);
+        const std::vector<SurfacePoint> points = box_along_z(0.15, 0.15, 1, dice);
+        const ShapeFit of_y = answer(points, {0.070, 0.075, 0.1}), of_x = answer(points, {0.075, 0.070, 0.1});
+        for (const ShapeFit* fit : {&of_y, &of_x}) {
+            EXPECT_EQ(fit->verdict, FitVerdict::good) << fit->message;
+            EXPECT_GT(std::fabs(dot(fit->shape.axis, fit == &of_y ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0})), 0.9999);
+        }
+    }
+}
+
+// Planes next to each other hold the points of a pipe, too.
+TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(APipeStaysAPipe))
+{
+    Dice dice(7);
+    pcm::Shape pipe;
+    pipe.kind = ShapeKind::cylinder;
+    pipe.point = edge_middle;
+    pipe.axis = {0, 0, 1};
+    pipe.radius = 0.03;
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 3000; ++i) points.push_back(point_on(pipe, 0.8, pi, edge_noise, dice));
+    for (const int i : {0, 1, 2, 3}) {
+        const ShapeFit fit = answer(points, points[static_cast<std::size_t>(i)].position - edge_middle);
+        EXPECT_EQ(fit.shape.kind, ShapeKind::cylinder) << fit.message;
+        EXPECT_EQ(fit.verdict, FitVerdict::good) << fit.message;
+    }
+}
+
+}  // namespace
