@@ -77,6 +77,7 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.contest.min_noise),
         PCM_TUNED(detect.contest.max_width),
         PCM_TUNED(detect.contest.max_lost),
+        PCM_TUNED(detect.contest.min_taken),
         PCM_TUNED(detect.merging.same_rms),
         PCM_TUNED(detect.merging.explained_share),
         PCM_TUNED(detect.merging.min_interior),

@@ -220,6 +220,9 @@ struct ContestTuning {
     // Share of its points from which on what the second search has found replaces it.
     // Chosen: not swept.
     double max_lost = 0.5;  // share of the points
+    // Share of a good shape's points that good shapes of the second search have, below which it keeps its points.
+    // Chosen: one of two faces has half; not swept.
+    double min_taken = 0.75;  // share of the points
 };
 
 // Which hypotheses are one surface (hypotheses.h), and the final fit of its points.
