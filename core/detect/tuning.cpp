@@ -68,6 +68,7 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.pieces.min_neighbours),
         PCM_TUNED(detect.pieces.min_beyond),
         PCM_TUNED(detect.pieces.max_beyond),
+        PCM_TUNED(detect.pieces.max_step),
         PCM_TUNED(detect.widening.cells),
         PCM_TUNED(detect.widening.coarse_cells),
         PCM_TUNED(detect.widening.joined_share),

@@ -184,6 +184,10 @@ struct PieceTuning {
     double min_beyond = 0.7;  // thresholds
     // Chosen: with min_beyond; not swept.
     double max_beyond = 4;  // thresholds
+    // Step between means of neighbours on a shape and beyond it, more than their slope makes, from which on they are
+    // on two surfaces, as the faces of a plate are.
+    // Chosen: two standard deviations of the noise; not swept.
+    double max_step = 0.5;  // thresholds
 };
 
 // Wider thresholds of cut-outs of rough surfaces (wider_shapes.h).
