@@ -224,6 +224,21 @@ private:
         return distance > tuned_.min_beyond * threshold && distance < tuned_.max_beyond * threshold;
     }
 
+    // Whether most of the neighbours within the threshold belong to no surface.
+    bool is_mixed(std::uint32_t i, const Shape& shape) const
+    {
+        const std::uint32_t* const near = sample_.neighbours(i);
+        std::size_t own = 0, others = 0;
+        for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
+            const std::uint32_t j = near[k];
+            if (owner_[j] == owner_[i])
+                ++own;
+            else if (owner_[j] == none)
+                others += distance_to(shape, sample_.at[j]) <= hypotheses_[owner_[i]].threshold;
+        }
+        return others > own;
+    }
+
     // Points near a place of the shape: their mean, and that of their distances.
     struct NearMean {
         void add(const Vec3d& p, const Shape& shape)
@@ -271,6 +286,7 @@ private:
             } else {
                 ++part.edge;
                 part.continued += goes_beyond(i, shape, cos_angle);
+                part.mixed += is_mixed(i, shape);
             }
         }
     }
@@ -378,7 +394,7 @@ AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i
             });
         },
         [&](std::size_t begun) { options.progress(static_cast<double>(begun) / static_cast<double>(units.size())); });
-    AssignedPoints assigned = parts.together(border, options.least_points, options.least_sampled);
+    AssignedPoints assigned = parts.together(border, options.least_points, options.least_sampled, options.most_some);
     assigned.looked_at = looked_at;
     return assigned;
 }

@@ -36,9 +36,8 @@ SearchValues search_values(DetectTuning& detect)
     }};
 }
 
-using ResultValues =
-    std::array<TunedValue,
-               values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning, MergingTuning, ElbowTuning>>;
+using ResultValues = std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning,
+                                                      MergingTuning, JoiningTuning, ElbowTuning>>;
 static_assert(std::tuple_size_v<SearchValues> + std::tuple_size_v<ResultValues> == values_of<DetectTuning>);
 ResultValues result_values(DetectTuning& detect)
 {
@@ -82,6 +81,10 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.merging.same_rms),
         PCM_TUNED(detect.merging.explained_share),
         PCM_TUNED(detect.merging.min_interior),
+        PCM_TUNED(detect.joining.max_gap),
+        PCM_TUNED(detect.joining.min_filled),
+        PCM_TUNED(detect.joining.max_rms),
+        PCM_TUNED(detect.joining.max_mixed),
         PCM_TUNED(detect.elbows.max_reach),
         PCM_TUNED(detect.elbows.threshold),
         PCM_TUNED(detect.elbows.min_points),

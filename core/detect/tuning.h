@@ -242,6 +242,22 @@ struct MergingTuning {
     double min_interior = 0.5;  // share of the points
 };
 
+// Parts of one plane that something before it divides (part_joining.h).
+struct JoiningTuning {
+    // Widest gap between parts.
+    // Chosen: posts of 0.25 m before beams whose spacing is 16 to 50 mm; not swept.
+    double max_gap = 40;  // spacings of the cloud
+    // Share of the hull of both parts that their own hulls have.
+    // Chosen: more than half is seen; not swept.
+    double min_filled = 0.5;  // share of the area
+    // Rms distance of points from the plane of both parts, from which on they fill the threshold.
+    // Chosen: evenly spread points have 0.577, Gaussian ones that the threshold cuts at 1.7 deviations 0.47; not swept.
+    double max_rms = 0.48;  // thresholds
+    // Points of a part among points within its threshold that belong to no surface.
+    // Chosen: parts of a plant have up to 0.06, planes in noise 0.2 and more; not swept.
+    double max_mixed = 0.1;  // share of the part
+};
+
 // Elbows that are looked for between two pipes (elbow_search.h).
 struct ElbowTuning {
     // How far behind the nearer end an arc may begin: pipes whose points reach into the bend.
@@ -264,6 +280,7 @@ struct DetectTuning {
     WideningTuning widening;
     ContestTuning contest;
     MergingTuning merging;
+    JoiningTuning joining;
     ElbowTuning elbows;
 };
 
