@@ -102,23 +102,23 @@ bool is_on(const Shape& plane, const std::vector<Vec3d>& points, double most_rms
     return rms_distance(plane, every_second(points, 1)) <= most_rms;
 }
 
-struct PartPoints {
-    const std::vector<Vec3d>& points;
+struct PartOfPlane {
+    const Shape& shape;
     double threshold = 0;  // source units
+    const std::vector<Vec3d>& points;
 };
 
-// The plane of both, `start` refined; null where they are not on one.
-std::optional<Shape> plane_of_both(const Shape& start, const PartPoints& one, const PartPoints& other,
-                                   const PartJoinOptions& options)
+// The plane of two parts, that of the first one refined; null where they are not on one.
+std::optional<Shape> plane_of_both(const PartOfPlane& one, const PartOfPlane& other, const PartJoinOptions& options)
 {
     const double threshold = std::max(one.threshold, other.threshold);
-    if (!(rms_distance(start, other.points) <= 4 * threshold)) return std::nullopt;
-    const auto first = refined(start, one.points, 1.5 * threshold),
-               second = refined(start, other.points, 6 * threshold);
+    if (!(rms_distance(one.shape, other.points) <= 4 * threshold)) return std::nullopt;
+    const auto first = refined(one.shape, one.points, 1.5 * threshold),
+               second = refined(other.shape, other.points, 1.5 * threshold);
     if (!first || !second) return std::nullopt;
     std::vector<Vec3d> half = every_second(one.points, 0);
     for (const Vec3d& p : every_second(other.points, 0)) half.push_back(p);
-    const auto both = refined(start, half, 6 * threshold);
+    const auto both = refined(one.shape, half, 6 * threshold);
     if (!both) return std::nullopt;
     const double least = std::cos(std::min(options.normal_angle, pi / 2));
     if (std::fabs(dot(second->axis, both->axis)) < least) return std::nullopt;
@@ -175,11 +175,7 @@ private:
             reached.add(box, k);
         };
         for (const std::uint32_t p : order) {
-            const auto takes = [&](std::uint32_t k) {
-                if (!join(kept[k], p)) return false;
-                add(k);
-                return true;
-            };
+            const auto takes = [&](std::uint32_t k) { return join(kept[k], p); };
             const std::vector<std::uint32_t> near = reached.touching(assigned_.parts[p].box);
             if (std::any_of(near.begin(), near.end(), takes)) continue;
             kept.push_back(p);
@@ -194,7 +190,8 @@ private:
     {
         SurfacePart &one = assigned_.parts[to], &other = assigned_.parts[from];
         const Hypothesis &a = hypotheses_[one.hypothesis], &b = hypotheses_[other.hypothesis];
-        const auto plane = plane_of_both(a.shape, {one.some, a.threshold}, {other.some, b.threshold}, options_);
+        const auto plane =
+            plane_of_both({a.shape, a.threshold, one.some}, {b.shape, b.threshold, other.some}, options_);
         if (!plane) return false;
         Hypothesis both = a;
         both.shape = *plane;

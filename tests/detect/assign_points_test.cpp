@@ -172,28 +172,6 @@ TEST_F(AssignPoints, ThePartsOfAPlateDoNotContinueAsItsOtherFace)
     }
 }
 
-TEST_F(AssignPoints, PlanesInNoiseAreAmongPointsOfNoSurface)
-{
-    const auto share = [&](double height) {
-        Dice dice(3);
-        std::vector<Vec3d> points;
-        for (int i = 0; i < 20000; ++i)
-            points.push_back({dice.between(-1, 1), dice.between(-1, 1), height * dice.between(-1, 1)});
-        make(points);
-        const AssignedPoints assigned = assign_points(ChosenPoints(tree_, {}), {tree_->info().box},
-                                                      {level_plane(0, 0.03)}, options_of(0.005, 0), nullptr);
-        double mixed = 0, sampled = 0;
-        for (const SurfacePart& part : assigned.parts) {
-            mixed += static_cast<double>(part.mixed);
-            sampled += static_cast<double>(part.sampled);
-        }
-        EXPECT_GT(sampled, 100);
-        return mixed / sampled;
-    };
-    EXPECT_GT(share(0.5), 0.5);
-    EXPECT_LT(share(0.001), 0.01);
-}
-
 // A crest with a narrow ledge on each side, three thresholds lower, and a slope below: whether the surface continues is
 // decided by the ledge, whose normals come from points of the slope beyond four thresholds. Along the crest the plane
 // ends where it may reach, amid points.

@@ -93,6 +93,11 @@ TEST_F(JoinedReport, GoodShapesAreReplacedByThoseWithMostOfTheirPoints)
     EXPECT_EQ(joined_with(FitVerdict::good, 2.2), (Points{3000, 1000}));
     EXPECT_EQ(joined_with(FitVerdict::good, 2.3), (Points{2300, 1000}));
     EXPECT_EQ(joined_with(FitVerdict::doubtful, 2.2), (Points{2200, 1000}));
+    // What doubtful ones have of it does not count.
+    DetectReport second = report(2, FitVerdict::good, [](double x) { return x < 1.5 ? 1 : x < 2.7 ? 2 : 0; });
+    second.primitives[1].fit.verdict = FitVerdict::doubtful;
+    EXPECT_EQ(joined_points(report(1, FitVerdict::good, [](double x) { return x < 3 ? 1 : 0; }), second, 100),
+              (Points{3000}));
 }
 
 TEST_F(JoinedReport, DoubtfulShapesTakeNoPoints)

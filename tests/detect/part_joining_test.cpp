@@ -82,7 +82,7 @@ TEST_F(PartJoining, WhatPostsDivideIsOnePart)
     const Hypothesis& from = hypotheses_.at(part.hypothesis);
     EXPECT_GT(from.box.extent(0), 11.9);
     EXPECT_EQ(from.threshold, part_threshold);
-    for (const double x : {0.0, 6.0}) EXPECT_NEAR(signed_distance(from.shape, {x, 0.1, 0}), 0, 0.001);
+    for (const double x : {0.0, 6.0}) EXPECT_NEAR(signed_distance(from.shape, {x, 0.1, 0}), 0, 0.0007);
     for (std::uint32_t label = 1; label <= 6; ++label) EXPECT_EQ(assigned_.part_of(label), web);
     for (std::uint32_t label = 7; label <= 8; ++label) EXPECT_EQ(assigned_.part_of(label), 1 - web);
 }
@@ -95,6 +95,18 @@ TEST_F(PartJoining, FacesOfAPlateStayTwo)
     add(10, 14, 0, 0.2, normal);
     add(14.2, 18, 0, 0.2, normal, 0.015);
     EXPECT_EQ(joined(), 4u);
+    EXPECT_EQ(joined(4 * part_noise), 4u);
+}
+
+// The next side of a post, of which no more than a strip lies within the threshold.
+TEST_F(PartJoining, AStripOfAnotherFaceStaysOne)
+{
+    const auto strip = [](Dice& dice) { return dice.between(-0.003, 0.003); };
+    add(4.1, 4.1005, 0, 0.2, strip);
+    hypotheses_.back().shape.point = {4.1, 0, 0};
+    hypotheses_.back().shape.axis = {1, 0, 0};
+    add(0, 4, 0, 0.2, normal);
+    EXPECT_EQ(joined(), 2u);
 }
 
 TEST_F(PartJoining, PlanesThatAreInclinedToEachOtherStayTwo)
@@ -111,6 +123,21 @@ TEST_F(PartJoining, PartsFarApartStayTwo)
     EXPECT_EQ(joined(), 2u);
 }
 
+// A square before the long side of a rectangle that is turned by 45 degrees: no edge of the square shows their gap.
+TEST_F(PartJoining, ACornerFarFromAnEdgeStaysTwo)
+{
+    add(1.6, 2.6, -1, 1, normal);
+    SurfacePart& turned = assigned_.parts.back();
+    turned.box = {};
+    for (Vec3d& p : turned.some) {
+        p = {(p[0] - p[1]) * std::sqrt(0.5), (p[0] + p[1]) * std::sqrt(0.5), p[2]};
+        turned.box.extend(p);
+    }
+    add(-0.7, 0.7, -0.7, 0.7, normal);
+    for (std::size_t i = 0; i < 4; ++i) assigned_.parts[1].some[i] = {i < 2 ? -0.7 : 0.7, i % 2 ? -0.7 : 0.7, 0};
+    EXPECT_EQ(joined(), 2u);
+}
+
 // Along the sides of a frame: most of the hull has no points.
 TEST_F(PartJoining, PartsWithLittleOfTheirHullStayTwo)
 {
@@ -124,7 +151,7 @@ TEST_F(PartJoining, PointsThatFillTheThresholdAreNotJoined)
     const auto even = [](Dice& dice) { return dice.between(-part_threshold, part_threshold); };
     add(0, 1, 0, 1, even);
     add(1.1, 2.1, 0, 1, even);
-    EXPECT_EQ(joined(2 * part_noise), 2u);
+    EXPECT_EQ(joined(4 * part_noise), 2u);
 }
 
 TEST_F(PartJoining, PlanesOfMoreNoiseThanTheCloudAreNotJoined)
@@ -144,6 +171,21 @@ TEST_F(PartJoining, PartsAmongPointsOfNoSurfaceStayTwo)
     EXPECT_EQ(joined(), 2u);
     assigned_.parts[1].mixed = 50;
     EXPECT_EQ(joined(), 1u);
+}
+
+TEST_F(PartJoining, PartsOfAPipeStayTwo)
+{
+    add(0, 4, 0, 0.2, normal);
+    add(4.1, 8, 0, 0.2, normal);
+    for (Hypothesis& one : hypotheses_) {
+        one.shape.kind = ShapeKind::cylinder;
+        one.shape.point = {4, 0, -20};
+        one.shape.axis = {0, 1, 0};
+        one.shape.radius = 20;
+    }
+    for (SurfacePart& part : assigned_.parts)
+        for (Vec3d& p : part.some) p[2] += std::sqrt(400 - (p[0] - 4) * (p[0] - 4)) - 20;
+    EXPECT_EQ(joined(), 2u);
 }
 
 TEST_F(PartJoining, CurvedPartsAndThoseOfFewPointsStay)
