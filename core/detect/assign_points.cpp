@@ -201,22 +201,66 @@ private:
     bool goes_beyond(std::uint32_t i, const Shape& shape, double cos_angle) const
     {
         const std::uint32_t* const near = sample_.neighbours(i);
-        std::size_t beyond = 0;
+        NearMean own, beyond;
+        own.add(sample_.at[i], shape);
         for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
             const std::uint32_t j = near[k];
-            if (owner_[j] == owner_[i]) continue;
-            const Vec3d normal = normal_at(shape, sample_.at[j]);
-            if (owner_[j] != none) {
-                const Shape other = shape_here(owner_[j]);
-                beyond += std::fabs(dot(normal_at(other, sample_.at[j]), normal)) >= cos_angle;
-                continue;
-            }
-            if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) continue;
-            const double distance = std::fabs(mean_distance(j, shape));
-            const double threshold = hypotheses_[owner_[i]].threshold;
-            beyond += distance > tuned_.min_beyond * threshold && distance < tuned_.max_beyond * threshold;
+            if (owner_[j] == owner_[i])
+                own.add(sample_.at[j], shape);
+            else if (is_beyond(i, j, shape, cos_angle))
+                beyond.add(sample_.at[j], shape);
         }
-        return beyond >= tuned_.min_neighbours;
+        return beyond.count >= tuned_.min_neighbours && !is_above(own, beyond, shape, hypotheses_[owner_[i]].threshold);
+    }
+
+    // Whether point j, which is not the part's, is on a surface that point i's may continue as.
+    bool is_beyond(std::uint32_t i, std::uint32_t j, const Shape& shape, double cos_angle) const
+    {
+        const Vec3d normal = normal_at(shape, sample_.at[j]);
+        if (owner_[j] != none)
+            return std::fabs(dot(normal_at(shape_here(owner_[j]), sample_.at[j]), normal)) >= cos_angle;
+        if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) return false;
+        const double distance = std::fabs(mean_distance(j, shape)), threshold = hypotheses_[owner_[i]].threshold;
+        return distance > tuned_.min_beyond * threshold && distance < tuned_.max_beyond * threshold;
+    }
+
+    // Whether most of the neighbours within the threshold belong to no surface.
+    bool is_mixed(std::uint32_t i, const Shape& shape) const
+    {
+        const std::uint32_t* const near = sample_.neighbours(i);
+        std::size_t own = 0, others = 0;
+        for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
+            const std::uint32_t j = near[k];
+            if (owner_[j] == owner_[i])
+                ++own;
+            else if (owner_[j] == none)
+                others += distance_to(shape, sample_.at[j]) <= hypotheses_[owner_[i]].threshold;
+        }
+        return others > own;
+    }
+
+    // Points near a place of the shape: their mean, and that of their distances.
+    struct NearMean {
+        void add(const Vec3d& p, const Shape& shape)
+        {
+            sum = sum + p;
+            distances += signed_distance(shape, p);
+            ++count;
+        }
+        Vec3d mean() const { return sum / static_cast<double>(count); }
+        double distance() const { return distances / static_cast<double>(count); }
+        Vec3d sum{};
+        double distances = 0;
+        std::size_t count = 0;
+    };
+
+    // The other face of a plate lies above its points, where a surface that continues lies next to them.
+    bool is_above(const NearMean& own, const NearMean& beyond, const Shape& shape, double threshold) const
+    {
+        const Vec3d apart = beyond.mean() - own.mean(), normal = normal_at(shape, own.mean());
+        const double across = length(apart - dot(apart, normal) * normal);
+        const double slope = std::tan(std::min(0.5 * options_.normal_angle, pi / 4));
+        return std::fabs(beyond.distance() - own.distance()) > slope * across + tuned_.max_step * threshold;
     }
 
     void find_continued()
@@ -242,6 +286,7 @@ private:
             } else {
                 ++part.edge;
                 part.continued += goes_beyond(i, shape, cos_angle);
+                part.mixed += is_mixed(i, shape);
             }
         }
     }
@@ -349,7 +394,7 @@ AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i
             });
         },
         [&](std::size_t begun) { options.progress(static_cast<double>(begun) / static_cast<double>(units.size())); });
-    AssignedPoints assigned = parts.together(border, options.least_points, options.least_sampled);
+    AssignedPoints assigned = parts.together(border, options.least_points, options.least_sampled, options.most_some);
     assigned.looked_at = looked_at;
     return assigned;
 }

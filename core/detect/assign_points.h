@@ -19,6 +19,8 @@ struct SurfacePart {
     std::uint64_t sampled = 0;    // number of the sample's points in it
     std::uint64_t edge = 0;       // number of these with a neighbour outside of the part
     std::uint64_t continued = 0;  // number of these next to which the surface continues smoothly, but not on the shape
+    // Number of these next to which most points within the threshold belong to no surface: in trees nearly all.
+    std::uint64_t mixed = 0;
     // Sums over the sample's other points, inside: of squared distances from the shape, and of squared means of the
     // distances of a point and its neighbours, which are what noise leaves over.
     double squares = 0, smooth_squares = 0;
@@ -37,6 +39,7 @@ struct AssignOptions {
     std::uint64_t least_sampled = 0;     // nor those with fewer of the sample's points
     // Up to 256 points of each unit's parts are kept, of hypotheses from this one on; by default of none.
     std::uint32_t some_from = 0xffffffffu;
+    std::size_t most_some = 4096;  // maximum number of points that a part of several units keeps
     unsigned threads = 1;
     std::function<void(double)> progress;  // 0 to 1; may throw
 };
@@ -61,9 +64,9 @@ struct AssignedPoints {
 // A point belongs to the nearest of the surfaces within whose threshold it is and whose normal agrees, in units of
 // their thresholds. Parts are connected by the edges of the samples of the units. The parts do not depend on threads,
 // the labels do; `labels` may be null. Memory: a sample per thread, and per part of interest or at the border of a unit
-// 32 bytes, per part of interest of all units some 150 more, up to 100 KB with some_from; the rest lies in scratch
-// files. Throws what reading and `labels` throw, what options.progress throws, soon, and Error(unsupported) where there
-// are more than 2^31 parts.
+// 32 bytes, per part of interest of all units some 150 more, up to 24 bytes for each of most_some with some_from; the
+// rest lies in scratch files. Throws what reading and `labels` throw, what options.progress throws, soon, and
+// Error(unsupported) where there are more than 2^31 parts.
 AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i>& units,
                              const std::vector<Hypothesis>& hypotheses, const AssignOptions& options,
                              PointLabels* labels);

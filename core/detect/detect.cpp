@@ -10,7 +10,8 @@
 //    surface are brought together (hypotheses.h).
 //    Pieces cut out of surfaces that are rougher than the cloud's noise get wider thresholds (wider_shapes.h).
 // 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
-//    parts are found in each box and joined across borders. So surfaces that are one plane, but not connected, are two.
+//    parts are found in each box and joined across borders. Parts of a plane that something before it divides are one
+//    (part_joining.h); other surfaces that are one plane, but not connected, are two.
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
 //    left out where the rest is enough. Labels of points that are not within the threshold of the final shape are taken
 //    back. Where the threshold comes from the noise, shapes whose bend it hides are refused (sagitta.h), so that
@@ -25,6 +26,7 @@
 #include "pcm/detect/final_fit.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/joined_report.h"
+#include "pcm/detect/part_joining.h"
 #include "pcm/detect/pipe_search.h"
 #include "pcm/detect/point_labels.h"
 #include "pcm/detect/sample_units.h"
@@ -371,8 +373,11 @@ private:
     {
         const std::vector<Box3i> units = units_.with_cell(report_.sample);
         auto labels = std::make_shared<PointLabels>(*tree_);
-        AssignedPoints assigned =
-            assign_points(points_, units, hypotheses_, assign_options(report_.sample, 0.65, 0.85), labels.get());
+        const AssignOptions assign = assign_options(report_.sample, 0.65, 0.85);
+        const PartJoinOptions join{report_.spacing, report_.noise, report_.threshold, options_.normal_angle};
+        const AssignedPoints assigned = options_.step > 0
+                                            ? assign_points(points_, units, hypotheses_, assign, labels.get())
+                                            : assign_joined(points_, units, hypotheses_, assign, join, labels.get());
         FinalFitOptions fit;
         fit.least_points = options_.least_points;
         fit.keep_pieces = options_.pieces;

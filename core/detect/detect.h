@@ -27,7 +27,7 @@ struct DetectOptions {
     std::uint64_t least_points = 500;  // minimum points of a primitive
     double normal_angle = pi / 9;      // largest angle between a point's normal and the surface's, radians
     // Points farther apart are not of one primitive, source units, at most 128 cells of the sample (some 60 spacings);
-    // 0: as the spacing around each allows.
+    // 0: as the spacing around each allows, and parts of a plane with gaps of up to some 40 spacings are one.
     double step = 0;
     // Whether pieces of surfaces that bend away from the shape, cut out by the threshold, are primitives too, doubtful
     // ones: most of the ground, and floors and walls that are not even. Else a note says how many there were.

@@ -19,6 +19,7 @@ public:
                std::size_t first_count)
         : tree_(tree), first_(first), second_(second), all_(all), first_count_(first_count)
     {
+        find_kept();
     }
 
     // Number of points of each, keyed by label - 1, that are the other search's.
@@ -27,7 +28,7 @@ public:
         std::vector<std::uint64_t> lost(all_.size(), 0);
         for_each_node([&](NodeId, std::vector<std::uint32_t>& one, const std::vector<std::uint32_t>& other) {
             for (std::size_t i = 0; i < one.size(); ++i)
-                if (one[i] && other[i]) ++lost[(is_first(other[i]) ? other[i] : one[i]) - 1];
+                if (one[i] && other[i]) ++lost[(is_first(one[i], other[i]) ? other[i] : one[i]) - 1];
         });
         return lost;
     }
@@ -38,7 +39,7 @@ public:
         const auto labels = std::make_shared<PointLabels>(tree_);
         for_each_node([&](NodeId node, std::vector<std::uint32_t>& one, const std::vector<std::uint32_t>& other) {
             for (std::size_t i = 0; i < one.size(); ++i)
-                if (const std::uint32_t label = !other[i] || (one[i] && is_first(other[i])) ? one[i] : other[i];
+                if (const std::uint32_t label = !other[i] || (one[i] && is_first(one[i], other[i])) ? one[i] : other[i];
                     label > 0)
                     one[i] = label_of[label - 1];
             labels->set_all(node, one);
@@ -47,9 +48,24 @@ public:
     }
 
 private:
-    // Whether a point that both searches have found is the first one's: the second one's shape, of this label, is a
-    // doubtful.
-    bool is_first(std::uint32_t second) const { return all_[second - 1].fit.verdict != FitVerdict::good; }
+    // Whether a point that both searches have found is the first one's, by the labels of both shapes.
+    bool is_first(std::uint32_t first, std::uint32_t second) const { return is_kept_[first - 1] || !is_good(second); }
+
+    bool is_good(std::uint32_t label) const { return all_[label - 1].fit.verdict == FitVerdict::good; }
+
+    // A good shape is replaced by good ones only that have most of its points.
+    void find_kept()
+    {
+        std::vector<std::uint64_t> taken(first_count_, 0);
+        for_each_node([&](NodeId, std::vector<std::uint32_t>& one, const std::vector<std::uint32_t>& other) {
+            for (std::size_t i = 0; i < one.size(); ++i)
+                if (one[i] && other[i] && is_good(other[i])) ++taken[one[i] - 1];
+        });
+        for (std::uint32_t i = 0; i < first_count_; ++i)
+            is_kept_.push_back(is_good(i + 1) &&
+                               static_cast<double>(taken[i]) <
+                                   detect_tuning().contest.min_taken * static_cast<double>(all_[i].points));
+    }
 
     template <class See>
     void for_each_node(const See& see) const
@@ -67,6 +83,7 @@ private:
     const PointLabels &first_, &second_;
     const std::vector<Primitive>& all_;
     const std::size_t first_count_;
+    std::vector<bool> is_kept_;  // keyed by the first search's label - 1
 };
 
 // Labels, colours and names in the order of the list, as each detection gives them.

@@ -36,9 +36,8 @@ SearchValues search_values(DetectTuning& detect)
     }};
 }
 
-using ResultValues =
-    std::array<TunedValue,
-               values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning, MergingTuning, ElbowTuning>>;
+using ResultValues = std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning,
+                                                      MergingTuning, JoiningTuning, ElbowTuning>>;
 static_assert(std::tuple_size_v<SearchValues> + std::tuple_size_v<ResultValues> == values_of<DetectTuning>);
 ResultValues result_values(DetectTuning& detect)
 {
@@ -68,6 +67,7 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.pieces.min_neighbours),
         PCM_TUNED(detect.pieces.min_beyond),
         PCM_TUNED(detect.pieces.max_beyond),
+        PCM_TUNED(detect.pieces.max_step),
         PCM_TUNED(detect.widening.cells),
         PCM_TUNED(detect.widening.coarse_cells),
         PCM_TUNED(detect.widening.joined_share),
@@ -77,9 +77,14 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.contest.min_noise),
         PCM_TUNED(detect.contest.max_width),
         PCM_TUNED(detect.contest.max_lost),
+        PCM_TUNED(detect.contest.min_taken),
         PCM_TUNED(detect.merging.same_rms),
         PCM_TUNED(detect.merging.explained_share),
         PCM_TUNED(detect.merging.min_interior),
+        PCM_TUNED(detect.joining.max_gap),
+        PCM_TUNED(detect.joining.min_filled),
+        PCM_TUNED(detect.joining.max_rms),
+        PCM_TUNED(detect.joining.max_mixed),
         PCM_TUNED(detect.elbows.max_reach),
         PCM_TUNED(detect.elbows.threshold),
         PCM_TUNED(detect.elbows.min_points),

@@ -184,6 +184,10 @@ struct PieceTuning {
     double min_beyond = 0.7;  // thresholds
     // Chosen: with min_beyond; not swept.
     double max_beyond = 4;  // thresholds
+    // Step between means of neighbours on a shape and beyond it, more than their slope makes, from which on they are
+    // on two surfaces, as the faces of a plate are.
+    // Chosen: two standard deviations of the noise; not swept.
+    double max_step = 0.5;  // thresholds
 };
 
 // Wider thresholds of cut-outs of rough surfaces (wider_shapes.h).
@@ -220,6 +224,9 @@ struct ContestTuning {
     // Share of its points from which on what the second search has found replaces it.
     // Chosen: not swept.
     double max_lost = 0.5;  // share of the points
+    // Share of a good shape's points that good shapes of the second search have, below which it keeps its points.
+    // Chosen: one of two faces has half; not swept.
+    double min_taken = 0.75;  // share of the points
 };
 
 // Which hypotheses are one surface (hypotheses.h), and the final fit of its points.
@@ -233,6 +240,22 @@ struct MergingTuning {
     // Minimum share of points inside a part, below which those at edges are used too.
     // Chosen: not swept.
     double min_interior = 0.5;  // share of the points
+};
+
+// Parts of one plane that something before it divides (part_joining.h).
+struct JoiningTuning {
+    // Widest gap between parts.
+    // Chosen: posts of 0.25 m before beams whose spacing is 16 to 50 mm; not swept.
+    double max_gap = 40;  // spacings of the cloud
+    // Share of the hull of both parts that their own hulls have.
+    // Chosen: more than half is seen; not swept.
+    double min_filled = 0.5;  // share of the area
+    // Rms distance of points from the plane of both parts, from which on they fill the threshold.
+    // Chosen: evenly spread points have 0.577, Gaussian ones that the threshold cuts at 1.7 deviations 0.47; not swept.
+    double max_rms = 0.48;  // thresholds
+    // Points of a part among points within its threshold that belong to no surface.
+    // Chosen: parts of a plant have up to 0.06, planes in noise 0.2 and more; not swept.
+    double max_mixed = 0.1;  // share of the part
 };
 
 // Elbows that are looked for between two pipes (elbow_search.h).
@@ -257,6 +280,7 @@ struct DetectTuning {
     WideningTuning widening;
     ContestTuning contest;
     MergingTuning merging;
+    JoiningTuning joining;
     ElbowTuning elbows;
 };
 

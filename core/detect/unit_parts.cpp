@@ -11,14 +11,13 @@
 namespace pcm {
 namespace {
 
-constexpr std::size_t most_some_points = 4096;
 constexpr std::size_t border_cells = std::size_t(1) << 19;  // in memory at once
 constexpr std::uint32_t no_place = AssignedPoints::no_part;
 
 // A part as it is in the file; then as many points as `some` says.
 struct Record {
     std::uint32_t number = 0, hypothesis = 0;
-    std::uint64_t points = 0, sampled = 0, edge = 0, continued = 0, some = 0;
+    std::uint64_t points = 0, sampled = 0, edge = 0, continued = 0, mixed = 0, some = 0;
     double squares = 0, smooth_squares = 0;
     Vec3d low{}, high{};
 };
@@ -40,6 +39,7 @@ void append(std::vector<char>& bytes, const UnitPart& one)
     record.sampled = part.sampled;
     record.edge = part.edge;
     record.continued = part.continued;
+    record.mixed = part.mixed;
     record.some = part.some.size();
     record.squares = part.squares;
     record.smooth_squares = part.smooth_squares;
@@ -62,6 +62,7 @@ UnitPart take_part(const std::vector<char>& bytes, std::size_t& place)
     part.sampled = record.sampled;
     part.edge = record.edge;
     part.continued = record.continued;
+    part.mixed = record.mixed;
     part.squares = record.squares;
     part.smooth_squares = record.smooth_squares;
     part.box = {record.low, record.high};
@@ -71,7 +72,7 @@ UnitPart take_part(const std::vector<char>& bytes, std::size_t& place)
     return one;
 }
 
-void add_to(SurfacePart& whole, const SurfacePart& part)
+void add_to(SurfacePart& whole, const SurfacePart& part, std::size_t most_some)
 {
     whole.hypothesis = part.hypothesis;
     whole.points += part.points;
@@ -80,9 +81,10 @@ void add_to(SurfacePart& whole, const SurfacePart& part)
     whole.squares += part.squares;
     whole.smooth_squares += part.smooth_squares;
     whole.continued += part.continued;
+    whole.mixed += part.mixed;
     whole.box.extend(part.box);
     whole.some.insert(whole.some.end(), part.some.begin(), part.some.end());
-    if (whole.some.size() <= most_some_points) return;
+    if (whole.some.size() <= most_some) return;
     std::vector<Vec3d> half;
     for (std::size_t i = 0; i < whole.some.size(); i += 2) half.push_back(whole.some[i]);
     whole.some = std::move(half);
@@ -141,7 +143,8 @@ void UnitParts::for_each(const Use& use) const
         }
 }
 
-AssignedPoints UnitParts::together(const BorderCells& border, std::uint64_t least_points, std::uint64_t least_sampled)
+AssignedPoints UnitParts::together(const BorderCells& border, std::uint64_t least_points, std::uint64_t least_sampled,
+                                   std::size_t most_some)
 {
     std::sort(numbers_.begin(), numbers_.end());
     const auto index = [&](std::uint32_t number) {
@@ -175,7 +178,7 @@ AssignedPoints UnitParts::together(const BorderCells& border, std::uint64_t leas
             place[root] = static_cast<std::uint32_t>(assigned.parts.size());
             assigned.parts.emplace_back();
         }
-        add_to(assigned.parts[place[root]], one.part);
+        add_to(assigned.parts[place[root]], one.part, most_some);
     });
     for (std::uint32_t i = 0; i < numbers_.size(); ++i)
         if (place[joined.root(i)] != no_place) assigned.numbers.push_back({numbers_[i], place[joined.root(i)]});

@@ -45,8 +45,10 @@ public:
     void add(std::size_t unit, const std::vector<UnitPart>& parts, const NumberPairs& joined);
     // Adds those together that are one, in the order of units: those in pairs, and those of one hypothesis with a cell
     // in common. What has fewer points, or points of the sample, than the minimum is left out. Once, when all are
-    // added: 20 bytes per part are in memory, and of those that are returned all. Throws what reading throws.
-    AssignedPoints together(const BorderCells& border, std::uint64_t least_points, std::uint64_t least_sampled);
+    // added: 20 bytes per part are in memory, and of those that are returned all. Parts keep about `most_some` points
+    // (SurfacePart::some). Throws what reading throws.
+    AssignedPoints together(const BorderCells& border, std::uint64_t least_points, std::uint64_t least_sampled,
+                            std::size_t most_some = 4096);
 
 private:
     struct Run {  // parts in the file

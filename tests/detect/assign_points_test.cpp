@@ -150,6 +150,28 @@ TEST_F(AssignPoints, ThePartsOfABendContinueInEachUnit)
     EXPECT_NEAR(static_cast<double>(continued({low, high})), static_cast<double>(whole), 10);
 }
 
+// The other face of a plate lies within a few thresholds, with the same normals, but not next to the edge of this one.
+TEST_F(AssignPoints, ThePartsOfAPlateDoNotContinueAsItsOtherFace)
+{
+    Dice dice(3);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 12000; ++i)
+        points.push_back(
+            {dice.between(-2, 2), dice.between(-0.5, 0.5), (i % 2 ? -0.014 : 0.0) + 0.0015 * dice.normal()});
+    make(points);
+    const AssignOptions options = options_of(0.01, 0);
+    for (const bool has_both : {false, true}) {
+        std::vector<Hypothesis> faces{level_plane(0, 0.007)};
+        if (has_both) faces.push_back(level_plane(-0.014, 0.007));
+        const AssignedPoints assigned =
+            assign_points(ChosenPoints(tree_, {}), {tree_->info().box}, faces, options, nullptr);
+        const SurfacePart& face = assigned.parts.at(0);
+        EXPECT_GT(face.edge, 4000u);
+        EXPECT_LT(face.continued, face.edge / 20) << has_both;
+        EXPECT_FALSE(is_piece(face, 0.007));
+    }
+}
+
 // A crest with a narrow ledge on each side, three thresholds lower, and a slope below: whether the surface continues is
 // decided by the ledge, whose normals come from points of the slope beyond four thresholds. Along the crest the plane
 // ends where it may reach, amid points.

@@ -49,7 +49,11 @@ protected:
     // Numbers of points, most first.
     std::vector<std::uint64_t> joined_points(DetectReport second, std::uint64_t least = 100)
     {
-        const DetectReport both = joined(*tree_, first(), std::move(second), least);
+        return joined_points(first(), std::move(second), least);
+    }
+    std::vector<std::uint64_t> joined_points(DetectReport from, DetectReport second, std::uint64_t least)
+    {
+        const DetectReport both = joined(*tree_, std::move(from), std::move(second), least);
         check_labels(*tree_, both);
         std::vector<std::uint64_t> points;
         for (const Primitive& one : both.primitives) points.push_back(one.points);
@@ -76,6 +80,24 @@ TEST_F(JoinedReport, GoodShapesTakePointsAndReplaceWhatTheyHaveMostOf)
                                                                               : x < 2 ? 2
                                                                                       : 0; })),
               (Points{1000, 1000}));
+}
+
+// A good one whose points a finer threshold finds only in part keeps them.
+TEST_F(JoinedReport, GoodShapesAreReplacedByThoseWithMostOfTheirPoints)
+{
+    const auto joined_with = [&](FitVerdict verdict, double to) {
+        DetectReport from = report(2, verdict, [](double x) { return x < 3 ? 1 : 2; });
+        return joined_points(std::move(from), report(1, FitVerdict::good, [&](double x) { return x < to ? 1 : 0; }),
+                             100);
+    };
+    EXPECT_EQ(joined_with(FitVerdict::good, 2.2), (Points{3000, 1000}));
+    EXPECT_EQ(joined_with(FitVerdict::good, 2.3), (Points{2300, 1000}));
+    EXPECT_EQ(joined_with(FitVerdict::doubtful, 2.2), (Points{2200, 1000}));
+    // What doubtful ones have of it does not count.
+    DetectReport second = report(2, FitVerdict::good, [](double x) { return x < 1.5 ? 1 : x < 2.7 ? 2 : 0; });
+    second.primitives[1].fit.verdict = FitVerdict::doubtful;
+    EXPECT_EQ(joined_points(report(1, FitVerdict::good, [](double x) { return x < 3 ? 1 : 0; }), second, 100),
+              (Points{3000}));
 }
 
 TEST_F(JoinedReport, DoubtfulShapesTakeNoPoints)

@@ -23,6 +23,7 @@ UnitPart part(std::uint32_t number, std::uint64_t points, std::vector<Vec3d> som
     one.part.sampled = points / 2;
     one.part.edge = points / 4;
     one.part.continued = points / 8;
+    one.part.mixed = points / 16;
     one.part.squares = 0.5 * static_cast<double>(points);
     one.part.smooth_squares = 0.25 * static_cast<double>(points);
     one.part.box.extend(Vec3d{double(number), 0, 0});
@@ -64,6 +65,7 @@ TEST(UnitParts, AreAddedTogetherInTheOrderOfUnitsAndSmallOnesLeftOut)
     EXPECT_EQ(whole.sampled, 136u);
     EXPECT_EQ(whole.edge, 68u);
     EXPECT_EQ(whole.continued, 34u);
+    EXPECT_EQ(whole.mixed, 16u);
     EXPECT_EQ(whole.squares, 136);
     EXPECT_EQ(whole.smooth_squares, 68);
     EXPECT_EQ(whole.box.min[0], 4);
