@@ -18,7 +18,7 @@
 namespace pcm {
 namespace {
 
-constexpr std::uint32_t none = 0xffffffffu;
+constexpr std::uint32_t unassigned = 0xffffffffu;
 constexpr std::size_t most_kept_points = 256;
 
 class UnitAssignment {
@@ -62,7 +62,7 @@ private:
     // The nearest surface of each point of the sample.
     void choose()
     {
-        owner_.assign(sample_.size(), none);
+        owner_.assign(sample_.size(), unassigned);
         std::vector<float> best(sample_.size(), std::numeric_limits<float>::max());
         const double cos_angle = std::cos(std::min(options_.normal_angle, pi / 2));
         for (std::uint32_t h = 0; h < hypotheses_.size(); ++h) {
@@ -81,10 +81,10 @@ private:
 
     void connect()
     {
-        part_.assign(sample_.size(), none);
+        part_.assign(sample_.size(), unassigned);
         std::vector<std::uint32_t> open;
         for (std::uint32_t seed = 0; seed < sample_.size(); ++seed) {
-            if (owner_[seed] == none || part_[seed] != none) continue;
+            if (owner_[seed] == unassigned || part_[seed] != unassigned) continue;
             const auto part = static_cast<std::uint32_t>(parts_.size());
             parts_.emplace_back();
             parts_.back().hypothesis = owner_[seed];
@@ -97,7 +97,7 @@ private:
                 for (std::size_t k = 0; k < SurfaceSample::most_neighbours; ++k) {
                     const std::uint32_t j = near[k];
                     if (owner_[j] != owner_[seed]) continue;
-                    if (part_[j] == none) {
+                    if (part_[j] == unassigned) {
                         part_[j] = part;
                         open.push_back(j);
                     } else if (part_[j] != part) {  // an edge that leads only one way
@@ -121,7 +121,7 @@ private:
             return cell;
         };
         for (std::uint32_t i = 0; i < sample_.size(); ++i)
-            if (part_[i] != none) cells[cell_of(sample_.at[i])][part_[i]].push_back(i);
+            if (part_[i] != unassigned) cells[cell_of(sample_.at[i])][part_[i]].push_back(i);
         std::set<std::pair<std::uint32_t, std::uint32_t>> joined;
         const auto are_near = [&](const Points& some, const Points& others) {
             for (const std::uint32_t i : some) {
@@ -157,7 +157,7 @@ private:
         std::vector<BorderCell> cells;
         at_border_.assign(parts_.size(), false);
         for (const auto& [key, i] : sample_.by_cell) {
-            if (part_[i] == none) continue;
+            if (part_[i] == unassigned) continue;
             const Vec3d p = sample_.origin + sample_.at[i];
             bool near = false;
             for (std::size_t a = 0; a < 3; ++a)
@@ -217,7 +217,7 @@ private:
     bool is_beyond(std::uint32_t i, std::uint32_t j, const Shape& shape, double cos_angle) const
     {
         const Vec3d normal = normal_at(shape, sample_.at[j]);
-        if (owner_[j] != none)
+        if (owner_[j] != unassigned)
             return std::fabs(dot(normal_at(shape_here(owner_[j]), sample_.at[j]), normal)) >= cos_angle;
         if (std::fabs(dot(sample_.normal_of(j), normal)) < cos_angle) return false;
         const double distance = std::fabs(mean_distance(j, shape)), threshold = hypotheses_[owner_[i]].threshold;
@@ -233,7 +233,7 @@ private:
             const std::uint32_t j = near[k];
             if (owner_[j] == owner_[i])
                 ++own;
-            else if (owner_[j] == none)
+            else if (owner_[j] == unassigned)
                 others += distance_to(shape, sample_.at[j]) <= hypotheses_[owner_[i]].threshold;
         }
         return others > own;
@@ -267,11 +267,11 @@ private:
     {
         std::vector<std::size_t> some_of(parts_.size(), 0);  // one of how many points is kept
         for (const std::uint32_t part : part_)
-            if (part != none) ++some_of[part];
+            if (part != unassigned) ++some_of[part];
         for (std::size_t& count : some_of) count = 1 + count / most_kept_points;
         const double cos_angle = std::cos(std::min(0.5 * options_.normal_angle, pi / 2));
         for (std::uint32_t i = 0; i < sample_.size(); ++i) {
-            if (part_[i] == none || !sample_.inside[i]) continue;
+            if (part_[i] == unassigned || !sample_.inside[i]) continue;
             SurfacePart& part = parts_[part_[i]];
             if (part.hypothesis >= options_.some_from && part.some.size() < most_kept_points &&
                 i % some_of[part_[i]] == 0)
@@ -294,20 +294,20 @@ private:
     // The part of a point: that of the nearest surface among those of the point's cell and of the sample's neighbours.
     std::uint32_t label_of(const Vec3d& at, std::uint32_t i) const
     {
-        std::uint32_t best = none;
+        std::uint32_t best = unassigned;
         double nearest = 1;
         const auto consider = [&](std::uint32_t j) {
-            if (part_[j] == none || part_[j] == best) return;
+            if (part_[j] == unassigned || part_[j] == best) return;
             const Hypothesis& surface = hypotheses_[owner_[j]];
             const double distance = distance_to(surface.shape, at) / surface.threshold;
-            if (distance > nearest || (best != none && distance == nearest)) return;
+            if (distance > nearest || (best != unassigned && distance == nearest)) return;
             nearest = distance;
             best = part_[j];
         };
         consider(i);
         const std::uint32_t* const near = sample_.neighbours(i);
         for (std::size_t k = 0; k < 6; ++k) consider(near[k]);
-        if (best == none) return 0;
+        if (best == unassigned) return 0;
         return (first_ + best + 1) | (best == part_[i] && interior_[i] ? interior_label : 0);
     }
 
@@ -342,7 +342,7 @@ private:
     const PieceTuning& tuned_ = detect_tuning().pieces;
     const SampleLattice lattice_;
     const SurfaceSample sample_;
-    std::vector<std::uint32_t> owner_, part_;  // hypothesis and part of the sample's points, or `none`
+    std::vector<std::uint32_t> owner_, part_;  // hypothesis and part of the sample's points, or `unassigned`
     std::vector<std::uint8_t> interior_;
     NumberPairs joined_;
     std::vector<SurfacePart> parts_;

@@ -9,7 +9,6 @@
 #include <cmath>
 
 namespace pcm {
-namespace {
 
 double rms_distance(const Shape& shape, const std::vector<Vec3d>& points)
 {
@@ -20,6 +19,8 @@ double rms_distance(const Shape& shape, const std::vector<Vec3d>& points)
     }
     return points.empty() ? 0 : std::sqrt(squares / static_cast<double>(points.size()));
 }
+
+namespace {
 
 bool normals_agree(const Shape& a, const Shape& b, const std::vector<Vec3d>& points, double angle)
 {

@@ -24,6 +24,9 @@ struct Hypothesis {
 };
 inline constexpr std::size_t hypothesis_points = 256;  // in `some`
 
+// Root mean square of the points' distances; 0 for none.
+double rms_distance(const Shape& shape, const std::vector<Vec3d>& points);
+
 // Where points of it may lie, if they may lie at least so far outside of its box.
 Box3d reached_box(const Hypothesis& one, double least_reach);
 

@@ -2,6 +2,7 @@
 
 #include "pcm/cloud/growing_box_tree.h"
 #include "pcm/cloud/numbers.h"
+#include "pcm/detect/hypotheses.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_fit.h"
 #include "pcm/shapes/axis_frame.h"
@@ -18,13 +19,6 @@ namespace {
 
 constexpr std::size_t least_used = 20;  // points that a plane is fitted to
 constexpr std::size_t most_used = 512;
-
-double rms_distance(const Shape& shape, const std::vector<Vec3d>& points)
-{
-    double squares = 0;
-    for (const Vec3d& p : points) squares += signed_distance(shape, p) * signed_distance(shape, p);
-    return std::sqrt(squares / static_cast<double>(std::max<std::size_t>(1, points.size())));
-}
 
 // Every second point, from this one on.
 std::vector<Vec3d> every_second(const std::vector<Vec3d>& points, std::size_t first)
