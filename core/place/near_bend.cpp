@@ -20,6 +20,7 @@ constexpr int straight = 5, bent = 7;     // numbers of a straight pipe, and of 
 constexpr int most_starts = 24;           // beginnings of a bend within the reach to both sides
 constexpr int halvings = 3;               // number of halvings of the distance between them, around the best one
 constexpr int rounds = 5;                 // in which points are chosen
+constexpr double first_bent = 0.3;        // part of the reach beyond the beginning of a bend that it is fitted to first
 constexpr std::size_t least_points = 60;  // to compare pipes
 constexpr double wide_bend = 3;           // radius of an elbow, radii of its tube
 constexpr double interval = 3;            // standard deviations of the beginning of a bend
@@ -121,16 +122,26 @@ private:
         return unbent + out - std::sqrt(across * across + std::max(out * out - inwards * inwards, 0.0));
     }
 
+    // An elbow leaves the cylinder by many thresholds soon, so a bend is also fitted to what lies next to its
+    // beginning, whatever its distance, and in each round to points twice as far along it.
     PipeFit fitted(int numbers, double start) const
+    {
+        const PipeFit of_near = settled(numbers, start, pipe_.threshold, infinity);
+        return numbers == straight ? of_near
+                                   : std::min(of_near, settled(numbers, start, infinity, first_bent), is_better);
+    }
+
+    // `first`: maximum distance in the first round. `beyond`: how far beyond its beginning the bend is then followed.
+    PipeFit settled(int numbers, double start, double first, double beyond) const
     {
         PipeFit fit;
         fit.start = start;
-        for (int round = 0; round < rounds; ++round) {
+        for (int round = 0; round < rounds; ++round, beyond *= 2) {
             Products products = Products::Zero();
             Numbers pulls = Numbers::Zero();
             for (const PipePoint& p : points_) {
                 const double left = p.distance - predicted(fit.numbers, numbers, start, p);
-                if (std::fabs(left) > (round == 0 ? pipe_.threshold : most_)) continue;
+                if (std::fabs(left) > (round == 0 ? first : most_) || p.way - start > beyond) continue;
                 const Numbers by = row(fit.numbers, numbers, start, p);
                 products += by * by.transpose();
                 pulls += left * by;

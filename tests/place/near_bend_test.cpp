@@ -1,6 +1,7 @@
 // Pipes that bend near a place, and pipes that do not.
 #include "pcm/place/near_bend.h"
 
+#include "pcm/place/grow_shape.h"
 #include "tests/place/shape_cloud.h"
 
 #include <algorithm>
@@ -79,6 +80,27 @@ TEST_F(NearBendTest, ItsBeginningAndRadiusAreFound)
 }
 
 // The beginning is uncertain by the more the fewer points there are.
+// Points around a cylinder end where the elbow has left it, but for those at its sides.
+TEST_F(NearBendTest, AnElbowThatLeavesThePointsAroundIsFound)
+{
+    for (const double along : {1.0, -1.0})
+        for (const double from : {0.0, 2.0, 4.0}) {
+            std::vector<Vec3d> seen = points(4000, 0.35, along, from);
+            const double around = around_thresholds * pipe_.threshold;
+            const auto is_far = [&](const Vec3d& p) { return std::fabs(distance_to(pipe_.cylinder, p)) > around; };
+            seen.erase(std::remove_if(seen.begin(), seen.end(), is_far), seen.end());
+            for (const double way : {0.03, 0.07}) {
+                SCOPED_TRACE(std::to_string(along) + " " + std::to_string(from) + " " + std::to_string(way));
+                const auto bend = bend_at(seen, way, along);
+                ASSERT_TRUE(bend);
+                EXPECT_NEAR(bend->start, -way, 0.02);
+                EXPECT_LT(bend->least_start, 0);
+                EXPECT_NEAR(bend->radius, wide, 0.2 * wide);
+                EXPECT_NEAR(dot(bend->direction, along * pipe_.cylinder.axis), 1, 1e-9);
+            }
+        }
+}
+
 TEST_F(NearBendTest, FewPointsLeaveItUncertain)
 {
     const auto many = bend_at(points(8000, 0.12), -0.08), few = bend_at(points(700, 0.12), -0.08);
