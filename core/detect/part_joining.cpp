@@ -4,6 +4,7 @@
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/tuning.h"
+#include "pcm/detect/unit_parts.h"
 #include "pcm/fit/shape_fit.h"
 #include "pcm/shapes/axis_frame.h"
 #include "pcm/shapes/flat_points.h"
@@ -193,24 +194,10 @@ private:
         both.whole = a.whole && b.whole;
         both.box.extend(b.box);
         hypotheses_.push_back(std::move(both));
-        add_part(one, other);
+        add_to(one, other, most_used);
         one.hypothesis = static_cast<std::uint32_t>(hypotheses_.size() - 1);
         group_[from] = to;
         return true;
-    }
-
-    static void add_part(SurfacePart& one, const SurfacePart& other)
-    {
-        one.points += other.points;
-        one.sampled += other.sampled;
-        one.edge += other.edge;
-        one.continued += other.continued;
-        one.mixed += other.mixed;
-        one.squares += other.squares;
-        one.smooth_squares += other.smooth_squares;
-        one.box.extend(other.box);
-        one.some.insert(one.some.end(), other.some.begin(), other.some.end());
-        if (one.some.size() > most_used) one.some = every_second(one.some, 0);
     }
 
     // Leaves out the parts that others have taken.

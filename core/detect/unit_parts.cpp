@@ -72,6 +72,8 @@ UnitPart take_part(const std::vector<char>& bytes, std::size_t& place)
     return one;
 }
 
+}  // namespace
+
 void add_to(SurfacePart& whole, const SurfacePart& part, std::size_t most_some)
 {
     whole.hypothesis = part.hypothesis;
@@ -89,8 +91,6 @@ void add_to(SurfacePart& whole, const SurfacePart& part, std::size_t most_some)
     for (std::size_t i = 0; i < whole.some.size(); i += 2) half.push_back(whole.some[i]);
     whole.some = std::move(half);
 }
-
-}  // namespace
 
 std::uint32_t PartNumbers::take(std::size_t count)
 {

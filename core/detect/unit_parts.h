@@ -34,6 +34,10 @@ struct UnitPart {
 
 using NumberPairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
+// Adds a part of the same surface, whose hypothesis becomes that of both; halves the points that are kept where there
+// are more than `most_some`.
+void add_to(SurfacePart& whole, const SurfacePart& part, std::size_t most_some);
+
 // The parts of all units, in a scratch file without a name: four bytes of each, and the pairs, are in memory
 // until together().
 class UnitParts {

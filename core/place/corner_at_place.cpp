@@ -3,6 +3,7 @@
 #include "pcm/cloud/symmetric_eigen.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/place/even_noise.h"
+#include "pcm/place/face_at_place.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/axis_frame.h"
 #include "pcm/system/text.h"
@@ -357,23 +358,15 @@ std::optional<Corner> corner_near(const Vec3d& place, const NearPoints& close, c
 
 std::optional<CornerFace> fit_corner(const PointCloud& cloud, const Vec3d& place, const LocalFitOptions& options)
 {
-    const std::vector<ShapeKind>& kinds = options.kinds;
-    const bool has_planes = kinds.empty() ? options.fit.kind == ShapeKind::plane
-                                          : std::find(kinds.begin(), kinds.end(), ShapeKind::plane) != kinds.end();
-    if (!has_planes || options.radius > 0 || options.count > 0 || options.fit.threshold > 0) return {};
-    NearOptions near;
-    near.places = true;
-    near.count = place_tuning().neighbourhood.first_points;
-    near.limit = options.limit;
-    near.progress = options.progress;
-    const NearPoints close = points_near(cloud, place, near);
-    const std::optional<Corner> corner = corner_near(place, close, options.fit);
+    const std::optional<NearPoints> close = near_faces(cloud, place, options);
+    if (!close) return {};
+    const std::optional<Corner> corner = corner_near(place, *close, options.fit);
     if (!corner) return {};
     CornerFace found{*corner, {}};
     if (corner->edge ? !is_clear(corner) : corner->margin < place_tuning().corners.max_within) return found;
     LocalFit local;
     const double threshold = place_tuning().evidence.spread_noises * corner->noise;
-    local.near = points_in(close, corner->side(place), corner->plane_at_place(), threshold);
+    local.near = points_in(*close, corner->side(place), corner->plane_at_place(), threshold);
     RefineOptions refine;
     refine.threshold = threshold;
     local.fit = refine_shape(local.near.points, corner->plane_at_place(), refine);

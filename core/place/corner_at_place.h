@@ -52,8 +52,8 @@ struct CornerFace {
     bool is_narrow = false;
 };
 
-// The corner of the nearest points. Nothing where a threshold or a neighbourhood is given, where planes are not among
-// the kinds, and where there is no corner. Throws what points_near() and fit_shape() throw.
+// The corner of the nearest points. Nothing where near_faces() has none, and where there is no corner. Throws what
+// points_near() and fit_shape() throw.
 std::optional<CornerFace> fit_corner(const PointCloud& cloud, const Vec3d& place, const LocalFitOptions& options);
 
 }  // namespace pcm

@@ -21,8 +21,8 @@ public:
     {
     }
 
-    // Where no shape of the nearest points is good, or neighbours leave it together as those of two faces do, the face
-    // of a plate at the place (face_at_place.h). Then, next to an edge, the plane of the face at the place
+    // Where no shape of the nearest points is good, or neighbours leave it together as those of two faces do, that of
+    // the plate's face which has the place (face_at_place.h). Next to an edge, the plane that has the place
     // (corner_at_place.h). A plane that is good all the same is doubtful where the place may belong to the face next to
     // it. Throws what the fits throw.
     FittedPrimitive best(FittedPrimitive found) const { return or_corner(or_face(std::move(found))); }

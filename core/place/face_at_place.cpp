@@ -106,7 +106,7 @@ private:
 
 }  // namespace
 
-std::optional<LocalFit> fit_face(const PointCloud& cloud, const Vec3d& place, const LocalFitOptions& options)
+std::optional<NearPoints> near_faces(const PointCloud& cloud, const Vec3d& place, const LocalFitOptions& options)
 {
     const std::vector<ShapeKind>& kinds = options.kinds;
     const bool has_planes = kinds.empty() ? options.fit.kind == ShapeKind::plane
@@ -117,7 +117,14 @@ std::optional<LocalFit> fit_face(const PointCloud& cloud, const Vec3d& place, co
     near.count = place_tuning().neighbourhood.first_points;
     near.limit = options.limit;
     near.progress = options.progress;
-    return FaceSearch(place, options, points_near(cloud, place, near)).run();
+    return points_near(cloud, place, near);
+}
+
+std::optional<LocalFit> fit_face(const PointCloud& cloud, const Vec3d& place, const LocalFitOptions& options)
+{
+    std::optional<NearPoints> close = near_faces(cloud, place, options);
+    if (!close) return {};
+    return FaceSearch(place, options, std::move(*close)).run();
 }
 
 }  // namespace pcm
