@@ -1,9 +1,9 @@
 #include "pcm/detect/lone_pipe.h"
 
 #include "pcm/cloud/numbers.h"
-#include "pcm/detect/pipe_start.h"
 #include "pcm/detect/sagitta.h"
 #include "pcm/detect/tuning.h"
+#include "pcm/fit/pipe_start.h"
 #include "pcm/shapes/axis_frame.h"
 
 #include <algorithm>

@@ -2,9 +2,9 @@
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/lone_pipe.h"
-#include "pcm/detect/pipe_start.h"
 #include "pcm/detect/seed_order.h"
 #include "pcm/detect/tuning.h"
+#include "pcm/fit/pipe_start.h"
 #include "pcm/fit/shape_fit.h"
 #include "pcm/shapes/axis_frame.h"
 

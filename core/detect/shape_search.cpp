@@ -2,10 +2,10 @@
 
 #include "pcm/detect/local_surface.h"
 #include "pcm/detect/lone_pipe.h"
-#include "pcm/detect/pipe_start.h"
 #include "pcm/detect/sagitta.h"
 #include "pcm/detect/seed_order.h"
 #include "pcm/detect/tuning.h"
+#include "pcm/fit/pipe_start.h"
 
 #include <algorithm>
 #include <cmath>

@@ -258,6 +258,15 @@ bool is_of_place(const Corner& corner)
     return corner.edge && corner.away <= tuned.reach_noises && corner.held >= tuned.min_held;
 }
 
+// Whether the place may lie on the face next to it: fewer faces show that than show which one has it.
+bool may_be_of_place(const std::optional<Corner>& corner)
+{
+    const CornerAtPlaceTuning& tuned = place_tuning().corners;
+    if (!corner || !corner->edge) return false;
+    return is_of_place(*corner) || (corner->away <= tuned.reach_noises && corner->held >= tuned.min_held_to_doubt &&
+                                    corner->margin < tuned.min_margin);
+}
+
 bool is_clear(const std::optional<Corner>& corner)
 {
     return corner && is_of_place(*corner) && corner->margin >= place_tuning().corners.min_margin;
@@ -347,10 +356,10 @@ std::optional<Corner> corner_near(const Vec3d& place, const NearPoints& close, c
     if (!(noise > 0)) return {};
     std::optional<Corner> corner = corner_at(place, close.points, noise, fit);
     if (!is_clear(corner)) {
-        const std::optional<Corner> of_less = corner_at(place, close.points, noise / 2, fit);
-        if (is_clear(of_less)) corner = of_less;
+        std::optional<Corner> of_less = corner_at(place, close.points, noise / 2, fit);
+        if (is_clear(of_less) || (!may_be_of_place(corner) && may_be_of_place(of_less))) corner = std::move(of_less);
     }
-    if (corner && corner->edge && !is_of_place(*corner)) return {};
+    if (corner && corner->edge && !may_be_of_place(corner)) return {};
     const bool is_far = is_clear(corner) && corner->face != Corner::Face::widest &&
                         corner->margin > 2 * place_tuning().corners.max_within;
     return is_far ? within(*corner, place, close.points, fit) : corner;

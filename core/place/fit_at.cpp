@@ -6,13 +6,13 @@
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
-#include "pcm/place/edge_answers.h"
 #include "pcm/place/few_points.h"
 #include "pcm/place/fit_at_arguments.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/inner_points.h"
 #include "pcm/place/local_fit.h"
 #include "pcm/place/one_surface.h"
+#include "pcm/place/other_answers.h"
 #include "pcm/place/station_errors.h"
 #include "pcm/place/stations_around.h"
 #include "pcm/place/tuning.h"
@@ -32,6 +32,7 @@
 namespace pcm {
 namespace {
 
+constexpr double not_compared = 4;              // angle of surfaces, radians
 const double even_spread = 1 / std::sqrt(3.0);  // rms distance of points anywhere within a threshold, per threshold
 
 class PlacedFit {
@@ -104,14 +105,13 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            return or_elbow(or_edge(best_of_thresholds()));
+            return or_elbow(or_other(best_of_thresholds()));
         } catch (const Error& error) {
             if (error.code() != ErrorCode::cancelled || !is_late_) throw;
         }
         FittedPrimitive result = std::move(*at_places_);
         result.left_surface = "the time limit of " + brief(options_.fit.seconds) + " s was over";
-        ShapeFit& fit = result.primitive.fit;
-        if (fit.verdict == FitVerdict::good)
+        if (ShapeFit& fit = result.primitive.fit; fit.verdict == FitVerdict::good)
             doubt(fit, FitIssue::no_consensus,
                   result.left_surface +
                       " before it was followed through the cloud: these are the points around the place alone");
@@ -140,26 +140,25 @@ private:
         return elbow;
     }
 
-    FittedPrimitive or_edge(FittedPrimitive found)
+    FittedPrimitive or_other(FittedPrimitive found)
     {
         if (places_.size() != 1) return found;
         LocalFitOptions options = local_options();
         options.progress = part_of(progress_in_time_, 0.9, 0.9);
-        const FollowFace follow = [this](LocalFit face, const std::optional<Clip>& side) {
+        const FollowShape follow = [this](LocalFit local, const std::optional<Clip>& side) {
             whole_progress_ = part_of(progress_in_time_, 0.9, 1);
             if (side) limit_.clips.push_back(*side);
-            FittedPrimitive of_face = followed(std::move(face), Way::even, 0, 1);
+            FittedPrimitive other = followed(std::move(local), Way::even, 0, 1);
             if (side) limit_.clips.pop_back();
-            doubt_few_points(of_face);
-            return of_face;
+            doubt_few_points(other);
+            return other;
         };
-        return EdgeAnswers(cloud_, places_.front(), options, follow).best(std::move(found));
+        return OtherAnswers(cloud_, places_.front(), options, around_.survey().noise(), follow).best(std::move(found));
     }
 
     // The first threshold that holds all of the noise around the places may cut that of the rest of the surface:
-    // ceilings that hang through, points that the scanner was farther from. Then the shape is followed once more, with
-    // the threshold at which it is least probable by chance. If that holds several surfaces, the noise of all points
-    // shows it.
+    // ceilings that hang through, points far from the scanner. Then the shape is followed once more, with the threshold
+    // at which it is least probable by chance. If that holds several surfaces, the noise of all points shows it.
     FittedPrimitive best_of_thresholds()
     {
         whole_progress_ = part_of(progress_in_time_, 0, 0.6);
@@ -353,10 +352,12 @@ private:
         GrowShapeOptions options;
         options.threshold = local.threshold;
         options.raise_threshold = way == Way::uneven;
-        options.turned_angle = result.reached.turned_angle;
         const double noise = options_.fit.threshold > 0 ? std::min(local.noise, local.threshold)
                                                         : local.threshold / fit_tuning().thresholds.inlier_noises;
         options.turned_edge = result.reached.turned_edge = TurnedSurface::edge_for(result.step, noise);
+        if (!(options_.turned_angle > 0) && !TurnedSurface::is_shown_on(local.shape, options.turned_edge))
+            result.reached.turned_angle = not_compared;
+        options.turned_angle = result.reached.turned_angle;
         options.step = result.step;
         options.normal_angle = options_.fit.normal_angle;
         options.most_rounds = options_.rounds;
@@ -378,7 +379,7 @@ private:
     double angle_of(Way way) const
     {
         if (options_.turned_angle > 0) return options_.turned_angle;
-        if (options_.fit.threshold > 0) return 4;
+        if (options_.fit.threshold > 0) return not_compared;
         return way == Way::uneven ? pi / 4 : pi / 6;
     }
 

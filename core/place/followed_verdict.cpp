@@ -8,6 +8,8 @@
 #include "pcm/place/inner_points.h"
 #include "pcm/place/near_bend.h"
 #include "pcm/place/station_departure.h"
+#include "pcm/place/station_sample.h"
+#include "pcm/place/station_sides.h"
 #include "pcm/place/tuning.h"
 #include "pcm/system/progress_part.h"
 #include "pcm/system/text.h"
@@ -119,6 +121,8 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
     const SurfaceEvidence of_all = surface_evidence(fit.shape, spread_of(fit), resolution(), fitted);
     if (of_all.has_two_peaks() && !is_of_stations(noise, of_all, followed.part, result))
         return doubt(fit, FitIssue::other_surface, of_all.message());
+    doubt_sides(noise, result);
+    if (fit.verdict != FitVerdict::good) return;
     if (is_far_above_close_noise(fit, noise, evidence.bend, result.near))
         return doubt(fit, FitIssue::other_surface,
                      "its points leave it by " + brief(noise) + ", those next to each other at the place by " +
@@ -137,6 +141,22 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
     if (!passes_places(fit, result.near))
         return doubt(fit, FitIssue::no_consensus,
                      "it does not pass through the place that was picked: pick another place of the surface");
+}
+
+void FollowedVerdict::doubt_sides(double noise, FittedPrimitive& result)
+{
+    ShapeFit& fit = result.primitive.fit;
+    if (!traits_of(fit.shape.kind).is_flat() || !around_.are_named()) return;
+    const double smooth = around_.survey().noise();
+    if (!(noise > place_tuning().sides.min_noise * smooth)) return;
+    const StationSides sides =
+        station_sides(fit.shape, station_sample(result.points, around_.points(), most_departing, options_.threads,
+                                                part_of(progress_, 0.94, 0.94)));
+    if (!sides.are_two(smooth, stations().most_spread)) return;
+    doubt(fit, FitIssue::other_surface,
+          "some stations see it " + brief(sides.apart) +
+              " from where the others do, so it may lie between the two faces of a plate: pick a place where one face "
+              "has more points, or give a threshold");
 }
 
 void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around,

@@ -76,6 +76,8 @@ private:
     void doubt_bent(const FollowedPoints& followed, double noise, FittedPrimitive& result);
     // Growth has ended with the rounds, not with the shape.
     void doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const;
+    // Stations see the plane from two sides.
+    void doubt_sides(double noise, FittedPrimitive& result);
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near);
     bool passes_places(const ShapeFit& fit, const NearPoints& near) const;
     std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,

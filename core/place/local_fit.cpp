@@ -432,10 +432,12 @@ private:
         }
     }
 
-    // The surface has no points farther away than its noise.
+    // The surface has no points farther away than its noise. That of the closest points is less, unless they are those
+    // of several surfaces.
     void narrow(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
     {
-        const double enough = std::max(noise_, fit_tuning().thresholds.inlier_noises * 1.1 * best.noise);
+        double enough = fit_tuning().thresholds.inlier_noises * 1.1 * best.noise;
+        if (noise_ <= tuned_.max_noise_ratio * enough) enough = std::max(noise_, enough);
         if (options_.fit.threshold > 0 || !best.has_shape() || !(enough < best.threshold)) return;
         options.threshold = enough;
         options.progress = part_of(options_.progress, at, at);

@@ -342,6 +342,16 @@ std::vector<StationEvidence> StationSurvey::parts() const
     return parts;
 }
 
+double StationSurvey::noise() const
+{
+    if (patches.empty()) return 0;
+    std::vector<double> noises;
+    for (const StationPatch& patch : patches) noises.push_back(patch.noise);
+    const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
+    std::nth_element(noises.begin(), middle, noises.end());
+    return *middle;
+}
+
 StationEvidence StationSurvey::evidence(const StationEvidence& known) const
 {
     return agreeing_evidence(known, parts());

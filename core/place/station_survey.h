@@ -35,6 +35,7 @@ struct StationSurvey {
     // thick.
     StationEvidence evidence(const StationEvidence& known = {}) const;
     std::vector<StationEvidence> parts() const;  // one for each patch
+    double noise() const;                        // median of the patches', source units; 0: there are none
 };
 
 // The points of the node at the place and of the nodes above it, in the box of the lowest of these, then of the next

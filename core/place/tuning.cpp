@@ -115,13 +115,19 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
     }};
 }
 
-using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, CornerAtPlaceTuning>>;
+using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, ThinPipeTuning>>;
 ValuesOfEdges values_of_edges(PlaceTuning& place)
 {
     return {{
         PCM_TUNED(place.faces.min_gap),
         PCM_TUNED(place.faces.min_share),
         PCM_TUNED(place.faces.max_others),
+        PCM_TUNED(place.sides.min_points),
+        PCM_TUNED(place.sides.min_noises),
+        PCM_TUNED(place.sides.min_spreads),
+        PCM_TUNED(place.sides.min_gap),
+        PCM_TUNED(place.sides.min_share),
+        PCM_TUNED(place.sides.min_noise),
         PCM_TUNED(place.corners.plane_noises),
         PCM_TUNED(place.corners.reach_noises),
         PCM_TUNED(place.corners.min_share),
@@ -129,6 +135,7 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.corners.max_within),
         PCM_TUNED(place.corners.min_back),
         PCM_TUNED(place.corners.min_held),
+        PCM_TUNED(place.corners.min_held_to_doubt),
         PCM_TUNED(place.corners.min_held_of_curved),
         PCM_TUNED(place.corners.min_back_near),
         PCM_TUNED(place.corners.min_spread),
@@ -136,6 +143,24 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.corners.min_edge_share),
         PCM_TUNED(place.corners.min_margin),
         PCM_TUNED(place.corners.max_angle),
+        PCM_TUNED(place.thin_pipes.points),
+        PCM_TUNED(place.thin_pipes.step_growth),
+        PCM_TUNED(place.thin_pipes.min_elongation),
+        PCM_TUNED(place.thin_pipes.reach),
+        PCM_TUNED(place.thin_pipes.max_radius),
+        PCM_TUNED(place.thin_pipes.sizes),
+        PCM_TUNED(place.thin_pipes.min_radius),
+        PCM_TUNED(place.thin_pipes.circle_share),
+        PCM_TUNED(place.thin_pipes.max_threshold),
+        PCM_TUNED(place.thin_pipes.beside),
+        PCM_TUNED(place.thin_pipes.beside_radii),
+        PCM_TUNED(place.thin_pipes.max_beside),
+        PCM_TUNED(place.thin_pipes.min_piece),
+        PCM_TUNED(place.thin_pipes.min_points),
+        PCM_TUNED(place.thin_pipes.min_circle),
+        PCM_TUNED(place.thin_pipes.max_change),
+        PCM_TUNED(place.thin_pipes.min_noise),
+        PCM_TUNED(place.thin_pipes.max_noise),
     }};
 }
 

@@ -4,6 +4,8 @@
 // fit/tuning.h: the distance of an inlier, the share of chance points.
 #pragma once
 
+#include "pcm/place/edge_tuning.h"
+
 #include <cstddef>
 
 namespace pcm {
@@ -336,65 +338,6 @@ struct FollowingTuning {
     double less_agreement = 0.5;  // factor on the agreement of the first kind
 };
 
-// The face of a plate whose other face has more points (face_at_place.h).
-struct FaceTuning {
-    // Minimum distance between the faces.
-    // Chosen: twelve plates of 8 to 25 mm that stations 1.5 mm apart see from both sides; not swept.
-    double min_gap = 1.2;  // thresholds
-    // Minimum share of the nearest points that lie on the face at the place: those plates have 0.14 to 0.45.
-    // Chosen: as min_gap; not swept.
-    double min_share = 0.1;  // share of the points
-    // Maximum share of points on neither face: edges of plates, noise beyond the thresholds.
-    // Chosen: as min_gap; not swept.
-    double max_others = 0.25;  // share of the points
-};
-
-// The corner at a place (corner_at_place.h).
-struct CornerAtPlaceTuning {
-    // Maximum distance of a plane's points: less than that of inliers, since the faces of a plate are close together.
-    // Chosen: 95 % of normal noise; not swept.
-    double plane_noises = 2;  // standard deviations of the noise
-    // Maximum distance of the points that belong to a face.
-    // Chosen: as evidence.spread_noises; not swept.
-    double reach_noises = 3.3;  // standard deviations of the noise
-    // Minimum share of the nearest points that lie on the widest face.
-    // Chosen: as neighbourhood.min_share; not swept.
-    double min_share = 0.2;  // share of the points
-    // Share of the points that lie beyond the border of their plane: mixed pixels.
-    // Chosen: not swept.
-    double beyond_border = 0.01;  // share of the points on the plane
-    // Maximum distance of the place from the border, inwards.
-    // Chosen: as reach_noises; not swept.
-    double max_within = 3;  // standard deviations of the noise
-    // Minimum share of the points that the back of a plate has, away from its edge.
-    // Chosen: as faces.min_share; not swept.
-    double min_back = 0.05;  // share of the points
-    // Minimum share of the nearest points that lie on the faces of a corner.
-    // Chosen: pipes as corners hold 0.3 to 0.7; narrow faces of beams among others 0.56 and more; not swept.
-    double min_held = 0.55;  // share of the points
-    // The same where the shape of most points is curved.
-    // Chosen: as min_held; not swept.
-    double min_held_of_curved = 0.75;  // share of the points
-    // Share of the points behind the face that lie on its back where there is one.
-    // Chosen: not swept.
-    double min_back_near = 0.6;  // share of the points behind the face
-    // Minimum standard deviation of the points along a direction in which they tilt a plane.
-    // Chosen: as reach_noises; not swept.
-    double min_spread = 3;  // standard deviations of the noise
-    // Minimum number of points that show a face: noise has few.
-    // Chosen: not swept.
-    double min_edge_points = 8;  // points
-    // Minimum number of these relative to the points of other faces next to it: the noise of those makes 0.2.
-    // Chosen: one of six points is a standard deviation behind a face by chance; not swept.
-    double min_edge_share = 0.35;  // points next to the face
-    // Minimum margin of a place on a face.
-    // Chosen: not swept.
-    double min_margin = 2;  // standard deviations of the noise
-    // Maximum angle between planes that are one.
-    // Chosen: not swept.
-    double max_angle = 0.35;  // radians
-};
-
 // Which points are of which station of a scanner, where no attribute says it (point_stations.h).
 struct StationTuning {
     // Parts of a tree whose coarsest points are looked at.
@@ -467,7 +410,9 @@ struct PlaceTuning {
     TurnedTuning turned;
     FollowingTuning following;
     FaceTuning faces;
+    SideTuning sides;
     CornerAtPlaceTuning corners;
+    ThinPipeTuning thin_pipes;
     StationTuning stations;
     PatchTuning patches;
 };

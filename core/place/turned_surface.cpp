@@ -241,6 +241,12 @@ double TurnedSurface::edge_for(double step, double noise)
     return std::max(step / 3, place_tuning().turned.cube_noises * noise);
 }
 
+bool TurnedSurface::is_shown_on(const Shape& shape, double edge)
+{
+    const double narrowest = narrowest_radius(shape);
+    return !(narrowest > 0) || narrowest >= place_tuning().turned.counted * edge;
+}
+
 std::unique_ptr<SurroundingsTest::Judge> TurnedSurface::judge() const
 {
     return std::make_unique<BlockJudge>(shape_, edge_, angle_, corner_);

@@ -1,8 +1,8 @@
 // Pipes of which a plane finds a strip first, and strips that are flat.
 
 #include "pcm/detect/hypotheses.h"
-#include "pcm/detect/pipe_start.h"
 #include "pcm/detect/shape_search.h"
+#include "pcm/fit/pipe_start.h"
 
 #include "tests/place/shape_cloud.h"
 

@@ -415,21 +415,21 @@ def tuned_structs(text):
 
 
 def check_tuning(sources):
-    """`sources`: name -> text. The form of core/ROOM/tuning.h, and that each of its values is read and swept."""
+    """`sources`: name -> text. The form of core/ROOM/tuning.h and of its parts, core/ROOM/PART_tuning.h, and that each of its values is read and swept."""
     complaints = []
     # What each source of core reads: ROOM_tuning().MEMBER.VALUE, and tuned.VALUE where the struct or the member is named.
     core = [(set(re.findall(r"\w+_tuning\(\)\.\w+\.\w+", text)), set(re.findall(r"\w+_tuning\(\)\.\w+", text)),
              set(re.findall(r"\btuned_?\.(\w+)", text)), set(re.findall(r"\w+", text)))
-            for name, text in sources.items() if name.startswith("core/") and not re.search(r"/(tuning|tuned_values)\.(h|cpp)$", name)]
+            for name, text in sources.items() if name.startswith("core/") and not re.search(r"/((\w+_)?tuning|tuned_values)\.(h|cpp)$", name)]
     for file, text in sources.items():
-        found = re.fullmatch(r"core/(\w+)/tuning\.h", file)
+        found = re.fullmatch(r"core/(\w+)/(?:\w+_)?tuning\.h", file)
         if not found:
             continue
         room = found[1]
         if f'#include "pcm/{room}/tuned_values.h"' not in sources.get("bench/sweep/sweep.cpp", ""):
             complaints.append(f"bench/sweep/sweep.cpp: --sweep does not know the values of {file}")
         for struct, values in tuned_structs(text).items():
-            member = re.search(rf"^    {struct} (\w+);", text, re.MULTILINE)
+            member = re.search(rf"^    {struct} (\w+);", sources.get(f"core/{room}/tuning.h", ""), re.MULTILINE)
             if not member:
                 complaints.append(f"{file}: {struct} is not a member of the room's struct")
                 continue

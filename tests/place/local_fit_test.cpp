@@ -183,4 +183,22 @@ TEST(FitAtGrown, PCM_NOT_UNDER_THREAD(NoiseFarAboveThatOfThePlaceIsDoubtful))
     EXPECT_GT(right.points.size(), 59000u);
 }
 
+// Where a flange has a web below, the closest points are those of three faces; the threshold is that of the flange's
+// own noise all the same, so that the web's faces do not tilt it.
+TEST_F(LocalFitTest, TheThresholdIsThatOfTheSurfaceWhereOthersMeetIt)
+{
+    add(6000, {-0.1, -1, 0}, {0.2, 0, 0}, {0, 2, 0});
+    for (const double x : {-0.012, 0.012}) add(9000, {x, -1, -0.004}, {0, 2, 0}, {0, 0, -0.3});
+    build();
+    LocalFitOptions options;
+    for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+    for (const double y : {-0.3, 0.0, 0.3}) {
+        const LocalFit local = fit_locally(*cloud_, {{0.02, y, 0}}, options);
+        ASSERT_TRUE(local.fit.has_shape());
+        ASSERT_EQ(local.fit.shape.kind, ShapeKind::plane);
+        EXPECT_GT(std::fabs(local.fit.shape.axis[2]), 0.999);
+        EXPECT_LT(local.fit.threshold, 4.5 * sigma) << y;
+    }
+}
+
 }  // namespace

@@ -202,4 +202,19 @@ TEST(EvenNoiseTest, TheFTestHasItsLevel)
     EXPECT_FALSE(is_more_noise(0.5, 20, 1, 20));
 }
 
+// Blocks of 27 cubes do not show the surface of what is thinner than they are; planes they always do.
+TEST(TurnedSurface, IsNotShownOnThinPipes)
+{
+    pcm::Shape shape;
+    EXPECT_TRUE(TurnedSurface::is_shown_on(shape, 10));
+    shape.kind = ShapeKind::cylinder;
+    shape.radius = 0.02;
+    EXPECT_TRUE(TurnedSurface::is_shown_on(shape, 0.013));
+    EXPECT_FALSE(TurnedSurface::is_shown_on(shape, 0.014));
+    shape.kind = ShapeKind::torus;
+    shape.radius = 1;
+    shape.second = 0.02;
+    EXPECT_FALSE(TurnedSurface::is_shown_on(shape, 0.014));
+}
+
 }  // namespace

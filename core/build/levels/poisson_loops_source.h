@@ -23,7 +23,13 @@ Lanes lanes_at(const float* from)
 
 bool any(Flags flags)
 {
-#if defined(__AVX512F__)
+#if defined(__AVX512F__) && defined(__clang__)
+    using Half = std::int32_t __attribute__((vector_size(32)));
+    using HalfLanes = float __attribute__((vector_size(32)));
+    Half halves[2];
+    __builtin_memcpy(halves, &flags, sizeof flags);
+    return __builtin_ia32_movmskps256(reinterpret_cast<HalfLanes>(halves[0] | halves[1])) != 0;
+#elif defined(__AVX512F__)
     using Bits = long long __attribute__((vector_size(64)));
     return __builtin_ia32_ptestmq512(reinterpret_cast<Bits>(flags), reinterpret_cast<Bits>(flags), 0xff) != 0;
 #elif defined(__AVX2__)

@@ -1,5 +1,5 @@
 // Clicks next to the edges of plates and posts.
-#include "pcm/place/edge_answers.h"
+#include "pcm/place/other_answers.h"
 
 #include "pcm/place/fit_at.h"
 #include "tests/place/shape_cloud.h"
@@ -36,7 +36,7 @@ std::vector<SurfacePoint> box_along_z(double x, double y, double z, Dice& dice)
     return points;
 }
 
-class EdgeAnswersTest : public testing::Test {
+class OtherAnswersTest : public testing::Test {
 protected:
     ShapeFit answer(const std::vector<SurfacePoint>& points, const Vec3d& offset)
     {
@@ -53,7 +53,7 @@ protected:
 };
 
 // The edge of a plate of 10 mm, 1.6 m long, is no wider than points of the faces next to it may move it.
-TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(TheNarrowEdgeOfAPlateIsAnsweredAndDoubted))
+TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(TheNarrowEdgeOfAPlateIsAnsweredAndDoubted))
 {
     for (const std::uint64_t seed : {1, 2, 3}) {
         Dice dice(seed);
@@ -68,7 +68,7 @@ TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(TheNarrowEdgeOfAPlateIsAnswered
 }
 
 // Half a standard deviation from an edge of a post, no plane is good; 20 mm away all are.
-TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(PlacesOnAnEdgeAreDoubted))
+TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(PlacesOnAnEdgeAreDoubted))
 {
     for (const std::uint64_t seed : {1, 2, 3}) {
         Dice dice(seed);
@@ -82,7 +82,7 @@ TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(PlacesOnAnEdgeAreDoubted))
 }
 
 // Four standard deviations from the edge of a post, the face at the place.
-TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(AFaceNextToAnEdgeIsAnswered))
+TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(AFaceNextToAnEdgeIsAnswered))
 {
     for (const std::uint64_t seed : {1, 2, 3}) {
         Dice dice(seed);
@@ -96,7 +96,7 @@ TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(AFaceNextToAnEdgeIsAnswered))
 }
 
 // Planes next to each other hold the points of a pipe, too.
-TEST_F(EdgeAnswersTest, PCM_NOT_UNDER_SANITIZERS(APipeStaysAPipe))
+TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(APipeStaysAPipe))
 {
     Dice dice(7);
     pcm::Shape pipe;

@@ -1,9 +1,10 @@
-#include "pcm/place/edge_answers.h"
+#include "pcm/place/other_answers.h"
 
 #include "pcm/place/corner_at_place.h"
 #include "pcm/place/face_at_place.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/one_surface.h"
+#include "pcm/place/thin_pipe.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/shape.h"
 
@@ -17,6 +18,16 @@ bool is_good(const FittedPrimitive& found) { return found.primitive.fit.verdict 
 
 bool is_flat(const FittedPrimitive& found) { return traits_of(found.primitive.fit.shape.kind).is_flat(); }
 
+// Whether a thin pipe is still the same one where it was followed. Among the noise of a surface are pieces of pipes by
+// chance.
+bool is_followed(const FittedPrimitive& thin, double most_noise)
+{
+    const ShapeFit& fit = thin.primitive.fit;
+    const double most = place_tuning().thin_pipes.max_change, radius = thin.local.shape.radius;
+    return fit.shape.kind == ShapeKind::cylinder && fit.noise < most_noise && fit.shape.radius < most * radius &&
+           radius < most * fit.shape.radius;
+}
+
 void doubt_narrow(ShapeFit& fit)
 {
     if (fit.verdict != FitVerdict::good) return;
@@ -26,7 +37,17 @@ void doubt_narrow(ShapeFit& fit)
 
 }  // namespace
 
-FittedPrimitive EdgeAnswers::or_face(FittedPrimitive found) const
+FittedPrimitive OtherAnswers::or_thin_pipe(FittedPrimitive found) const
+{
+    if (is_good(found) && found.primitive.fit.noise < place_tuning().thin_pipes.min_noise * smooth_noise_) return found;
+    const double most = is_good(found) ? place_tuning().thin_pipes.max_noise * found.primitive.fit.noise : infinity;
+    std::optional<LocalFit> pipe = fit_thin_pipe(cloud_, place_, options_, most);
+    if (!pipe) return found;
+    FittedPrimitive thin = follow_(std::move(*pipe), {});
+    return is_good(thin) && is_followed(thin, most) ? thin : found;
+}
+
+FittedPrimitive OtherAnswers::or_face(FittedPrimitive found) const
 {
     const bool may_be_two = !is_flat(found) && found.agreement > place_tuning().following.max_other_agreement;
     if (is_good(found) && !may_be_two) return found;
@@ -36,7 +57,7 @@ FittedPrimitive EdgeAnswers::or_face(FittedPrimitive found) const
     return is_good(of_face) ? of_face : found;
 }
 
-FittedPrimitive EdgeAnswers::or_corner(FittedPrimitive found) const
+FittedPrimitive OtherAnswers::or_corner(FittedPrimitive found) const
 {
     if (is_good(found) && !is_flat(found)) return found;
     std::optional<CornerFace> at = fit_corner(cloud_, place_, options_);
@@ -61,7 +82,7 @@ FittedPrimitive EdgeAnswers::or_corner(FittedPrimitive found) const
     return found;
 }
 
-bool EdgeAnswers::is_plane(const Primitive& found, const Shape& plane) const
+bool OtherAnswers::is_plane(const Primitive& found, const Shape& plane) const
 {
     const ShapeFit& fit = found.fit;
     return fit.has_shape() && fit.shape.kind == ShapeKind::plane &&

@@ -1,4 +1,4 @@
-#include "pcm/detect/pipe_start.h"
+#include "pcm/fit/pipe_start.h"
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/shapes/axis_frame.h"

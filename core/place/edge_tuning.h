@@ -1,0 +1,152 @@
+// The numbers, as in tuning.h, of places whose nearest points are not those of one surface: next to edges, on plates,
+// and on pipes side by side.
+#pragma once
+
+#include <cstddef>
+
+namespace pcm {
+
+// The face of a plate whose other face has more points (face_at_place.h).
+struct FaceTuning {
+    // Minimum distance between the faces.
+    // Chosen: twelve plates of 8 to 25 mm that stations 1.5 mm apart see from both sides; not swept.
+    double min_gap = 1.2;  // thresholds
+    // Minimum share of the nearest points that lie on the face at the place: those plates have 0.14 to 0.45.
+    // Chosen: as min_gap; not swept.
+    double min_share = 0.1;  // share of the points
+    // Maximum share of points on neither face: edges of plates, noise beyond the thresholds.
+    // Chosen: as min_gap; not swept.
+    double max_others = 0.25;  // share of the points
+};
+
+// Whether stations see a plane from two sides (station_sides.h).
+struct SideTuning {
+    // Minimum number of points of a station.
+    // Chosen: not swept.
+    double min_points = 20;  // points
+    // Minimum distance between the groups: webs of beams have 5 noises where stations are not apart, other planes up to
+    // 1.8 times noise and spread together.
+    // Chosen: 80 planes of four ray-cast plants, with stations 1.5 mm apart and none; not swept.
+    double min_noises = 2.2;  // standard deviations of the points
+    // The same relative to how far stations are apart; both are added in quadrature.
+    // Chosen: of single faces that three stations see far apart one of twelve is taken for two; not swept.
+    double min_spreads = 2.8;  // standard deviations of the stations
+    // Minimum gap between them: those webs have 0.5 to 0.97.
+    // Chosen: as min_noises; not swept.
+    double min_gap = 0.45;  // distances between the groups
+    // Minimum share of the points of the smaller group. Fewer are of an edge, or of what stands next to the plane.
+    // Chosen: not swept.
+    double min_share = 0.1;  // share of the points
+    // Minimum noise of planes that are looked at.
+    // Chosen: not swept.
+    double min_noise = 1.2;  // noise of smooth surfaces around
+};
+
+// The corner at a place (corner_at_place.h).
+struct CornerAtPlaceTuning {
+    // Maximum distance of a plane's points: less than that of inliers, since the faces of a plate are close together.
+    // Chosen: 95 % of normal noise; not swept.
+    double plane_noises = 2;  // standard deviations of the noise
+    // Maximum distance of the points that belong to a face.
+    // Chosen: as evidence.spread_noises; not swept.
+    double reach_noises = 3.3;  // standard deviations of the noise
+    // Minimum share of the nearest points that lie on the widest face.
+    // Chosen: as neighbourhood.min_share; not swept.
+    double min_share = 0.2;  // share of the points
+    // Share of the points that lie beyond the border of their plane: mixed pixels.
+    // Chosen: not swept.
+    double beyond_border = 0.01;  // share of the points on the plane
+    // Maximum distance of the place from the border, inwards.
+    // Chosen: as reach_noises; not swept.
+    double max_within = 3;  // standard deviations of the noise
+    // Minimum share of the points that the back of a plate has, away from its edge.
+    // Chosen: as faces.min_share; not swept.
+    double min_back = 0.05;  // share of the points
+    // Minimum share of the nearest points that lie on the faces of a corner.
+    // Chosen: pipes as corners hold 0.3 to 0.7; narrow faces of beams among others 0.56 and more; not swept.
+    double min_held = 0.55;  // share of the points
+    // The same where they show that a place on a plane may lie on the face next to it.
+    // Chosen: below min_held; not swept.
+    double min_held_to_doubt = 0.3;  // share of the points
+    // The same where the shape of most points is curved.
+    // Chosen: as min_held; not swept.
+    double min_held_of_curved = 0.75;  // share of the points
+    // Share of the points behind the face that lie on its back where there is one.
+    // Chosen: not swept.
+    double min_back_near = 0.6;  // share of the points behind the face
+    // Minimum standard deviation of the points along a direction in which they tilt a plane.
+    // Chosen: as reach_noises; not swept.
+    double min_spread = 3;  // standard deviations of the noise
+    // Minimum number of points that show a face: noise has few.
+    // Chosen: not swept.
+    double min_edge_points = 8;  // points
+    // Minimum number of these relative to the points of other faces next to it: the noise of those makes 0.2.
+    // Chosen: one of six points is a standard deviation behind a face by chance; not swept.
+    double min_edge_share = 0.35;  // points next to the face
+    // Minimum margin of a place on a face.
+    // Chosen: not swept.
+    double min_margin = 2;  // standard deviations of the noise
+    // Maximum angle between planes that are one.
+    // Chosen: not swept.
+    double max_angle = 0.35;  // radians
+};
+
+// A pipe that is thin relative to the distance of points (thin_pipe.h).
+struct ThinPipeTuning {
+    // Points around the place.
+    // Chosen: not swept.
+    std::size_t points = 2000;  // points
+    // Growth of the step that connects points, from their spacing on.
+    // Chosen: not swept.
+    double step_growth = 1.2;  // factor
+    // Minimum standard deviation of connected points along their line.
+    // Chosen: as detect.pipes.min_elongation; not swept.
+    double min_elongation = 3;  // standard deviations across it
+    // Length of the first piece of a pipe, to both sides of the place.
+    // Chosen: not swept.
+    double reach = 10;  // spacings
+    // Maximum radius: others are found by their points' neighbours.
+    // Chosen: not swept.
+    double max_radius = 6;  // spacings
+    // Ratio of the radii of two sizes, of each of which the best circle is tried.
+    // Chosen: not swept.
+    double sizes = 1.4;  // factor
+    // Minimum radius.
+    // Chosen: not swept.
+    double min_radius = 3;  // standard deviations of the noise
+    // Maximum distance of a point from the first circle.
+    // Chosen: not swept.
+    double circle_share = 0.2;  // radii
+    // Maximum threshold of a pipe.
+    // Chosen: not swept.
+    double max_threshold = 0.5;  // radii
+    // Distance up to which other points count against a pipe, outwards; all inside do.
+    // Chosen: not swept.
+    double beside = 3;  // thresholds
+    // The same relative to the size: in the noise of a surface are thinner pipes by chance.
+    // Chosen: gaps of racks are wider; not swept.
+    double beside_radii = 0.75;  // radii
+    // Maximum number of those.
+    // Chosen: not swept.
+    double max_beside = 0.4;  // points on the pipe
+    // Minimum number of points of its first piece.
+    // Chosen: not swept.
+    double min_piece = 12;  // points
+    // Minimum number of points on it.
+    // Chosen: not swept.
+    std::size_t min_points = 30;  // points
+    // Minimum part of its circle that has points: edges of posts have a quarter and more.
+    // Chosen: by one of those; not swept.
+    double min_circle = 0.4;  // turns
+    // Maximum change of its radius where it is followed.
+    // Chosen: not swept.
+    double max_change = 1.5;  // factor
+    // Minimum noise of a good shape that it is tried for: crowns of racks have 3 and more.
+    // Chosen: not swept.
+    double min_noise = 2;  // noise of smooth surfaces around
+    // Maximum noise relative to that of another shape at the place.
+    // Chosen: as neighbourhood.max_noise_ratio; not swept.
+    double max_noise = 0.5;  // noise of the other shape
+};
+
+}  // namespace pcm
