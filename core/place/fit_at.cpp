@@ -1,5 +1,6 @@
 #include "pcm/place/fit_at.h"
 
+#include "pcm/cloud/condition.h"
 #include "pcm/cloud/numbers.h"
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/tuning.h"
@@ -105,7 +106,7 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            return or_elbow(or_other(best_of_thresholds()));
+            return or_elbow(or_other(or_side(best_of_thresholds())));
         } catch (const Error& error) {
             if (error.code() != ErrorCode::cancelled || !is_late_) throw;
         }
@@ -116,6 +117,22 @@ private:
                   result.left_surface +
                       " before it was followed through the cloud: these are the points around the place alone");
         return result;
+    }
+
+    // Where it lies between the two faces of a plate, the one that the stations at the place see.
+    FittedPrimitive or_side(FittedPrimitive found)
+    {
+        const bool is_known = !stations_at_place_.empty() && around_.points().source() == StationSource::attribute;
+        if (found.primitive.fit.verdict == FitVerdict::good || !is_known) return found;
+        std::string chosen = around_.points().attribute() + '=';
+        for (const std::uint32_t station : std::exchange(stations_at_place_, {}))
+            chosen += (chosen.back() == '=' ? "" : ",") + std::to_string(station);
+        limit_.where.push_back(parse_condition(chosen));
+        FittedPrimitive side = best_of_thresholds();
+        limit_.where.pop_back();
+        if (side.primitive.fit.verdict != FitVerdict::good) return found;
+        side.notes.push_back("it is the face of a plate that some stations see: points with " + chosen);
+        return side;
     }
 
     // Where a pipe bends at the place, the elbow if that has the place.
@@ -198,13 +215,13 @@ private:
             follow_next_kind(std::move(wide), way, of_wide);
         if (!narrow) return of_wide;
         const bool is_good = of_wide.primitive.fit.verdict == FitVerdict::good;
-        if (is_good && has_points_of(*narrow, of_wide.primitive.fit.shape)) return of_wide;
+        if (is_good && holds_inliers(of_wide.primitive.fit.shape, *narrow)) return of_wide;
         FittedPrimitive of_narrow = followed(std::move(*narrow), Way::narrow, 0.65, 1);
         return is_good && of_narrow.primitive.fit.verdict != FitVerdict::good ? of_wide : of_narrow;
     }
 
-    // Growth shows what the places' neighbourhoods are too small for: that a plane is an arc, a cylinder a cone. Errors
-    // that neighbours share with that kind, too, are those of the scanner: then the first one's verdict stands.
+    // Growth shows what neighbourhoods are too small for: that a plane is an arc, a cylinder a cone. Errors that
+    // neighbours share with that kind, too, are those of the scanner: then the first one's verdict stands.
     void follow_other_kind(LocalFit local, Way way, FittedPrimitive& result)
     {
         const std::string other_doubt = other_doubt_;
@@ -255,21 +272,6 @@ private:
         const auto is_own = [&](const Vec3d& p) { return found.part->has(p); };
         return found.part ? points_where(found.points, is_own, options_.threads, part_of(options_.progress, 0.9, 0.9))
                           : found.points;
-    }
-
-    static void doubt_kind(const std::string& why, ShapeFit& fit)
-    {
-        if (fit.verdict == FitVerdict::good) doubt(fit, FitIssue::other_surface, why);
-    }
-
-    // Whether a shape holds a fit's inliers, within noise that differs from place to place.
-    static bool has_points_of(const LocalFit& local, const Shape& shape)
-    {
-        double squares = 0;
-        for (std::size_t i = 0; i < local.near.ids.size(); ++i)
-            if (local.fit.is_inlier[i]) squares += std::pow(distance_to(shape, local.near.points.source(i)), 2);
-        const double most = place_tuning().following.max_noise_growth * local.fit.noise;
-        return squares <= most * most * static_cast<double>(local.fit.inliers);
     }
 
     LocalFitOptions local_options() const
@@ -420,17 +422,6 @@ private:
         result = std::move(followed);
     }
 
-    // What the shape was before it was followed.
-    static void come_back(const std::string& why, FitIssue issue, FittedPrimitive& result)
-    {
-        result.left_surface = why;
-        ShapeFit& fit = result.primitive.fit;
-        if (fit.verdict != FitVerdict::good) return;
-        doubt(fit, issue,
-              "followed through the cloud it left the surface (" + why +
-                  "): these are the points around the place alone");
-    }
-
     void take_grown(GrownShape grown, FittedPrimitive& result)
     {
         result.agreement = grown.agreement;
@@ -454,6 +445,7 @@ private:
         other_doubt_ = verdict.other_doubt();
         cuts_noise_ = verdict.cuts_noise();
         place_on_bend_ = verdict.place_on_bend();
+        stations_at_place_ = verdict.stations_at_place();
     }
 
     static void keep_reached_seeds(FittedPrimitive& result)
@@ -483,9 +475,10 @@ private:
     KnownErrors known_;
     std::optional<ShapeFit> other_kind_;  // FollowedVerdict::other_kind()
     std::string other_doubt_;
-    double agreement_ = 1;                // GrownShape::agreement of the last one
-    std::optional<Vec3d> place_on_bend_;  // FollowedVerdict::place_on_bend() of the last one
-    bool is_other_place_ = false;         // whether the place is one of a bend next to the place that was picked
+    double agreement_ = 1;                          // GrownShape::agreement of the last one
+    std::optional<Vec3d> place_on_bend_;            // FollowedVerdict::place_on_bend() of the last one
+    std::vector<std::uint32_t> stations_at_place_;  // FollowedVerdict::stations_at_place() of the last one
+    bool is_other_place_ = false;  // whether the place is one of a bend next to the place that was picked
 };
 
 }  // namespace

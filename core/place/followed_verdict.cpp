@@ -63,6 +63,20 @@ void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
     fit.message = message;
 }
 
+void doubt_kind(const std::string& why, ShapeFit& fit)
+{
+    if (fit.verdict == FitVerdict::good) doubt(fit, FitIssue::other_surface, why);
+}
+
+void come_back(const std::string& why, FitIssue issue, FittedPrimitive& result)
+{
+    result.left_surface = why;
+    ShapeFit& fit = result.primitive.fit;
+    if (fit.verdict != FitVerdict::good) return;
+    doubt(fit, issue,
+          "followed through the cloud it left the surface (" + why + "): these are the points around the place alone");
+}
+
 FollowedVerdict::FollowedVerdict(const PointCloud& cloud, const std::vector<Vec3d>& places, const FitAtOptions& options,
                                  const KnownErrors& known, StationsAround& around, const ProgressFunction& progress)
     : cloud_(cloud), places_(places), options_(options), known_(known), around_(around), progress_(progress)
@@ -114,6 +128,8 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
 {
     ShapeFit& fit = result.primitive.fit;
     const double noise = followed.part ? fit.noise : followed.noise;
+    doubt_sides(noise, result);
+    if (fit.verdict != FitVerdict::good) return;
     const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution(), around);
     if (!evidence.is_one_surface() && !is_of_stations(noise, evidence, followed.part, result))
         return doubt(fit, FitIssue::other_surface, evidence.message());
@@ -121,8 +137,6 @@ void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vec
     const SurfaceEvidence of_all = surface_evidence(fit.shape, spread_of(fit), resolution(), fitted);
     if (of_all.has_two_peaks() && !is_of_stations(noise, of_all, followed.part, result))
         return doubt(fit, FitIssue::other_surface, of_all.message());
-    doubt_sides(noise, result);
-    if (fit.verdict != FitVerdict::good) return;
     if (is_far_above_close_noise(fit, noise, evidence.bend, result.near))
         return doubt(fit, FitIssue::other_surface,
                      "its points leave it by " + brief(noise) + ", those next to each other at the place by " +
@@ -153,6 +167,7 @@ void FollowedVerdict::doubt_sides(double noise, FittedPrimitive& result)
         station_sides(fit.shape, station_sample(result.points, around_.points(), most_departing, options_.threads,
                                                 part_of(progress_, 0.94, 0.94)));
     if (!sides.are_two(smooth, stations().most_spread)) return;
+    stations_at_place_ = signed_distance(fit.shape, places_.front()) > sides.middle ? sides.above : sides.below;
     doubt(fit, FitIssue::other_surface,
           "some stations see it " + brief(sides.apart) +
               " from where the others do, so it may lie between the two faces of a plate: pick a place where one face "

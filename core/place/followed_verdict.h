@@ -17,6 +17,9 @@
 namespace pcm {
 
 void doubt(ShapeFit& fit, FitIssue issue, const std::string& message);
+void doubt_kind(const std::string& why, ShapeFit& fit);  // a good fit
+// The shape that it was before it was followed, which it has left.
+void come_back(const std::string& why, FitIssue issue, FittedPrimitive& result);
 
 // The points as growth left them.
 struct FollowedPoints {
@@ -50,6 +53,8 @@ public:
     const std::string& other_doubt() const { return other_doubt_; }
     // A point of the bend, where the place may lie on that.
     const std::optional<Vec3d>& place_on_bend() const { return place_on_bend_; }
+    // The stations that see the face at the place, where it was doubted as the middle of a plate.
+    const std::vector<std::uint32_t>& stations_at_place() const { return stations_at_place_; }
     // Whether it was doubted because the threshold cuts the noise of its points.
     bool cuts_noise() const { return cuts_noise_; }
 
@@ -100,6 +105,7 @@ private:
     std::optional<ShapeFit> other_;
     std::string other_doubt_;
     std::optional<Vec3d> place_on_bend_;
+    std::vector<std::uint32_t> stations_at_place_;
     bool cuts_noise_ = false;
     std::optional<Stations> stations_;  // once they were looked for
 };

@@ -458,6 +458,15 @@ private:
 
 }  // namespace
 
+bool holds_inliers(const Shape& shape, const LocalFit& local)
+{
+    double squares = 0;
+    for (std::size_t i = 0; i < local.near.ids.size(); ++i)
+        if (local.fit.is_inlier[i]) squares += std::pow(distance_to(shape, local.near.points.source(i)), 2);
+    const double most = place_tuning().following.max_noise_growth * local.fit.noise;
+    return squares <= most * most * static_cast<double>(local.fit.inliers);
+}
+
 LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, const LocalFitOptions& options)
 {
     return LocalSearch(cloud, places, options).run();

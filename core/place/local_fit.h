@@ -45,6 +45,9 @@ struct LocalFit {
     std::vector<std::string> notes;
 };
 
+// Whether a shape holds a fit's inliers, within noise that differs from place to place.
+bool holds_inliers(const Shape& shape, const LocalFit& local);
+
 struct LocalFitOptions {
     ShapeFitOptions fit;           // threshold 0: chosen
     std::vector<ShapeKind> kinds;  // candidates of choose_kind(); empty: fit.kind

@@ -12,7 +12,10 @@
 namespace pcm {
 namespace {
 
+constexpr double most_by_chance = 0.1;  // share of the variance, of ten stations and more
+
 struct SeenPlane {
+    std::uint32_t station = 0;
     double points = 0, mean = 0, squares = 0;  // squares of the distances from the mean
 };
 
@@ -27,8 +30,10 @@ std::vector<SeenPlane> seen_by_stations(const Shape& plane, const std::vector<Po
         seen.squares += change * (away - seen.mean);
     }
     std::vector<SeenPlane> all;
-    for (const auto& [station, seen] : stations)
+    for (auto& [station, seen] : stations) {
+        seen.station = station;
         if (seen.points >= place_tuning().sides.min_points) all.push_back(seen);
+    }
     std::sort(all.begin(), all.end(), [](const SeenPlane& a, const SeenPlane& b) { return a.mean < b.mean; });
     return all;
 }
@@ -55,8 +60,11 @@ bool StationSides::are_two(double noise, double spread) const
 {
     const SideTuning& tuned = place_tuning().sides;
     const double of_points = noise > 0 ? std::min(noise, within) : within;
-    return apart > std::hypot(tuned.min_noises * of_points, tuned.min_spreads * spread) &&
-           gap > tuned.min_gap * apart && share > tuned.min_share;
+    if (!(apart > tuned.min_noises * of_points) || !(share > tuned.min_share)) return false;
+    const bool is_far = apart > std::hypot(tuned.min_noises * of_points, tuned.min_spreads * spread);
+    const double by_chance = 0.014 * (static_cast<double>(below.size() + above.size()) - 3.5);
+    const std::size_t fewest = std::min(below.size(), above.size());
+    return (is_far && gap > tuned.min_gap * apart) || (fewest > 1 && left < std::min(by_chance, most_by_chance));
 }
 
 StationSides station_sides(const Shape& plane, const std::vector<PointOfStation>& points)
@@ -64,6 +72,7 @@ StationSides station_sides(const Shape& plane, const std::vector<PointOfStation>
     const std::vector<SeenPlane> all = seen_by_stations(plane, points);
     StationSides sides;
     double least = infinity, squares = 0, count = 0;
+    std::size_t first_above = 0;
     for (const SeenPlane& seen : all) {
         squares += seen.squares;
         count += seen.points;
@@ -72,9 +81,18 @@ StationSides station_sides(const Shape& plane, const std::vector<PointOfStation>
         const Group below = group_of(all, 0, i), above = group_of(all, i, all.size());
         if (!(below.squares + above.squares < least)) continue;
         least = below.squares + above.squares;
-        sides = {above.mean - below.mean, all[i].mean - all[i - 1].mean, std::sqrt(squares / count),
-                 std::min(below.points, above.points) / count};
+        sides.apart = above.mean - below.mean;
+        sides.gap = all[i].mean - all[i - 1].mean;
+        sides.within = std::sqrt(squares / count);
+        sides.share = std::min(below.points, above.points) / count;
+        sides.middle = (above.mean + below.mean) / 2;
+        first_above = i;
     }
+    if (all.size() < 2) return sides;
+    for (std::size_t i = 0; i < all.size(); ++i)
+        (i < first_above ? sides.below : sides.above).push_back(all[i].station);
+    const double whole = group_of(all, 0, all.size()).squares;
+    if (whole > 0) sides.left = least / whole;
     return sides;
 }
 
