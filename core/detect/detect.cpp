@@ -392,6 +392,10 @@ private:
             report_.notes.push_back(grouped(result.piece_points) + " points lie on " + counted(result.pieces, "piece") +
                                     " of surfaces that continue smoothly beyond the threshold (ground, or what the "
                                     "threshold is too small for); they were left out");
+        if (result.other_kinds > 0)
+            report_.notes.push_back(grouped(result.other_points) + " points lie on " +
+                                    counted(result.other_kinds, "piece") +
+                                    " of cones or the like, left out; fit there");
         if (result.unbounded > 0)
             report_.notes.push_back(counted(result.unbounded, "primitive", "has", "have") +
                                     " no outline: the points are all on one line");

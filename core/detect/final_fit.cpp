@@ -3,6 +3,7 @@
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/drawn_points.h"
 #include "pcm/detect/node_sums.h"
+#include "pcm/detect/other_kind.h"
 #include "pcm/detect/sagitta.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_sums.h"
@@ -150,6 +151,11 @@ public:
             const double alike = sums[c].facts->alike.factor();
             Primitive primitive = primitive_of(candidates_[c], sums[c], alike);
             if (!primitive.fit.has_shape() || (options_.is_automatic && is_hidden(primitive, sums[c]))) continue;
+            if (options_.is_automatic && is_of_other_kind(primitive.fit, candidates_[c], *sums[c].facts)) {
+                ++result_.other_kinds;
+                result_.other_points += primitive.points;
+                continue;
+            }
             if (options_.only_good && !candidates_[c].thin && primitive.fit.verdict != FitVerdict::good) continue;
             primitive.colour = colour_in_turn(result_.primitives.size());
             label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
@@ -184,11 +190,17 @@ private:
     bool is_kept(const SurfacePart& part, const Hypothesis& from) const
     {
         const PieceTuning& tuned = detect_tuning().pieces;
-        if (traits_of(from.shape.kind).is_flat()) return mean_width(part) > tuned.kept_width * from.threshold;
+        if (traits_of(from.shape.kind).is_flat()) return is_wide(part, from.threshold);
         Vec3d sides = part.box.max - part.box.min;
         std::sort(sides.begin(), sides.end());
         const double turn = 2 * std::asin(std::min(1.0, 0.5 * sides[1] / from.shape.radius));
         return sagitta_of(from.shape, turn) > tuned.kept_sagitta * from.threshold;
+    }
+
+    // Whether a plane's part is as wide as floors and walls are.
+    bool is_wide(const SurfacePart& part, double threshold) const
+    {
+        return mean_width(part) > detect_tuning().pieces.kept_width * threshold;
     }
 
     void add(std::uint32_t part, const std::vector<Hypothesis>& hypotheses)
@@ -319,6 +331,14 @@ private:
         const std::vector<Vec3d> some = sums.facts->some.points();
         points.insert(points.end(), some.begin(), some.end());
         return sagitta_of(shape, turn_of(shape, points)) < tuned.sagitta_thresholds * threshold;
+    }
+
+    // Whether a doubtful shape is a piece of a cone or the like. Floors and walls that bend are kept.
+    bool is_of_other_kind(const ShapeFit& fit, const Candidate& candidate, const PartFacts& facts) const
+    {
+        if (fit.verdict == FitVerdict::good || is_wide(assigned_.parts[candidate.part], candidate.threshold))
+            return false;
+        return other_kind(fit, facts.some.points()).has_value();
     }
 
     // A plane whose points are on one line has no outline: no reason to end a detection.

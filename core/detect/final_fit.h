@@ -32,6 +32,8 @@ struct FinalFit {
     // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
     // out by the threshold.
     std::uint64_t pieces = 0, piece_points = 0;
+    // Doubtful primitives that were left out because another kind explains their points better: pieces of cones, say.
+    std::uint64_t other_kinds = 0, other_points = 0;
     std::uint64_t unbounded = 0;  // primitives without bounds, because their points are on one line
 };
 
