@@ -279,6 +279,15 @@ struct PlateTuning {
     double max_moved_noise = 0.85;  // share of their noise where they are
 };
 
+// Points within outlines (outline_points.h).
+struct OutlineTuning {
+    // Number of points of parts that are given them.
+    // Chosen: faces of posts of 550 points have parts of 350 to 490; not swept.
+    double min_points = 0.5;  // share of the minimum of a primitive
+    // Chosen: with min_points, parts with more are found without; not swept.
+    double max_points = 2;  // share of the minimum of a primitive
+};
+
 // Elbows that are looked for between two pipes (elbow_search.h).
 struct ElbowTuning {
     // How far behind the nearer end an arc may begin: pipes whose points reach into the bend.
@@ -303,6 +312,7 @@ struct DetectTuning {
     MergingTuning merging;
     JoiningTuning joining;
     PlateTuning plates;
+    OutlineTuning outlines;
     ElbowTuning elbows;
 };
 

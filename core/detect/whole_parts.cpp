@@ -1,5 +1,6 @@
 #include "pcm/detect/whole_parts.h"
 
+#include "pcm/detect/outline_points.h"
 #include "pcm/detect/part_joining.h"
 #include "pcm/detect/plate_faces.h"
 
@@ -19,7 +20,7 @@ void use_stations(const ChosenPoints& points, std::vector<Hypothesis>& hypothese
     if (!shifts.are_known()) return;
     for (const SeenPlane& plane : seen.planes())
         assigned.parts[plane.part].some = places_of(shifts.corrected(plane.points));
-    if (options.divides_plates)
+    if (options.is_first)
         divide_plates(points, seen, assigned, hypotheses, labels, {options.noise, options.spacing, options.check});
     join_parts(assigned, hypotheses, join);
 }
@@ -34,6 +35,9 @@ AssignedPoints assign_whole(const ChosenPoints& points, const std::vector<Box3i>
     const PartJoinOptions join{options.spacing, options.noise, options.threshold, assign.normal_angle};
     AssignedPoints assigned = assign_joined(points, units, hypotheses, assign, join, &labels);
     if (options.uses_stations) use_stations(points, hypotheses, assigned, assign, options, join, shifts, labels);
+    if (options.is_first)
+        take_outline_points(points, hypotheses, assigned, labels,
+                            {options.spacing, assign.least_points, options.check});
     return assigned;
 }
 

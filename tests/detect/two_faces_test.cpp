@@ -83,7 +83,7 @@ TEST_F(TwoFacesTest, TheBestDivisionIsTaken)
 {
     add(1, 0);
     add(2, 0.005);
-    add(3, 0.02, 10);
+    add(3, 0.012, 10);
     const auto found = faces();
     ASSERT_TRUE(found);
     EXPECT_NE(found->face_of.at(1), found->face_of.at(2));
