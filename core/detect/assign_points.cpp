@@ -395,6 +395,7 @@ AssignedPoints assign_points(const ChosenPoints& points, const std::vector<Box3i
         },
         [&](std::size_t begun) { options.progress(static_cast<double>(begun) / static_cast<double>(units.size())); });
     AssignedPoints assigned = parts.together(border, options.least_points, options.least_sampled, options.most_some);
+    assigned.next_number = numbers.take(0);
     assigned.looked_at = looked_at;
     return assigned;
 }

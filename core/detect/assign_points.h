@@ -55,7 +55,8 @@ struct AssignedPoints {
     std::vector<SurfacePart> parts;
     // Labels less 1, ascending, and which of the parts their points have: of parts of interest only.
     std::vector<std::pair<std::uint32_t, std::uint32_t>> numbers;
-    std::uint64_t looked_at = 0;  // points; only with labels
+    std::uint32_t next_number = 0;  // all labels less 1 are below
+    std::uint64_t looked_at = 0;    // points; only with labels
     static constexpr std::uint32_t no_part = 0xffffffffu;
     // The place in `parts` of a label above 0, the bit interior_label taken off, or no_part.
     std::uint32_t part_of(std::uint32_t label) const;

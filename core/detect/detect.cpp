@@ -10,8 +10,8 @@
 //    surface are brought together (hypotheses.h).
 //    Pieces cut out of surfaces that are rougher than the cloud's noise get wider thresholds (wider_shapes.h).
 // 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
-//    parts are found in each box and joined across borders. Parts of a plane that something before it divides are one
-//    (part_joining.h); other surfaces that are one plane, but not connected, are two.
+//    parts are found in each box and joined across borders. Parts of a plane that something before it divides are one,
+//    the two faces of a thin plate two (whole_parts.h); other surfaces that are one plane, but not connected, are two.
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
 //    left out where the rest is enough. Labels of points that are not within the threshold of the final shape are taken
 //    back. Where the threshold comes from the noise, shapes whose bend it hides are refused (sagitta.h), so that
@@ -26,13 +26,13 @@
 #include "pcm/detect/final_fit.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/joined_report.h"
-#include "pcm/detect/part_joining.h"
 #include "pcm/detect/pipe_search.h"
 #include "pcm/detect/point_labels.h"
 #include "pcm/detect/sample_units.h"
 #include "pcm/detect/shape_search.h"
 #include "pcm/detect/surface_sample.h"
 #include "pcm/detect/tuning.h"
+#include "pcm/detect/whole_parts.h"
 #include "pcm/detect/wider_shapes.h"
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/system/counted.h"
@@ -102,6 +102,7 @@ void check(const DetectOptions& options, const std::filesystem::path& tree)
 struct Found {
     DetectReport report;
     std::vector<bool> contested;  // keyed by label - 1, see FinalFit
+    StationShifts shifts;
 
     // Number of points that a second search looks at.
     std::uint64_t left() const
@@ -129,7 +130,9 @@ public:
     {
         const std::uint64_t most = std::max<std::uint64_t>(1, options.memory_bytes / unit_bytes);
         threads_ = static_cast<unsigned>(std::min<std::uint64_t>(thread_count(options.threads), most));
-        if (first) set_finer_than(first->report);
+        if (!first) return;
+        set_finer_than(first->report);
+        shifts_ = first->shifts;
     }
 
     // The part that has to be searched by itself; the whole: none has.
@@ -155,7 +158,7 @@ public:
             report_.outcome.error = std::max(report_.outcome.error, one.fit.threshold);
         report_.outcome.error_meaning = "largest distance of a point from its primitive, source units";
         watch_.finish("Done");
-        return {std::move(report_), std::move(contested_)};
+        return {std::move(report_), std::move(contested_), std::move(shifts_)};
     }
 
 private:
@@ -374,10 +377,9 @@ private:
         const std::vector<Box3i> units = units_.with_cell(report_.sample);
         auto labels = std::make_shared<PointLabels>(*tree_);
         const AssignOptions assign = assign_options(report_.sample, 0.65, 0.85);
-        const PartJoinOptions join{report_.spacing, report_.noise, report_.threshold, options_.normal_angle};
-        const AssignedPoints assigned = options_.step > 0
-                                            ? assign_points(points_, units, hypotheses_, assign, labels.get())
-                                            : assign_joined(points_, units, hypotheses_, assign, join, labels.get());
+        WholePartOptions whole{report_.spacing, report_.noise, report_.threshold, is_automatic(), !is_again_, {}};
+        whole.check = [&] { watch_.report("Assigning points", 0.85); };
+        const AssignedPoints assigned = assign_whole(points_, units, hypotheses_, assign, whole, shifts_, *labels);
         FinalFitOptions fit;
         fit.least_points = options_.least_points;
         fit.keep_pieces = options_.pieces;
@@ -385,6 +387,7 @@ private:
         fit.noise = report_.noise;
         fit.cell = report_.sample;
         fit.only_good = is_again_;
+        fit.shifts = shifts_;
         fit.threads = threads_;
         fit.progress = [&](double fraction) { watch_.report("Fitting primitives", 0.85 + 0.14 * fraction); };
         FinalFit result = fit_parts(points_, hypotheses_, assigned, *labels, fit);
@@ -392,6 +395,10 @@ private:
             report_.notes.push_back(grouped(result.piece_points) + " points lie on " + counted(result.pieces, "piece") +
                                     " of surfaces that continue smoothly beyond the threshold (ground, or what the "
                                     "threshold is too small for); they were left out");
+        if (result.other_kinds > 0)
+            report_.notes.push_back(grouped(result.other_points) + " points lie on " +
+                                    counted(result.other_kinds, "piece") +
+                                    " of cones or the like, left out; fit there");
         if (result.unbounded > 0)
             report_.notes.push_back(counted(result.unbounded, "primitive", "has", "have") +
                                     " no outline: the points are all on one line");
@@ -418,6 +425,7 @@ private:
     Repeated repeated_ = Repeated::counted;
     DetectReport report_;
     std::vector<bool> contested_;
+    StationShifts shifts_;
 };
 
 }  // namespace

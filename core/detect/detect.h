@@ -62,11 +62,12 @@ struct DetectReport {
 // In bounded memory; four bytes per point in a scratch file, in the system's folder for temporary files. Every point
 // with a label is within its primitive's threshold (fit.threshold) of its shape. Where the threshold is found, curved
 // shapes with a sagitta below three thresholds and planes narrower than six are not primitives, floors, walls and
-// vessels that bend by more than the threshold are doubtful ones. The points that are left, and those of narrow planes
-// that may be several surfaces (FinalFit::contested), are searched again at half the threshold, for pipes down to four
-// spacings across and narrow planes. The errors contain how far stations are apart, where points say from which they
-// are or options.registration does, and what errors along their rays may have left of their bias
-// (errors_of_stations.h). The result depends on the seed, neither on threads nor on memory. Throws
+// vessels that bend by more than the threshold are doubtful ones; what cones explain better is left out. Where points
+// name their stations, the two faces of plates that are thinner than the threshold are two. The points that are left,
+// and those of narrow planes that may be several surfaces (FinalFit::contested), are searched again at half the
+// threshold, for pipes down to four spacings across and narrow planes. The errors contain how far stations are apart,
+// where points say from which they are or options.registration does, and what errors along their rays may have left of
+// their bias (errors_of_stations.h). The result depends on the seed, neither on threads nor on memory. Throws
 // Error(invalid_argument) for options out of range, steps that reach too many points, and kinds that are not searched
 // for, Error(unsupported) for more than 2^31 parts of surfaces, what Selector throws, Error(cancelled), and what
 // reading and the scratch file throw.

@@ -3,6 +3,7 @@
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/drawn_points.h"
 #include "pcm/detect/node_sums.h"
+#include "pcm/detect/other_kind.h"
 #include "pcm/detect/sagitta.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_sums.h"
@@ -44,12 +45,16 @@ struct Candidate {
 // What bounds, errors and doubts need of a candidate's points in addition to the sums.
 struct PartFacts {
     PartFacts(const Candidate& c, std::size_t most)
-        : ends(c.shape, c.middle), alike(c.corner, c.extent / place_tuning().growth.agreement_cubes), some(most)
+        : ends(c.shape, c.middle),
+          alike(c.corner, c.extent / place_tuning().growth.agreement_cubes),
+          some(most),
+          moved(most)
     {
     }
     ExtremePoints ends;
     ErrorAgreement alike;
     DrawnPoints some;
+    DrawnPoints moved;  // the same ones, where their stations most probably were
 };
 
 struct Sums {
@@ -59,7 +64,8 @@ struct Sums {
     {
         if (drawn > 0) facts.emplace(c, drawn);
     }
-    void add(const Vec3d& p, std::uint64_t number, bool inside, const Shape& shape)
+    // `shift`: that of its station, or null.
+    void add(const Vec3d& p, const Vec3d* shift, std::uint64_t number, bool inside, const Shape& shape)
     {
         all.add(p);
         if (inside) interior.add(p);
@@ -68,6 +74,7 @@ struct Sums {
         if (!inside && use_interior) return;
         facts->alike.add(p, signed_distance(shape, p));
         facts->some.add(p, number);
+        if (shift) facts->moved.add(p - *shift, number);
     }
     void add(const Sums& other)
     {
@@ -77,6 +84,7 @@ struct Sums {
         facts->ends.add(other.facts->ends);
         facts->alike.add(other.facts->alike);
         facts->some.add(other.facts->some);
+        facts->moved.add(other.facts->moved);
     }
     bool enough_interior_points() const
     {
@@ -137,8 +145,8 @@ public:
                 if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
             }
         }
-        const std::size_t drawn =
-            std::clamp(all_drawn / std::max<std::size_t>(candidates_.size(), 1), least_drawn, most_drawn);
+        const std::size_t lists = candidates_.size() * (options_.shifts.are_known() ? 2 : 1);
+        const std::size_t drawn = std::clamp(all_drawn / std::max<std::size_t>(lists, 1), least_drawn, most_drawn);
         const std::vector<Sums> sums = pass(0.5, 0.8, drawn);
         std::vector<std::uint32_t> order(candidates_.size());
         std::iota(order.begin(), order.end(), 0u);
@@ -150,6 +158,11 @@ public:
             const double alike = sums[c].facts->alike.factor();
             Primitive primitive = primitive_of(candidates_[c], sums[c], alike);
             if (!primitive.fit.has_shape() || (options_.is_automatic && is_hidden(primitive, sums[c]))) continue;
+            if (options_.is_automatic && is_of_other_kind(primitive.fit, candidates_[c], *sums[c].facts)) {
+                ++result_.other_kinds;
+                result_.other_points += primitive.points;
+                continue;
+            }
             if (options_.only_good && !candidates_[c].thin && primitive.fit.verdict != FitVerdict::good) continue;
             primitive.colour = colour_in_turn(result_.primitives.size());
             label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
@@ -184,11 +197,17 @@ private:
     bool is_kept(const SurfacePart& part, const Hypothesis& from) const
     {
         const PieceTuning& tuned = detect_tuning().pieces;
-        if (traits_of(from.shape.kind).is_flat()) return mean_width(part) > tuned.kept_width * from.threshold;
+        if (traits_of(from.shape.kind).is_flat()) return is_wide(part, from.threshold);
         Vec3d sides = part.box.max - part.box.min;
         std::sort(sides.begin(), sides.end());
         const double turn = 2 * std::asin(std::min(1.0, 0.5 * sides[1] / from.shape.radius));
         return sagitta_of(from.shape, turn) > tuned.kept_sagitta * from.threshold;
+    }
+
+    // Whether a plane's part is as wide as floors and walls are.
+    bool is_wide(const SurfacePart& part, double threshold) const
+    {
+        return mean_width(part) > detect_tuning().pieces.kept_width * threshold;
     }
 
     void add(std::uint32_t part, const std::vector<Hypothesis>& hypotheses)
@@ -232,13 +251,16 @@ private:
         const std::vector<std::uint32_t> labels = labels_.get(node);
         if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
         const std::vector<Vec3d> at = points_.positions(node);
+        const std::vector<Vec3d> shifts =
+            drawn > 0 ? options_.shifts.of_points(points_.tree(), node) : std::vector<Vec3d>();
         for (std::size_t i = 0; i < labels.size(); ++i) {
             const std::uint32_t c = candidate(labels[i]);
             if (c == no_candidate || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
             auto found = sums.find(c);
             if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], drawn)).first;
             const std::uint64_t number = (static_cast<std::uint64_t>(node) << 32) + i;
-            found->second.add(at[i], number, (labels[i] & interior_label) != 0, candidates_[c].shape);
+            found->second.add(at[i], shifts.empty() ? nullptr : &shifts[i], number, (labels[i] & interior_label) != 0,
+                              candidates_[c].shape);
         }
     }
 
@@ -264,8 +286,7 @@ private:
                   "it was found as the bend of a narrow strip, as the edges of posts and cones have, too: compare it "
                   "with "
                   "a section");
-        if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic)
-            judge(primitive.fit, part, sums.facts->some.points());
+        if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic) judge(primitive.fit, part, *sums.facts);
         return primitive;
     }
 
@@ -292,19 +313,48 @@ private:
         return (continues && bends(tuned.doubtful_bend)) || (!is_even && bends(tuned.curved_bend));
     }
 
-    // As a fit at a place is judged, by points that were drawn.
-    void judge(ShapeFit& fit, const SurfacePart& part, const std::vector<Vec3d>& some) const
+    static Shape shape_through(const std::vector<Vec3d>& points, const ShapeFit& fit)
+    {
+        RefineOptions refine;
+        refine.threshold = 1.5 * fit.threshold;
+        refine.most_steps = 10;
+        const ShapeFit found = refine_shape(FitPoints::of(points), fit.shape, refine);
+        return found.has_shape() ? found.shape : fit.shape;
+    }
+
+    // As a fit at a place is judged, by points that were drawn. Where the stations' shifts make them far quieter, by
+    // those without the shifts: stations that are apart are not surfaces.
+    void judge(ShapeFit& fit, const SurfacePart& part, const PartFacts& facts) const
     {
         if (is_bent(fit, part))
             return doubt(fit, FitIssue::uneven,
                          "neighbouring points leave the shape together, more than their noise does: this may be a "
                          "piece of something bent");
+        const std::vector<Vec3d> some = facts.some.points(), moved = facts.moved.points();
+        const Doubt as_they_are = doubt_of(fit, fit.shape, some);
+        if (as_they_are.reason.empty()) return;
+        if (!moved.empty()) {
+            const Shape shape = shape_through(moved, fit);
+            const double most = detect_tuning().plates.max_moved_noise * rms_distance(fit.shape, some);
+            if (rms_distance(shape, moved) <= most && doubt_of(fit, shape, moved).reason.empty()) return;
+        }
+        doubt(fit, as_they_are.issue, as_they_are.reason);
+    }
+
+    struct Doubt {
+        FitIssue issue = FitIssue::none;
+        std::string reason;  // empty: there is none
+    };
+
+    Doubt doubt_of(const ShapeFit& fit, const Shape& shape, const std::vector<Vec3d>& points) const
+    {
         const double resolution = largest_magnitude(points_.tree().info().grid.scale);
-        const SurfaceEvidence evidence = surface_evidence(fit.shape, spread_of(fit), resolution, some);
+        const SurfaceEvidence evidence = surface_evidence(shape, spread_of(fit), resolution, points);
         if (!evidence.is_one_surface())
-            return doubt(fit, FitIssue::other_surface, evidence.reason() + ": detect there with a lower threshold");
-        const Departure departure = departure_of(fit.shape, fit.threshold, some);
-        if (departure.is_smooth(options_.noise)) doubt(fit, FitIssue::uneven, departure.message("shape"));
+            return {FitIssue::other_surface, evidence.reason() + ": detect there with a lower threshold"};
+        const Departure departure = departure_of(shape, fit.threshold, points);
+        if (departure.is_smooth(options_.noise)) return {FitIssue::uneven, departure.message("shape")};
+        return {};
     }
 
     // Whether what bends there is within the threshold: a curved shape is flat, or a plane a line.
@@ -319,6 +369,18 @@ private:
         const std::vector<Vec3d> some = sums.facts->some.points();
         points.insert(points.end(), some.begin(), some.end());
         return sagitta_of(shape, turn_of(shape, points)) < tuned.sagitta_thresholds * threshold;
+    }
+
+    // Whether a doubtful shape is a piece of a cone or the like. Floors and walls that bend are kept.
+    bool is_of_other_kind(const ShapeFit& fit, const Candidate& candidate, const PartFacts& facts) const
+    {
+        if (fit.verdict == FitVerdict::good || is_wide(assigned_.parts[candidate.part], candidate.threshold))
+            return false;
+        const std::vector<Vec3d> moved = facts.moved.points();
+        if (moved.empty()) return other_kind(fit, facts.some.points()).has_value();
+        ShapeFit there = fit;
+        there.shape = shape_through(moved, fit);
+        return other_kind(there, moved).has_value();
     }
 
     // A plane whose points are on one line has no outline: no reason to end a detection.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/detect/assign_points.h"
+#include "pcm/detect/station_shifts.h"
 #include "pcm/shapes/primitive.h"
 
 #include <cstdint>
@@ -17,6 +18,8 @@ struct FinalFitOptions {
     // not those of one surface of that shape.
     bool is_automatic = false;
     double noise = 0;
+    // Points are taken to be where their stations most probably were when shapes are doubted.
+    StationShifts shifts;
     bool only_good = false;  // doubtful ones are left out, but for thin pipes
     double cell = 0;         // cell of the sample that the parts come from, source units
     unsigned threads = 1;
@@ -32,6 +35,8 @@ struct FinalFit {
     // Parts that were left out, or would have been: pieces of surfaces that bend away from the shape (ground, say), cut
     // out by the threshold.
     std::uint64_t pieces = 0, piece_points = 0;
+    // Doubtful primitives that were left out because another kind explains their points better: pieces of cones, say.
+    std::uint64_t other_kinds = 0, other_points = 0;
     std::uint64_t unbounded = 0;  // primitives without bounds, because their points are on one line
 };
 

@@ -2,12 +2,11 @@
 
 #include "pcm/cloud/growing_box_tree.h"
 #include "pcm/cloud/numbers.h"
+#include "pcm/detect/flat_hull.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/unit_parts.h"
 #include "pcm/fit/shape_fit.h"
-#include "pcm/shapes/axis_frame.h"
-#include "pcm/shapes/flat_points.h"
 
 #include <algorithm>
 #include <cmath>
@@ -39,47 +38,6 @@ std::optional<Shape> refined(const Shape& start, const std::vector<Vec3d>& point
     if (!fit.has_shape() || !is_finite(fit.shape.point)) return std::nullopt;
     return fit.shape;
 }
-
-// Convex hull of points in a plane's axes.
-class FlatHull {
-public:
-    FlatHull(const std::vector<Vec3d>& points, const Shape& plane)
-    {
-        const AxisFrame frame(plane.axis);
-        std::vector<Vec2d> flat;
-        for (const Vec3d& p : points) flat.push_back({dot(p - plane.point, frame.u), dot(p - plane.point, frame.v)});
-        const FlatPoints sorted(flat);
-        for (const std::uint32_t i : sorted.convex_hull()) corners_.push_back(flat[sorted[i].index]);
-    }
-
-    double area() const
-    {
-        double twice = 0;
-        for (std::size_t i = 0; i < corners_.size(); ++i) {
-            const Vec2d &a = corners_[i], &b = corners_[(i + 1) % corners_.size()];
-            twice += a[0] * b[1] - a[1] * b[0];
-        }
-        return std::fabs(twice) / 2;
-    }
-
-    // Distance from another hull along the normals of this one's edges; below 0 where they overlap along all of them.
-    double gap_to(const FlatHull& other) const
-    {
-        double gap = -infinity;
-        for (std::size_t i = 0; i < corners_.size(); ++i) {
-            const Vec2d &a = corners_[i], &b = corners_[(i + 1) % corners_.size()];
-            const double dx = b[0] - a[0], dy = b[1] - a[1], side = std::hypot(dx, dy);
-            double least = infinity;
-            for (const Vec2d& p : other.corners_)
-                least = std::min(least, ((p[0] - a[0]) * dy - (p[1] - a[1]) * dx) / side);
-            gap = std::max(gap, least);
-        }
-        return gap;
-    }
-
-private:
-    std::vector<Vec2d> corners_;  // counter-clockwise
-};
 
 bool have_most_of_hull(const Shape& plane, const std::vector<Vec3d>& one, const std::vector<Vec3d>& other,
                        double most_gap)

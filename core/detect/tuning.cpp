@@ -36,8 +36,9 @@ SearchValues search_values(DetectTuning& detect)
     }};
 }
 
-using ResultValues = std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning,
-                                                      MergingTuning, JoiningTuning, ElbowTuning>>;
+using ResultValues =
+    std::array<TunedValue, values_of<PipeTuning, PieceTuning, WideningTuning, ContestTuning, MergingTuning,
+                                     JoiningTuning, ElbowTuning, PlateTuning, OutlineTuning>>;
 static_assert(std::tuple_size_v<SearchValues> + std::tuple_size_v<ResultValues> == values_of<DetectTuning>);
 ResultValues result_values(DetectTuning& detect)
 {
@@ -85,6 +86,13 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.joining.min_filled),
         PCM_TUNED(detect.joining.max_rms),
         PCM_TUNED(detect.joining.max_mixed),
+        PCM_TUNED(detect.plates.min_cosine),
+        PCM_TUNED(detect.plates.least_left),
+        PCM_TUNED(detect.plates.min_certainty),
+        PCM_TUNED(detect.plates.max_noise),
+        PCM_TUNED(detect.plates.max_moved_noise),
+        PCM_TUNED(detect.outlines.min_points),
+        PCM_TUNED(detect.outlines.max_points),
         PCM_TUNED(detect.elbows.max_reach),
         PCM_TUNED(detect.elbows.threshold),
         PCM_TUNED(detect.elbows.min_points),

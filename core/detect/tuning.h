@@ -258,6 +258,36 @@ struct JoiningTuning {
     double max_mixed = 0.1;  // share of the part
 };
 
+// Planes over both faces of a thin plate (plate_faces.h).
+struct PlateTuning {
+    // Normals of planes that show how far stations are apart along the plate's.
+    // Chosen: a shift across those has a tenth of the effect along these, squared less than a fifth; not swept.
+    double min_cosine = 0.9;  // cosine of the angle between normals
+    // Standard deviation of a station's mean distance in addition to that on other planes: beams that graze a surface
+    // or hit its edge.
+    // Chosen: webs of a plant have means 0.5 mm from those of their other stations; not swept.
+    double least_left = 0.25;  // share of the cloud's noise
+    // Distance of two faces, from which on they are two.
+    // Chosen: webs of 7 and 10 mm seen from 9 stations that are 1.5 mm apart have 6.5 to 17, and up to 21 where these
+    // are not apart; the best division of other planes, with max_noise, up to 4.9; not swept.
+    double min_certainty = 5;  // standard deviations
+    // Noise of both faces.
+    // Chosen: the faces of those webs have 0.32 to 0.8, divisions of other planes 0.9 to 1; not swept.
+    double max_noise = 0.8;  // share of the noise about the one plane
+    // Noise of a shape's points where their stations most probably were, up to which layers of the others are stations.
+    // Chosen: layers 4.5 mm apart with a noise of 1.5 mm have 0.58, planes over pipes 0.98 to 1; not swept.
+    double max_moved_noise = 0.85;  // share of their noise where they are
+};
+
+// Points within outlines (outline_points.h).
+struct OutlineTuning {
+    // Number of points of parts that are given them.
+    // Chosen: faces of posts of 550 points have parts of 350 to 490; not swept.
+    double min_points = 0.5;  // share of the minimum of a primitive
+    // Chosen: with min_points, parts with more are found without; not swept.
+    double max_points = 2;  // share of the minimum of a primitive
+};
+
 // Elbows that are looked for between two pipes (elbow_search.h).
 struct ElbowTuning {
     // How far behind the nearer end an arc may begin: pipes whose points reach into the bend.
@@ -281,6 +311,8 @@ struct DetectTuning {
     ContestTuning contest;
     MergingTuning merging;
     JoiningTuning joining;
+    PlateTuning plates;
+    OutlineTuning outlines;
     ElbowTuning elbows;
 };
 
