@@ -357,7 +357,8 @@ private:
         const double noise = options_.fit.threshold > 0 ? std::min(local.noise, local.threshold)
                                                         : local.threshold / fit_tuning().thresholds.inlier_noises;
         options.turned_edge = result.reached.turned_edge = TurnedSurface::edge_for(result.step, noise);
-        if (!(options_.turned_angle > 0) && !TurnedSurface::is_shown_on(local.shape, options.turned_edge))
+        if (!(options_.turned_angle > 0) &&
+            !TurnedSurface::is_shown_on(local.shape, local.threshold, options.turned_edge))
             result.reached.turned_angle = not_compared;
         options.turned_angle = result.reached.turned_angle;
         options.step = result.step;

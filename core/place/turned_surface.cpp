@@ -241,10 +241,11 @@ double TurnedSurface::edge_for(double step, double noise)
     return std::max(step / 3, place_tuning().turned.cube_noises * noise);
 }
 
-bool TurnedSurface::is_shown_on(const Shape& shape, double edge)
+bool TurnedSurface::is_shown_on(const Shape& shape, double threshold, double edge)
 {
     const double narrowest = narrowest_radius(shape);
-    return !(narrowest > 0) || narrowest >= place_tuning().turned.counted * edge;
+    return threshold > place_tuning().thin_pipes.max_threshold * narrowest ||
+           narrowest >= place_tuning().turned.counted * edge;
 }
 
 std::unique_ptr<SurroundingsTest::Judge> TurnedSurface::judge() const
