@@ -24,7 +24,7 @@ public:
     // the noise, one standard deviation.
     static double edge_for(double step, double noise);
     // Whether blocks of these cubes show the surface of a shape: not where it is a pipe so thin that all around it, and
-    // its neighbours in a rack, lie in one. What the threshold blurs is no such pipe.
+    // its neighbours in a rack, lie in one. A shape that the threshold blurs is not a pipe.
     static bool is_shown_on(const Shape& shape, double threshold, double edge);
 
     // Memory: 176 bytes per cube with points, of which there are no more than points, and 352 per brick of 64 cubes.
