@@ -92,6 +92,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.even_noise.widening),
         PCM_TUNED(place.even_noise.level),
         PCM_TUNED(place.turned.counted),
+        PCM_TUNED(place.turned.min_shown),
         PCM_TUNED(place.turned.cube_noises),
         PCM_TUNED(place.turned.min_block_points),
         PCM_TUNED(place.turned.deviations),

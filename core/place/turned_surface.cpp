@@ -245,7 +245,7 @@ bool TurnedSurface::is_shown_on(const Shape& shape, double threshold, double edg
 {
     const double narrowest = narrowest_radius(shape);
     return threshold > place_tuning().thin_pipes.max_threshold * narrowest ||
-           narrowest >= place_tuning().turned.counted * edge;
+           narrowest >= place_tuning().turned.min_shown * edge;
 }
 
 std::unique_ptr<SurroundingsTest::Judge> TurnedSurface::judge() const

@@ -209,13 +209,13 @@ TEST(TurnedSurface, IsNotShownOnThinPipes)
     EXPECT_TRUE(TurnedSurface::is_shown_on(shape, 0.01, 10)) << "a plane";
     shape.kind = ShapeKind::cylinder;
     shape.radius = 0.02;
-    EXPECT_TRUE(TurnedSurface::is_shown_on(shape, 0.01, 0.013));
-    EXPECT_FALSE(TurnedSurface::is_shown_on(shape, 0.01, 0.014));
-    EXPECT_TRUE(TurnedSurface::is_shown_on(shape, 0.0101, 0.014)) << "half as wide as the threshold";
+    EXPECT_TRUE(TurnedSurface::is_shown_on(shape, 0.01, 0.0166));
+    EXPECT_FALSE(TurnedSurface::is_shown_on(shape, 0.01, 0.0167));
+    EXPECT_TRUE(TurnedSurface::is_shown_on(shape, 0.0101, 0.0167)) << "half as wide as the threshold";
     shape.kind = ShapeKind::torus;
     shape.radius = 1;
     shape.second = 0.02;
-    EXPECT_FALSE(TurnedSurface::is_shown_on(shape, 0.01, 0.014));
+    EXPECT_FALSE(TurnedSurface::is_shown_on(shape, 0.01, 0.0167));
 }
 
 }  // namespace
