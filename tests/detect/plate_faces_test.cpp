@@ -117,6 +117,20 @@ TEST_F(PlateFaces, LayersOfStationsAreOnePlane)
     EXPECT_GT(flange[0].points, 2800u);
 }
 
+// A rough strip that stations see 3.2 mm apart: two planes would have hardly less noise.
+TEST_F(PlateFaces, ARoughStripIsOnePlane)
+{
+    place_stations(0.0);
+    for (int i = 0; i < 4000; ++i) {
+        const int station = i % 4;
+        const double rough = 0.0028 * dice_.normal() + (station < 2 ? 0.0016 : -0.0016);
+        put({dice_.between(-3, 3), dice_.between(0, 0.15), 1 + rough}, {0, 0, 1}, station);
+    }
+    const std::vector<Primitive> strip = found(2, 1);
+    ASSERT_EQ(strip.size(), 1u);
+    EXPECT_GT(strip[0].points, 3600u);
+}
+
 // The middle of a web between posts is seen by another station than its ends.
 TEST_F(PlateFaces, PartsThatStationsShiftAreJoined)
 {

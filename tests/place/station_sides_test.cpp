@@ -100,6 +100,10 @@ TEST(StationSides, GroupsOfStationsAreNoRegistration)
     EXPECT_LE(faces, 16);
     const StationSides three = station_sides(level(0.004), seen_plate(3, 0.008, 0, 60, dice));
     EXPECT_FALSE(three.are_two(side_noise, 0.004)) << "one station of three";
+    std::vector<PointOfStation> one = seen_plate(5, 0, 0.0001, 60, dice);
+    for (PointOfStation& p : one)
+        if (p.station == 9) p.place[2] += 0.008;
+    EXPECT_FALSE(station_sides(level(0), one).are_two(side_noise, 0.004)) << "one station far from four";
 }
 
 // Where points next to the plane are among those of its stations, the noise of smooth surfaces is the measure.
