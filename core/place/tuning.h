@@ -259,8 +259,8 @@ struct TurnedTuning {
     // Distance up to which points count: half a block, because a steep surface has points there, too.
     // Chosen: not swept.
     double counted = 1.5;  // edges of a cube
-    // Minimum radius of a pipe whose surface blocks show. Racks of pipes up to 0.75 lose points where they are compared;
-    // a pipe of 1.45 takes in points of other surfaces where they are not.
+    // Minimum radius of a pipe whose surface blocks show. Racks of pipes up to 0.75 lose points where they are
+    // compared; a pipe of 1.45 takes in points of other surfaces where they are not.
     //
     // Chosen: by those, ray-cast and sampled; not swept.
     double min_shown = 1.2;  // edges of a cube
