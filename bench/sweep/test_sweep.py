@@ -40,7 +40,8 @@ class Sweep(unittest.TestCase):
     def test_each_value_has_its_name_and_its_number(self):
         written = {}
         for file in sorted(ROOT.glob("core/*/tuning.h")):
-            text = file.read_text(encoding="utf-8")
+            # With its parts, such as edge_tuning.h.
+            text = "\n".join(part.read_text(encoding="utf-8") for part in [file, *sorted(file.parent.glob("*_tuning.h"))])
             members = dict(re.findall(r"^    (\w+Tuning) (\w+);", text, re.MULTILINE))
             for struct, body in re.findall(r"^struct (\w+) \{\n(.*?)^\};", text, re.MULTILINE | re.DOTALL):
                 for name, value in re.findall(r"^    (?:double|std::size_t) (\w+) = ([^;]+);", body, re.MULTILINE):
