@@ -108,10 +108,7 @@ private:
 
 std::optional<NearPoints> near_faces(const PointCloud& cloud, const Vec3d& place, const LocalFitOptions& options)
 {
-    const std::vector<ShapeKind>& kinds = options.kinds;
-    const bool has_planes = kinds.empty() ? options.fit.kind == ShapeKind::plane
-                                          : std::find(kinds.begin(), kinds.end(), ShapeKind::plane) != kinds.end();
-    if (!has_planes || options.radius > 0 || options.count > 0 || options.fit.threshold > 0) return {};
+    if (!options.may_choose(ShapeKind::plane)) return {};
     NearOptions near;
     near.places = true;
     near.count = place_tuning().neighbourhood.first_points;

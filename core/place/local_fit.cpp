@@ -432,8 +432,8 @@ private:
         }
     }
 
-    // The surface has no points farther away than its noise. That of the closest points is less, unless they are those
-    // of several surfaces.
+    // The surface has no points farther away than its noise. That of the closest points is less, unless they belong
+    // to several surfaces.
     void narrow(const NearPoints& near, ShapeFitOptions options, double at, ShapeFit& best) const
     {
         double enough = fit_tuning().thresholds.inlier_noises * 1.1 * best.noise;

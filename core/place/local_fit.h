@@ -23,6 +23,7 @@
 #include "pcm/place/near_points.h"
 #include "pcm/point_cloud.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <optional>
@@ -57,6 +58,15 @@ struct LocalFitOptions {
     bool first_threshold = true;
     Selection limit;
     ProgressFunction progress;
+
+    // Whether shapes of that kind are looked for, with a neighbourhood and a threshold that are chosen.
+    bool may_choose(ShapeKind kind) const
+    {
+        const bool is_wanted =
+            kinds.empty() ? fit.kind == kind : std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+        return is_wanted && !(radius > 0) && count == 0 && !(fit.threshold > 0);
+    }
+
     // Is given the shape of the nearest points, where it is one of the places, before wider neighbourhoods are looked
     // at, which takes longer. Not called for a neighbourhood of given size. On the calling thread.
     std::function<void(const LocalFit&)> found_first;

@@ -224,11 +224,7 @@ private:
 std::optional<LocalFit> fit_thin_pipe(const PointCloud& cloud, const Vec3d& place, const LocalFitOptions& options,
                                       double most_noise)
 {
-    const std::vector<ShapeKind>& kinds = options.kinds;
-    const bool has_cylinders = kinds.empty()
-                                   ? options.fit.kind == ShapeKind::cylinder
-                                   : std::find(kinds.begin(), kinds.end(), ShapeKind::cylinder) != kinds.end();
-    if (!has_cylinders || options.radius > 0 || options.count > 0 || options.fit.threshold > 0) return {};
+    if (!options.may_choose(ShapeKind::cylinder)) return {};
     NearOptions around;
     around.places = true;
     around.count = place_tuning().thin_pipes.points;

@@ -1,9 +1,9 @@
 // A pipe at a place that is so thin, relative to the distance of points, that the nearest points are those of its
 // neighbours, too: in a rack of pipes side by side.
 //
-// Points of one pipe are nearer to each other than to those of the next one, mostly, and lie along a line: so those
-// that are connected by short steps show the direction of the pipe, or that of the rack where a few points bridge the
-// gaps. Seen along it, a pipe is an arc or a circle.
+// Points on one pipe are mostly nearer to each other than to the next pipe, and lie along a line. Short steps connect
+// them, and show its direction, or the rack's where a few points bridge the gaps. Seen along it, a pipe is an arc or a
+// circle.
 #pragma once
 
 #include "pcm/place/local_fit.h"
