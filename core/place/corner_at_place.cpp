@@ -4,6 +4,7 @@
 #include "pcm/fit/tuning.h"
 #include "pcm/place/even_noise.h"
 #include "pcm/place/face_at_place.h"
+#include "pcm/place/narrow_strip.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/axis_frame.h"
 #include "pcm/system/text.h"
@@ -293,22 +294,6 @@ Corner within(const Corner& corner, const Vec3d& place, const FitPoints& points,
     return *inner;
 }
 
-// Standard deviation of points of a plane along the direction in which they are spread least.
-double narrowest_spread(const FitPoints& points)
-{
-    if (points.size() == 0) return 0;
-    const auto count = static_cast<double>(points.size());
-    Vec3d middle{};
-    for (std::size_t i = 0; i < points.size(); ++i) middle = middle + (1 / count) * points.at(i);
-    SquareMatrix<3> moments{};
-    for (std::size_t i = 0; i < points.size(); ++i) {
-        const Vec3d d = points.at(i) - middle;
-        for (std::size_t a = 0; a < 3; ++a)
-            for (std::size_t b = 0; b < 3; ++b) moments[a][b] += d[a] * d[b] / count;
-    }
-    return std::sqrt(std::max(0.0, eigensystem<3>(moments).values[1]));
-}
-
 NearPoints points_in(const NearPoints& close, const std::optional<Region>& side, const Shape& plane, double threshold)
 {
     NearPoints own;
@@ -384,7 +369,7 @@ std::optional<CornerFace> fit_corner(const PointCloud& cloud, const Vec3d& place
     local.close = local.near;
     local.notes.push_back("there are several faces around the place: the " + grouped(local.near.ids.size()) +
                           " points of its own one were fitted");
-    found.is_narrow = narrowest_spread(local.near.points) < place_tuning().corners.min_spread * corner->noise;
+    found.is_narrow = narrowest_spread(local.near.points.sources()) < place_tuning().corners.min_spread * corner->noise;
     if (local.fit.has_shape()) found.local = std::move(local);
     return found;
 }

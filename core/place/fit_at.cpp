@@ -8,6 +8,7 @@
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/few_points.h"
+#include "pcm/place/fit_again.h"
 #include "pcm/place/fit_at_arguments.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/inner_points.h"
@@ -106,7 +107,7 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            return or_elbow(or_other(or_side(best_of_thresholds())));
+            return or_again(or_other(or_side(best_of_thresholds())));
         } catch (const Error& error) {
             if (error.code() != ErrorCode::cancelled || !is_late_) throw;
         }
@@ -135,26 +136,29 @@ private:
         return side;
     }
 
-    // Where a pipe bends at the place, the elbow if that has the place.
-    FittedPrimitive or_elbow(FittedPrimitive found)
+    // At another place, or for other kinds, where this answer is not good.
+    FittedPrimitive or_again(FittedPrimitive found)
     {
+        if (found.primitive.fit.verdict == FitVerdict::good || is_again_) return found;
+        const FitAgain again = [this](const Vec3d& place, const std::vector<ShapeKind>& kinds) {
+            FitAtOptions options = options_;
+            options.limit = limit_;
+            options.kinds = kinds;
+            if (!kinds.empty()) options.fit.kind = kinds.front();
+            options.progress = part_of(progress_in_time_, 0.9, 1);
+            options.found_at_place = {};
+            const std::vector<Vec3d> places{place};
+            PlacedFit fit(cloud_, places, options);
+            fit.is_again_ = true;
+            return fit.best_in_time();
+        };
         const Vec3d place = places_.front();
-        if (!place_on_bend_ || found.primitive.fit.verdict == FitVerdict::good || is_other_place_) return found;
-        FitAtOptions options = options_;
-        options.limit = limit_;
-        options.progress = part_of(progress_in_time_, 0.9, 1);
-        options.found_at_place = {};
-        const std::vector<Vec3d> on_bend{*place_on_bend_};
-        PlacedFit fit(cloud_, on_bend, options);
-        fit.is_other_place_ = true;
-        FittedPrimitive elbow = fit.best_in_time();
-        const ShapeFit& torus = elbow.primitive.fit;
-        const bool has_place =
-            elbow.part && elbow.part->has(place) && distance_to(torus.shape, place) <= farthest_place(torus);
-        if (torus.verdict != FitVerdict::good || torus.shape.kind != ShapeKind::torus || !has_place) return found;
-        elbow.notes.push_back(
-            "the place lies next to where the pipe begins to bend: the elbow was fitted farther along it");
-        return elbow;
+        if (places_.size() == 1 && local_options().may_choose(found.primitive.fit.shape.kind)) {
+            const double most = tuned_.max_shared_noise * around_.surface_noise();
+            found = or_higher_kind(std::move(found), place, most, options_.kinds, again, options_.threads);
+        }
+        if (!place_on_bend_) return found;
+        return or_elbow(std::move(found), place, *place_on_bend_, options_.kinds, again);
     }
 
     FittedPrimitive or_other(FittedPrimitive found)
@@ -354,6 +358,7 @@ private:
         GrowShapeOptions options;
         options.threshold = local.threshold;
         options.raise_threshold = way == Way::uneven;
+        options.lower_threshold = options_.fit.threshold == 0;
         const double noise = options_.fit.threshold > 0 ? std::min(local.noise, local.threshold)
                                                         : local.threshold / fit_tuning().thresholds.inlier_noises;
         options.turned_edge = result.reached.turned_edge = TurnedSurface::edge_for(result.step, noise);
@@ -479,7 +484,7 @@ private:
     double agreement_ = 1;                          // GrownShape::agreement of the last one
     std::optional<Vec3d> place_on_bend_;            // FollowedVerdict::place_on_bend() of the last one
     std::vector<std::uint32_t> stations_at_place_;  // FollowedVerdict::stations_at_place() of the last one
-    bool is_other_place_ = false;  // whether the place is one of a bend next to the place that was picked
+    bool is_again_ = false;  // whether this is a fit that is made again, where another answer was not good
 };
 
 }  // namespace

@@ -1,11 +1,13 @@
 #include "pcm/place/followed_verdict.h"
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/shape_fit.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
 #include "pcm/place/cut_out_evidence.h"
 #include "pcm/place/inner_points.h"
+#include "pcm/place/narrow_strip.h"
 #include "pcm/place/near_bend.h"
 #include "pcm/place/station_departure.h"
 #include "pcm/place/station_sample.h"
@@ -210,6 +212,7 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
         if (is_seen && own.is_smooth(known_noise())) doubt_uneven(own, result);
     }
     if (is_automatic && fit.verdict == FitVerdict::good) doubt_others(followed, cut_out, departure, noise, fit);
+    if (is_automatic && fit.verdict == FitVerdict::good) doubt_strip(followed, fitted, result);
     if (is_automatic && fit.verdict == FitVerdict::good) doubt_bent(followed, noise, result);
     if (is_automatic && !other_) doubt_unsettled(followed, result);
 }
@@ -224,13 +227,33 @@ void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutE
         return doubt(fit, FitIssue::other_surface,
                      "nearly all of its few points lie next to points that leave it, so they may be a strip of another "
                      "surface: take a smaller neighbourhood, or give a threshold");
-    const double explained = std::hypot(known_noise(), stations().spread);
-    if (around_.are_named() && explained > 0 && noise > tuned.max_shared_noise * explained &&
+    const double explained = std::hypot(least_noise(), stations().spread);
+    const double most = around_.are_named() ? tuned.max_shared_noise : tuned.max_unknown_noise;
+    const bool may_be_bent = !around_.are_named() && !departure.is_chance;
+    if (explained > 0 && noise > most * explained && !may_be_bent &&
         std::max(followed.agreement, departure.agreement) > tuned.max_other_agreement)
         doubt(fit, FitIssue::other_surface,
               "neighbouring points leave it together by " + brief(noise) +
                   ", which neither the noise at the place nor shifts of the stations explain: it may hold several "
                   "surfaces, so take a smaller neighbourhood, or give a threshold");
+}
+
+// Points of the surfaces next to a narrow face lie on its plane, too, where these were left out of sight or are as
+// many.
+void FollowedVerdict::doubt_strip(const FollowedPoints& followed, const std::vector<Vec3d>& fitted,
+                                  FittedPrimitive& result) const
+{
+    ShapeFit& fit = result.primitive.fit;
+    const bool is_bare = followed.inner_share >= place_tuning().growth.min_inner &&
+                         result.reached.limit.clips.size() == options_.limit.clips.size();
+    if (is_bare || !traits_of(fit.shape.kind).is_flat()) return;
+    const double turn = turn_of_strip(fitted, fit.threshold);
+    if (!(turn > place_tuning().following.max_strip_turn)) return;
+    doubt(
+        fit, FitIssue::thin_arc,
+        "its points are a strip hardly wider than their noise, so those of the surfaces next to it may have turned it "
+        "by " +
+            brief(turn * 180 / pi) + " degrees: pick a place where the face is wider, or give a threshold");
 }
 
 // Near its tangent an elbow is closer to the cylinder of its pipe than the noise. A place is the pipe's only if the
@@ -302,6 +325,13 @@ double FollowedVerdict::known_noise() const
 {
     if (known_.close_noise > 0 && known_.own_noise > 0) return std::min(known_.close_noise, known_.own_noise);
     return std::max(known_.close_noise, known_.own_noise);
+}
+
+// The closest points may be those of several surfaces; then smooth ones around have less noise.
+double FollowedVerdict::least_noise()
+{
+    const double smooth = place_tuning().following.max_smooth_noise * around_.survey().noise();
+    return smooth > 0 ? std::min(known_noise(), smooth) : known_noise();
 }
 
 // Stations that the registration has left apart make a round pipe out of round by as much.

@@ -77,6 +77,8 @@ private:
     // noise and what is known of the stations' shifts explain.
     void doubt_others(const FollowedPoints& followed, const CutOutEvidence& cut_out, const Departure& departure,
                       double noise, ShapeFit& fit);
+    // A plane is a narrow strip that surfaces next to it may have turned.
+    void doubt_strip(const FollowedPoints& followed, const std::vector<Vec3d>& fitted, FittedPrimitive& result) const;
     // The place may lie on an elbow of the pipe that was found, or on a pipe of the elbow.
     void doubt_bent(const FollowedPoints& followed, double noise, FittedPrimitive& result);
     // Growth has ended with the rounds, not with the shape.
@@ -90,6 +92,7 @@ private:
     void find_other_kind(const ShapeFit& fit, const PointSet& around);
     double resolution() const;
     double known_noise() const;
+    double least_noise();
     const Stations& stations();
     Departure without_stations(const Departure& departure, const std::optional<SweptPart>& part,
                                const FittedPrimitive& result);

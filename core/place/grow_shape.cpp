@@ -21,6 +21,7 @@ namespace {
 
 constexpr double rounds_end = 0.7;          // share of the progress
 constexpr std::size_t most_sliced = 20000;  // points used to find a swept part
+constexpr int most_threshold_steps = 4;     // lowerings of a threshold
 constexpr int most_part_rounds = 3;         // in which a swept part settles
 
 class ShapeGrowth {
@@ -55,6 +56,7 @@ public:
                 if (!grown.converged) threshold_ = std::max(threshold_, raised);
             }
         }
+        if (options_.lower_threshold && options_.most_rounds > 0) lower_threshold(grown);
         // Shared errors of neighbours enlarge the errors, so the last step may have been long.
         const bool is_settled = grown.converged && !(grown.agreement > 1);
         if (!is_settled && grown.fit.has_shape() && options_.most_rounds > 0) settle(grown);
@@ -81,6 +83,23 @@ private:
         grown.points = grow(seeds_, options_.step, grow_options);
         grown.followed = shape;
         grown.threshold = threshold_;
+    }
+
+    void lower_threshold(GrownShape& grown)
+    {
+        const double begin = 1 - std::pow(0.5, grown.rounds);
+        for (int step = 0; step < most_threshold_steps; ++step) {
+            const double lower = std::max(place_tuning().evidence.spread_noises * grown.fit.noise,
+                                          largest_magnitude(seeds_.tree().info().grid.scale));
+            if (!grown.fit.has_shape() || !(threshold_ > tuned_.max_wide * grown.fit.noise) || !(lower < threshold_))
+                return;
+            threshold_ = lower;
+            reach(grown.fit.shape, begin, begin, grown);
+            const RefittedShape fitted = refit(grown.points, grown.fit.shape, begin, begin, true);
+            grown.fit = fitted.fit;
+            grown.agreement = fitted.agreement;
+            grown.converged = true;
+        }
     }
 
     // The points of the last shape rather than of the one before it.

@@ -17,6 +17,9 @@ struct GrowShapeOptions {
     // Each round may raise it to 3.3 times the noise of the points reached, and to two and a half times the given value
     // at most: noise differs along a surface.
     bool raise_threshold = false;
+    // At last it is lowered to 3.3 times the noise of the points reached where it is far wider, as that of a
+    // neighbourhood of several surfaces: then it takes in points of these.
+    bool lower_threshold = false;
     double step = 0;           // maximum distance from point to point, source units; above 0
     double normal_angle = 4;   // as in ShapeFitOptions; only where the cloud has normals
     double turned_angle = 4;   // angle of TurnedSurface, radians; pi / 2 or more: surfaces are not compared

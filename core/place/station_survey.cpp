@@ -92,16 +92,16 @@ void count_mixed(const std::vector<std::array<double, 2>>& places, const std::ve
         patch.mixed_by_chance += static_cast<double>(count) * (n - static_cast<double>(count)) / (n - 1);
 }
 
-// False unless the points are a smooth surface that several stations see all of. `mixed` is set where they lie along
+// False unless the points are a smooth surface that this many stations see all of. `mixed` is set where they lie along
 // any surface.
-bool patch_of(std::vector<StationPoint> points, StationPatch& patch)
+bool patch_of(std::vector<StationPoint> points, std::size_t fewest, StationPatch& patch)
 {
     const PatchTuning& tuned = place_tuning().patches;
     std::map<std::uint32_t, std::size_t> counts;
     for (const StationPoint& p : points) ++counts[p.station];
     for (const auto& [station, count] : counts)
         if (count >= tuned.min_station_points) patch.stations.push_back(station);
-    if (patch.stations.size() < 2) return false;
+    if (patch.stations.size() < fewest) return false;
     const auto number = [&](std::uint32_t station) {
         const auto at = std::lower_bound(patch.stations.begin(), patch.stations.end(), station);
         return at != patch.stations.end() && *at == station ? at - patch.stations.begin() : -1;
@@ -228,7 +228,7 @@ private:
             for (end = begin; end < order.size() && order[end].first == order[begin].first; ++end)
                 in_cube.push_back(inside[order[end].second]);
             StationPatch patch;
-            const bool shows = in_cube.size() <= tuned.max_points && patch_of(in_cube, patch);
+            const bool shows = in_cube.size() <= tuned.max_points && patch_of(in_cube, fewest_stations(), patch);
             mixed_ += patch.mixed;
             mixed_by_chance_ += patch.mixed_by_chance;
             if (shows) patches_.push_back(std::move(patch));
@@ -270,12 +270,14 @@ private:
         return sum / static_cast<double>(points.size());
     }
 
+    std::size_t fewest_stations() const { return stations_.source() == StationSource::none ? 1 : 2; }
+
     bool is_enough() const
     {
         std::set<std::uint32_t> stations;
         for (const StationPatch& patch : patches_) stations.insert(patch.stations.begin(), patch.stations.end());
         return patches_.size() >= place_tuning().patches.enough &&
-               stations.size() >= place_tuning().patches.enough_stations;
+               (fewest_stations() == 1 || stations.size() >= place_tuning().patches.enough_stations);
     }
 
     std::vector<StationPatch> smooth_patches() const

@@ -10,7 +10,7 @@
 
 namespace pcm {
 
-// A patch of surface that several stations see.
+// A patch of surface that several stations see, or any one where stations are not known.
 struct StationPatch {
     std::vector<std::uint32_t> stations;
     Vec3d normal{};
@@ -35,7 +35,7 @@ struct StationSurvey {
     // thick.
     StationEvidence evidence(const StationEvidence& known = {}) const;
     std::vector<StationEvidence> parts() const;  // one for each patch
-    double noise() const;                        // median of the patches', source units; 0: there are none
+    double noise() const;                        // median of the patches', source units; 0: no patch
 };
 
 // The points of the node at the place and of the nodes above it, in the box of the lowest of these, then of the next

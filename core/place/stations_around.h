@@ -15,8 +15,11 @@ public:
     StationsAround(const Tree& tree, const Vec3d& place) : tree_(tree), place_(place) {}
 
     const PointStations& points();  // reads a chunk of each part when it is first asked for
-    const StationSurvey& survey();  // reads the chunks from the root to the place then; empty without a source
+    const StationSurvey& survey();  // reads the chunks from the root to the place then
     bool are_named();               // whether points say from which station they are
+    // Standard deviation that points of one surface have at most, with how far stations are apart: surfaces around have
+    // half of its noise. Source units; infinity where these are not known.
+    double surface_noise();
 
 private:
     const Tree& tree_;

@@ -75,6 +75,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
     return {{
         PCM_TUNED(place.growth.max_raised),
         PCM_TUNED(place.growth.raised_limit),
+        PCM_TUNED(place.growth.max_wide),
         PCM_TUNED(place.growth.min_inner),
         PCM_TUNED(place.growth.min_compared),
         PCM_TUNED(place.growth.settled_change),
@@ -104,6 +105,9 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.max_close_noise),
         PCM_TUNED(place.following.min_shared_bend),
         PCM_TUNED(place.following.max_shared_noise),
+        PCM_TUNED(place.following.max_unknown_noise),
+        PCM_TUNED(place.following.max_smooth_noise),
+        PCM_TUNED(place.following.max_strip_turn),
         PCM_TUNED(place.following.min_inner_share),
         PCM_TUNED(place.following.max_noise_share),
         PCM_TUNED(place.following.min_agreement),
@@ -116,7 +120,8 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
     }};
 }
 
-using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, ThinPipeTuning>>;
+using ValuesOfEdges =
+    std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PlaceOffTuning, ThinPipeTuning>>;
 ValuesOfEdges values_of_edges(PlaceTuning& place)
 {
     return {{
@@ -144,6 +149,10 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.corners.min_edge_share),
         PCM_TUNED(place.corners.min_margin),
         PCM_TUNED(place.corners.max_angle),
+        PCM_TUNED(place.off_place.min_away),
+        PCM_TUNED(place.off_place.max_away),
+        PCM_TUNED(place.off_place.nearest),
+        PCM_TUNED(place.off_place.min_off),
         PCM_TUNED(place.thin_pipes.points),
         PCM_TUNED(place.thin_pipes.step_growth),
         PCM_TUNED(place.thin_pipes.min_elongation),

@@ -199,6 +199,10 @@ struct GrowthTuning {
     // A threshold above this was raised to its limit. Slightly below max_raised, for rounding.
     // Chosen: with max_raised; not swept.
     double raised_limit = 2.4;  // first thresholds
+    // Threshold above which it is lowered.
+    // Chosen: of 282 good answers on two ray-cast plants 15 have more, half of them with points of other surfaces; not
+    // swept.
+    double max_wide = 4.5;  // standard deviations of the noise
     // Fewer inner points are not used alone.
     // Chosen: not swept.
     double min_inner = 0.5;  // share of the points
@@ -322,6 +326,21 @@ struct FollowingTuning {
     // right ones have up to 1.0, crowns of racks as planes 2.5 and 5.4, an elbow with its pipes 3.1.
     // Chosen: as departure.max_rest; not swept.
     double max_shared_noise = 1.6;  // noise of the closest points and spread of the stations, together
+    // The same where stations are not known: shifts of these are among what neighbours share, as are errors of
+    // scanners, which bend a surface smoothly. A square post of 200 mm as a cylinder has 6.3.
+    //
+    // Chosen: by that post, scans of real things have less; not swept.
+    double max_unknown_noise = 4;  // noise of the closest points
+    // Maximum noise of one surface relative to that of smooth surfaces around, next to what stations add to it: crowns
+    // of racks have 10.
+    //
+    // Chosen: grazing angles double the noise; not swept.
+    double max_smooth_noise = 2;  // noise of smooth surfaces around
+    // Maximum angle by which surfaces next to a narrow plane may have turned it (narrow_strip.h): right planes of two
+    // ray-cast plants have up to 0.021, one of 60 has 0.037; oblique ones through a face 5 to 10 mm wide and the faces
+    // next to it have 0.058 to 0.13, strips of pipes 0.037.
+    // Chosen: by those; not swept.
+    double max_strip_turn = 0.035;  // radians
     // Minimum share of the points next to which the cloud does not leave the shape. Of 76 right planes of a ray-cast
     // plant three have less, two of them on edges of plates 8 mm wide; strips of pipes as planes have 0 to 0.03, of 131
     // to 244 points. Faces of posts of 1,700 points have less, too, so it counts below min_small_points.
@@ -417,6 +436,7 @@ struct PlaceTuning {
     FaceTuning faces;
     SideTuning sides;
     CornerAtPlaceTuning corners;
+    PlaceOffTuning off_place;
     ThinPipeTuning thin_pipes;
     StationTuning stations;
     PatchTuning patches;

@@ -26,6 +26,8 @@ protected:
             const double x = crosses_ ? dice.between(0.04, 0.28) : 0.23 + 0.01 * dice.normal();
             points.push_back({{x, dice.between(-0.01, 0.01), -dice.between(0.1, 2)}, {}});
         }
+        for (int i = 0; i < quiet_; ++i)
+            points.push_back({{1 + 0.001 * dice.normal(), dice.between(-1, 1), -dice.between(0.1, 2)}, {}});
         for (int i = 0; i < count_; ++i) {
             const double along = dice.between(0, 2 * pi), away = noise * dice.normal(), u = dice.between(-0.1, 0.1);
             const double z = dice.between(0, 2);
@@ -79,6 +81,7 @@ protected:
         if (fit.issue == FitIssue::none) result.primitive.fit.verdict = FitVerdict::good;
         result.local.threshold = fit.threshold;
         result.converged = converged;
+        if (is_one_side_) result.reached.limit.clips.push_back({Region::sphere({0, 0, 1}, 9), false});
         result.rounds = 8;
         // All points, or nothing.
         const PointSet around = set_where(tree_, [&](const Vec3d& p) { return beside_ > 0 || p[2] < 0; });
@@ -107,12 +110,14 @@ protected:
 
     TemporaryFolder folder_;
     bool has_stations_ = false;
-    double less_noise_ = 1;  // factor on the noise of the closest points
+    bool is_one_side_ = false;  // whether the shape was followed on one side of an edge
+    double less_noise_ = 1;     // factor on the noise of the closest points
     std::shared_ptr<const Tree> tree_;
     double inner_share_ = 1;
     std::optional<SweptPart> part_;
     int count_ = 6000;      // number of points of the column
     int beside_ = 0;        // number of points next to the column
+    int quiet_ = 0;         // number of points of a wall 1 m away, of little noise
     bool crosses_ = false;  // whether they are those of a wall that crosses it, or of one along it
     const std::vector<Vec3d> places_{{0.1, 0, 1}};
 };
@@ -174,6 +179,35 @@ TEST_F(FollowedVerdictTest, WhatLiesNextToOthersNearlyEverywhereIsDoubted)
     EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::good);
 }
 
+// A face 12 mm wide with points of the faces next to it. Where these are, and where only one side of it was looked at.
+TEST_F(FollowedVerdictTest, AStripThatItsNeighboursMayHaveTurnedIsDoubted)
+{
+    constexpr double noise = 0.0015;
+    const auto of_width = [&](double width) {
+        Dice dice(9);
+        std::vector<SurfacePoint> points;
+        for (int i = 0; i < 1500; ++i)
+            points.push_back({{dice.between(-width / 2, width / 2), noise * dice.normal(), dice.between(0, 2)}, {}});
+        ShapeFit fit;
+        fit.shape.kind = ShapeKind::plane;
+        fit.shape.axis = {0, 1, 0};
+        fit.noise = noise;
+        fit.threshold = 3 * noise;
+        return judged(points, fit, noise, 1, true).primitive.fit;
+    };
+    EXPECT_EQ(of_width(0.012).verdict, FitVerdict::good) << "a strip that stands alone";
+    inner_share_ = 0.4;
+    const ShapeFit strip = of_width(0.012);
+    EXPECT_EQ(strip.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(strip.issue, FitIssue::thin_arc);
+    EXPECT_NE(strip.message.find("degrees"), std::string::npos) << strip.message;
+    EXPECT_EQ(of_width(0.12).verdict, FitVerdict::good);
+    inner_share_ = 1;
+    is_one_side_ = true;
+    EXPECT_EQ(of_width(0.012).verdict, FitVerdict::doubtful);
+    EXPECT_EQ(of_width(0.12).verdict, FitVerdict::good);
+}
+
 // Crowns of a rack as a plane. Stations that are known, and not apart, do not explain what neighbours share.
 TEST_F(FollowedVerdictTest, WhatNeighboursShareIsDoubtedWhereStationsDoNotExplainIt)
 {
@@ -187,6 +221,13 @@ TEST_F(FollowedVerdictTest, WhatNeighboursShareIsDoubtedWhereStationsDoNotExplai
     }
     less_noise_ = 1;
     EXPECT_EQ(judged(false, 0.012, 3, true).primitive.fit.verdict, FitVerdict::good);
+    // The closest points are those of several surfaces, and a wall next to these shows the noise.
+    quiet_ = 12000;
+    const FittedPrimitive beside_wall = judged(false, 0.012, 3, true);
+    EXPECT_EQ(beside_wall.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_NE(beside_wall.primitive.fit.message.find("together"), std::string::npos)
+        << beside_wall.primitive.fit.message;
+    EXPECT_EQ(judged(false, 0.012, 1, true).primitive.fit.verdict, FitVerdict::good);
 }
 
 // The straight pipe behind an elbow is followed with it, and is not a part of its torus.

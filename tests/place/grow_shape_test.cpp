@@ -144,6 +144,43 @@ TEST_F(GrowShapeTest, PCM_NOT_UNDER_THREAD(RaisesTheThresholdToTheNoise))
     EXPECT_LE(raised.fit.threshold, 2.5 * options_.threshold);
 }
 
+// A face of 1 x 2 and a wall across its border, which the threshold of a neighbourhood of both takes in.
+TEST(GrowShape, LowersAThresholdThatTakesInAnotherSurface)
+{
+    constexpr double noise = 0.0015;
+    Dice dice(4);
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 8000; ++i)
+        points.push_back({map + Vec3d{dice.between(0, 1), dice.between(0, 2), noise * dice.normal()}, {}});
+    for (int i = 0; i < 8000; ++i)
+        points.push_back({map + Vec3d{noise * dice.normal(), dice.between(0, 2), dice.between(0, 0.3)}, {}});
+    TemporaryFolder folder;
+    const auto tree = build_surface_tree(folder.path(), points);
+    pcm::Shape plane;
+    plane.point = map + Vec3d{0.5, 1, 0};
+    const PointSet seeds = set_where(tree, [&](const Vec3d& p) { return length(p - plane.point) < 0.1; });
+    GrowShapeOptions options;
+    options.threshold = 20 * noise;
+    options.step = 0.1;
+    for (const bool lower : {false, true}) {
+        options.lower_threshold = lower;
+        const GrownShape grown = grow_shape(plane, seeds, options);
+        if (lower)
+            EXPECT_TRUE(grown.threshold > 3 * noise && grown.threshold < 4.5 * noise) << grown.threshold;
+        else
+            EXPECT_EQ(grown.threshold, options.threshold);
+        EXPECT_EQ(grown.fit.threshold, grown.threshold);
+        PointSet far = set_where(tree, [&](const Vec3d& p) { return p[2] - map[2] > 6 * noise; });
+        far.combine(SetOperation::intersect, grown.points);
+        EXPECT_EQ(far.size() > 100, !lower) << far.size();
+        EXPECT_GT(grown.points.size(), 7800u);
+    }
+    // What is no wider than noise stays.
+    options.lower_threshold = true;
+    options.threshold = 4 * noise;
+    EXPECT_EQ(grow_shape(plane, seeds, options).threshold, options.threshold);
+}
+
 TEST_F(GrowShapeTest, SeedsOffTheSurfaceReachNothing)
 {
     Shape far = pipe_;

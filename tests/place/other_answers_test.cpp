@@ -2,6 +2,7 @@
 #include "pcm/place/other_answers.h"
 
 #include "pcm/place/fit_at.h"
+#include "pcm/place/thin_pipe.h"
 #include "tests/place/shape_cloud.h"
 #include "tests/sanitizers.h"
 
@@ -93,6 +94,91 @@ TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(AFaceNextToAnEdgeIsAnswered))
             EXPECT_GT(std::fabs(dot(fit->shape.axis, fit == &of_y ? Vec3d{0, 1, 0} : Vec3d{1, 0, 0})), 0.9999);
         }
     }
+}
+
+// What was found, followed or not: the shape, good.
+FittedPrimitive good_answer(const std::shared_ptr<const Tree>& tree, const ShapeFit& fit)
+{
+    FittedPrimitive found{{}, PointSet(tree), {}, {}, fit, 0, 0, false, 1, {}, {}, {}, {}};
+    found.primitive.fit = fit;
+    found.primitive.fit.verdict = FitVerdict::good;
+    return found;
+}
+
+LocalFitOptions any_kind_at_edges()
+{
+    LocalFitOptions options;
+    for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+    return options;
+}
+
+// Where points are as far apart as a thin pipe is wide, the edge of a post is one within the threshold. 6 mm from it
+// the two faces are found.
+TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(TheEdgeOfAPostIsNoThinPipe))
+{
+    constexpr double half = 0.1;
+    Dice dice(4);
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 800; ++i)
+        for (const bool is_x : {false, true}) {
+            const double along = dice.between(-half, half), away = half + edge_noise * dice.normal();
+            const Vec3d p{is_x ? away : along, is_x ? along : away, dice.between(-0.6, 0.6)};
+            points.push_back({edge_middle + p, {}});
+        }
+    const auto tree = build_surface_tree(folder_.path(), points);
+    const auto cloud = PointCloud::open(folder_ / "surface.pct");
+    const FollowShape follow = [&](const LocalFit& local, const std::optional<Clip>&) {
+        return good_answer(tree, local.fit);
+    };
+    FittedPrimitive doubtful = good_answer(tree, {});
+    doubtful.primitive.fit.verdict = FitVerdict::doubtful;
+    const Vec3d place = edge_middle + Vec3d{half - 0.006, half, 0.1};
+    ASSERT_TRUE(fit_thin_pipe(*cloud, place, any_kind_at_edges(), infinity));
+    const OtherAnswers answers(*cloud, place, any_kind_at_edges(), 0, follow);
+    EXPECT_EQ(answers.best(doubtful).primitive.fit.shape.kind, ShapeKind::plane);
+}
+
+// A pipe and the disc that closes it. Points of the disc are off the pipe, one near the border by little.
+TEST_F(OtherAnswersTest, APointOffTheShapeIsDoubted)
+{
+    Dice dice(2);
+    ShapeFit pipe;
+    pipe.shape.kind = ShapeKind::cylinder;
+    pipe.shape.point = edge_middle;
+    pipe.shape.axis = {0, 0, 1};
+    pipe.shape.radius = 0.3;
+    pipe.noise = edge_noise;
+    pipe.threshold = 3 * edge_noise;
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 20000; ++i) points.push_back(point_on(pipe.shape, 1, pi, 0.3 * edge_noise, dice));
+    for (int i = 0; i < 6000; ++i) {
+        const double a = dice.between(0, pi), r = 0.3 * std::sqrt(dice.unit());
+        points.push_back({edge_middle + Vec3d{r * std::cos(a), r * std::sin(a), 0}, {}});
+    }
+    const auto [u, v] = across(pipe.shape.axis);
+    const Vec3d out = std::cos(1.0) * u + std::sin(1.0) * v;
+    const auto at = [&](double away, double along) { return edge_middle + (0.3 + away) * out + Vec3d{0, 0, along}; };
+    const std::vector<Vec3d> places{at(0, 0.5), at(2 * edge_noise, 0.52), at(2.7 * edge_noise, 0.54),
+                                    at(-1.5 * edge_noise, 0), at(-0.8 * edge_noise, 0.0001)};
+    for (const Vec3d& place : places) points.push_back({place, {}});
+    const auto tree = build_surface_tree(folder_.path(), points);
+    const auto cloud = PointCloud::open(folder_ / "surface.pct");
+    const FollowShape follow = [&](const LocalFit& local, const std::optional<Clip>&) {
+        return good_answer(tree, local.fit);
+    };
+    const std::vector<bool> is_good{true, true, false, false, true};
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        const OtherAnswers answers(*cloud, places[i], any_kind_at_edges(), 0, follow);
+        const ShapeFit fit = answers.best(good_answer(tree, pipe)).primitive.fit;
+        EXPECT_EQ(fit.verdict == FitVerdict::good, is_good[i]) << i << ": " << fit.message;
+    }
+    // A place that is typed, between the points of the shape.
+    const OtherAnswers typed(*cloud, at(0.01, 0.7), any_kind_at_edges(), 0, follow);
+    EXPECT_EQ(typed.best(good_answer(tree, pipe)).primitive.fit.verdict, FitVerdict::good);
+    LocalFitOptions given = any_kind_at_edges();
+    given.fit.threshold = 3 * edge_noise;
+    const OtherAnswers with_threshold(*cloud, places[2], given, 0, follow);
+    EXPECT_EQ(with_threshold.best(good_answer(tree, pipe)).primitive.fit.verdict, FitVerdict::good);
 }
 
 // Planes next to each other hold the points of a pipe, too.

@@ -1,0 +1,68 @@
+#include "pcm/place/fit_again.h"
+
+#include "pcm/fit/models/shape_model.h"
+#include "pcm/place/best_kind.h"
+#include "pcm/place/cover_points.h"
+#include "pcm/place/inner_points.h"
+#include "pcm/place/one_surface.h"
+#include "pcm/place/tuning.h"
+#include "pcm/shapes/shape.h"
+
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace pcm {
+namespace {
+
+constexpr std::size_t enough_points = 1000;  // points for which kinds are compared
+
+bool is_good(const FittedPrimitive& found) { return found.primitive.fit.verdict == FitVerdict::good; }
+
+// The points of a shape without straight pipes that continue it.
+std::vector<Vec3d> sample_of(const FittedPrimitive& found, unsigned threads)
+{
+    if (!found.part) return random_points(found.points, enough_points, threads, {});
+    const auto is_own = [&](const Vec3d& p) { return found.part->has(p); };
+    return random_points(points_where(found.points, is_own, threads), enough_points, threads, {});
+}
+
+}  // namespace
+
+FittedPrimitive or_elbow(FittedPrimitive found, const Vec3d& place, const Vec3d& on_bend,
+                         const std::vector<ShapeKind>& kinds, const FitAgain& fit)
+{
+    if (is_good(found)) return found;
+    FittedPrimitive elbow = fit(on_bend, kinds);
+    const ShapeFit& torus = elbow.primitive.fit;
+    const bool has_place =
+        elbow.part && elbow.part->has(place) && distance_to(torus.shape, place) <= farthest_place(torus);
+    if (!is_good(elbow) || torus.shape.kind != ShapeKind::torus || !has_place) return found;
+    elbow.notes.push_back(
+        "the place lies next to where the pipe begins to bend: the elbow was fitted farther along it");
+    return elbow;
+}
+
+FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double most_noise,
+                               const std::vector<ShapeKind>& kinds, const FitAgain& fit, unsigned threads)
+{
+    const ShapeFit& first = found.primitive.fit;
+    if (is_good(found) || kinds.size() < 2 || !first.has_shape() || first.noise > most_noise) return found;
+    const int rank = model_of(first.shape.kind).rank;
+    if (rank == 0) return found;  // a plane may be terrain
+    std::optional<FittedPrimitive> best;
+    for (const ShapeKind kind : kinds) {
+        if (model_of(kind).rank <= rank) continue;
+        FittedPrimitive next = fit(place, {kind});
+        if (!is_good(next) || next.primitive.fit.shape.kind != kind) continue;
+        if (next.points.size() < place_tuning().growth.min_swept_points) continue;
+        if (!explains_better(next.primitive.fit, first.shape, sample_of(next, threads))) continue;
+        if (!best || next.points.size() > best->points.size()) best = std::move(next);
+    }
+    if (!best) return found;
+    best->notes.push_back(std::string("first taken for a ") + traits_of(first.shape.kind).name +
+                          ", which cannot be followed through the cloud");
+    return std::move(*best);
+}
+
+}  // namespace pcm

@@ -1,0 +1,26 @@
+// Fits that are made again where an answer is not good: farther along a bend, or of one kind alone.
+#pragma once
+
+#include "pcm/place/fit_at.h"
+
+#include <functional>
+#include <vector>
+
+namespace pcm {
+
+// The answer at another place, or for other kinds.
+using FitAgain = std::function<FittedPrimitive(const Vec3d& place, const std::vector<ShapeKind>& kinds)>;
+
+// Where a pipe bends at the place, the elbow if that has the place. `on_bend`: a point of the bend farther along it.
+// Throws what the fit throws.
+FittedPrimitive or_elbow(FittedPrimitive found, const Vec3d& place, const Vec3d& on_bend,
+                         const std::vector<ShapeKind>& kinds, const FitAgain& fit);
+
+// Kinds are compared by the points around the place, where a piece of an elbow is a cylinder, and one of a reducer,
+// too; followed through the cloud, that leaves the surface. Then the shape of a kind of higher rank (choose_kind()),
+// where that can be followed and explains its own points better. Only where the points of the shape found have at most
+// this noise: other points are not those of one surface. Throws what the fit throws.
+FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double most_noise,
+                               const std::vector<ShapeKind>& kinds, const FitAgain& fit, unsigned threads);
+
+}  // namespace pcm

@@ -1,0 +1,124 @@
+// Fits that are made again where an answer is not good.
+#include "pcm/place/fit_again.h"
+
+#include "tests/place/shape_cloud.h"
+
+#include <memory>
+#include <vector>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+constexpr double again_noise = 0.0015;
+constexpr Vec3d elbow_middle{456780, 5432100, 120};
+
+pcm::Shape elbow_shape()
+{
+    pcm::Shape shape;
+    shape.kind = ShapeKind::torus;
+    shape.point = elbow_middle;
+    shape.axis = {0, 0, 1};
+    shape.radius = 0.2;
+    shape.second = 0.05;
+    return shape;
+}
+
+pcm::Shape pipe_at_its_end()
+{
+    pcm::Shape shape;
+    shape.kind = ShapeKind::cylinder;
+    shape.point = elbow_middle + Vec3d{0.2, 0, 0};
+    shape.axis = {0, 1, 0};
+    shape.radius = 0.05;
+    return shape;
+}
+
+// A cloud of one shape, of which a doubtful answer was found, and the answers of other fits.
+class FitAgainTest : public testing::Test {
+protected:
+    void build(const pcm::Shape& shape, double size)
+    {
+        Dice dice(3);
+        std::vector<SurfacePoint> points;
+        for (int i = 0; i < 4000; ++i) points.push_back(point_on(shape, size, pi / 2, again_noise, dice));
+        tree_ = build_surface_tree(folder_.path(), points);
+    }
+    FittedPrimitive answer(const pcm::Shape& shape, FitVerdict verdict, double share = 1) const
+    {
+        const double end = elbow_middle[1] + 0.3 * share;
+        FittedPrimitive found{
+            {}, set_where(tree_, [&](const Vec3d& p) { return p[1] < end; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {},
+            {}};
+        ShapeFit& fit = found.primitive.fit;
+        fit.shape = shape;
+        fit.verdict = verdict;
+        fit.noise = again_noise;
+        fit.threshold = 3 * again_noise;
+        fit.inliers = found.points.size();
+        return found;
+    }
+    // The kind that is answered.
+    ShapeKind kind_after(FittedPrimitive found, double most_noise = 0.002)
+    {
+        asked_.clear();
+        const FitAgain fit = [&](const Vec3d& place, const std::vector<ShapeKind>& kinds) {
+            EXPECT_EQ(place, place_);
+            EXPECT_EQ(kinds.size(), 1u);
+            asked_.push_back(kinds.front());
+            return kinds.front() == ShapeKind::torus ? answer(elbow_shape(), verdict_, share_)
+                                                     : answer(pipe_at_its_end(), FitVerdict::doubtful);
+        };
+        return or_higher_kind(std::move(found), place_, most_noise, kinds_, fit, 1).primitive.fit.shape.kind;
+    }
+
+    TemporaryFolder folder_;
+    std::shared_ptr<const Tree> tree_;
+    const Vec3d place_ = elbow_middle + Vec3d{0.25, 0.01, 0};
+    std::vector<ShapeKind> kinds_{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere, ShapeKind::cone,
+                                  ShapeKind::torus};
+    FitVerdict verdict_ = FitVerdict::good;
+    double share_ = 1;
+    std::vector<ShapeKind> asked_;
+};
+
+TEST_F(FitAgainTest, AGoodShapeOfMoreNumbersIsTakenForADoubtfulOne)
+{
+    build(elbow_shape(), 0);
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful)), ShapeKind::torus);
+    EXPECT_EQ(asked_, (std::vector<ShapeKind>{ShapeKind::cone, ShapeKind::torus}));
+    verdict_ = FitVerdict::doubtful;
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful)), ShapeKind::cylinder);
+}
+
+TEST_F(FitAgainTest, NothingIsAskedForWhereItIsGoodOrRoughOrFlatOrOfTheOnlyKind)
+{
+    build(elbow_shape(), 0);
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::good)), ShapeKind::cylinder);
+    EXPECT_TRUE(asked_.empty());
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful), 0.9 * again_noise), ShapeKind::cylinder);
+    EXPECT_TRUE(asked_.empty());
+    EXPECT_EQ(kind_after(answer({}, FitVerdict::doubtful)), ShapeKind::plane);
+    EXPECT_TRUE(asked_.empty());
+    EXPECT_EQ(kind_after(answer(elbow_shape(), FitVerdict::doubtful)), ShapeKind::torus);
+    EXPECT_TRUE(asked_.empty());
+    kinds_ = {ShapeKind::cylinder};
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful)), ShapeKind::cylinder);
+    EXPECT_TRUE(asked_.empty());
+}
+
+// The torus of a straight pipe explains it no better, and one of few points shows nothing.
+TEST_F(FitAgainTest, ItMustExplainEnoughPointsBetter)
+{
+    build(elbow_shape(), 0);
+    share_ = 0.02;
+    ASSERT_LT(answer(elbow_shape(), FitVerdict::good, share_).points.size(), 200u);
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful)), ShapeKind::cylinder);
+    share_ = 1;
+    build(pipe_at_its_end(), 0.02);
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful)), ShapeKind::cylinder);
+    EXPECT_EQ(asked_.size(), 2u);
+}
+
+}  // namespace
