@@ -110,6 +110,7 @@ FittedPrimitive OtherAnswers::without_doubtful_place(FittedPrimitive found) cons
                   ", so it may belong to another surface: pick another point");
         return found;
     }
+    if (is_flat(found)) return found;  // its edges were looked at
     std::size_t off = 0;
     for (std::size_t i = 0; i < near.ids.size(); ++i)
         off += distance_to(fit.shape, near.points.source(i)) > fit.threshold;
