@@ -12,12 +12,12 @@
 // 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
 //    parts are found in each box and joined across borders. Parts of a plane that something before it divides are one,
 //    the two faces of a thin plate two (whole_parts.h); other surfaces that are one plane, but not connected, are two.
-// 4. Two passes of least squares over all points of each part (fit/shape_sums.h), points at the edge to something else
-//    left out where the rest is enough. Labels of points that are not within the threshold of the final shape are taken
-//    back. Where the threshold comes from the noise, shapes whose bend it hides are refused (sagitta.h), so that
+// 4. Two passes of least squares over all points of each part (fit/shape_sums.h), without those next to something else
+//    where the rest is enough: by their neighbours, or by the outlines of narrow faces (face_interior.h). Labels of
+//    points that are not within the threshold of the final shape are taken back. Where the threshold comes from the
+//    noise, shapes whose bend it hides are refused (sagitta.h), so that
 // 5. a second search of the points that belong to nothing, or to contested planes (final_fit.h), at half the threshold
-// and without a coarser sample, finds
-//    thin pipes (pipe_search.h) and narrow planes.
+// and without a coarser sample, finds thin pipes (pipe_search.h) and narrow planes.
 #include "pcm/detect/detect.h"
 
 #include "pcm/detect/assign_points.h"

@@ -2,6 +2,8 @@
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/drawn_points.h"
+#include "pcm/detect/face_interior.h"
+#include "pcm/detect/flat_hull.h"
 #include "pcm/detect/node_sums.h"
 #include "pcm/detect/other_kind.h"
 #include "pcm/detect/sagitta.h"
@@ -28,8 +30,12 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t no_candidate = 0xffffffffu;
+constexpr std::uint64_t least_inside = 20;  // points that a candidate is fitted to without the others
 // Points of a candidate that its doubts come from; of very many candidates fewer, so that they take 64 MB.
 constexpr std::size_t most_drawn = 500, least_drawn = 100, all_drawn = std::size_t(2) << 20;
+
+// Points that a candidate is fitted to.
+enum class FittedTo { all, interior, face };
 
 struct Candidate {
     Shape shape;
@@ -39,7 +45,7 @@ struct Candidate {
     double threshold = 0;
     bool whole = false, thin = false, of_strip = false;  // as those of its hypothesis
     std::uint32_t part = 0;
-    bool interior = true;  // is fitted to points inside, not to those at edges
+    FittedTo fitted_to = FittedTo::interior;
 };
 
 // What bounds, errors and doubts need of a candidate's points in addition to the sums.
@@ -57,29 +63,46 @@ struct PartFacts {
     DrawnPoints moved;  // the same ones, where their stations most probably were
 };
 
+// A point whose neighbours are the candidate's, and inside a face as face_interior.h has it, as all points of other
+// shapes are; `shift`: that of its station, or null.
+struct SeenPoint {
+    Vec3d place;
+    std::uint64_t number = 0;
+    bool inside = false, in_face = false;
+    const Vec3d* shift = nullptr;
+};
+
 struct Sums {
-    // `drawn`: number of points to draw, and no facts where it is 0.
-    Sums(const Candidate& c, std::size_t drawn)
-        : interior(c.shape, c.middle, c.extent), all(c.shape, c.middle, c.extent), use_interior(c.interior)
+    Sums(const Candidate& c, const Draw& draw)
+        : interior(c.shape, c.middle, c.extent),
+          face(interior),
+          all(interior),
+          fitted_to(c.fitted_to),
+          is_face(traits_of(c.shape.kind).is_flat())
     {
-        if (drawn > 0) facts.emplace(c, drawn);
+        if (draw.what == Draw::For::facts) facts.emplace(c, draw.most);
+        if (draw.what == Draw::For::outlines && is_face) outline.emplace(draw.most);
     }
-    // `shift`: that of its station, or null.
-    void add(const Vec3d& p, const Vec3d* shift, std::uint64_t number, bool inside, const Shape& shape)
+    void add(const SeenPoint& seen, const Shape& shape)
     {
+        const Vec3d& p = seen.place;
         all.add(p);
-        if (inside) interior.add(p);
+        if (seen.inside && seen.in_face) interior.add(p);
+        if (is_face && seen.in_face) face.add(p);
+        if (outline) outline->add(p, seen.number);
         if (!facts) return;
         facts->ends.add(p);
-        if (!inside && use_interior) return;
-        facts->alike.add(p, signed_distance(shape, p));
-        facts->some.add(p, number);
-        if (shift) facts->moved.add(p - *shift, number);
+        if (fitted_to == FittedTo::interior && !seen.inside) return;
+        facts->some.add(p, seen.number);
+        if (seen.shift) facts->moved.add(p - *seen.shift, seen.number);
+        if (is_fitted(seen)) facts->alike.add(p, signed_distance(shape, p));
     }
     void add(const Sums& other)
     {
         all.add(other.all);
         interior.add(other.interior);
+        face.add(other.face);
+        if (outline) outline->add(*other.outline);
         if (!facts) return;
         facts->ends.add(other.facts->ends);
         facts->alike.add(other.facts->alike);
@@ -89,30 +112,41 @@ struct Sums {
     bool enough_interior_points() const
     {
         const double enough = detect_tuning().merging.min_interior * static_cast<double>(all.points());
-        return interior.points() >= 20 && static_cast<double>(interior.points()) >= enough;
+        return interior.points() >= least_inside && static_cast<double>(interior.points()) >= enough;
     }
-    const ShapeSums& best() const { return use_interior ? interior : all; }
+    // Whether the face without its border determines the angle nearly as well as all of it.
+    bool is_face_enough(double threshold) const
+    {
+        if (face.points() < least_inside) return false;
+        const ShapeFit inner = face.result(threshold), whole = all.result(threshold);
+        return inner.errors.angle * whole.noise <= detect_tuning().faces.max_growth * whole.errors.angle * inner.noise;
+    }
+    FittedTo chosen(double threshold) const
+    {
+        if (enough_interior_points()) return FittedTo::interior;
+        return is_face && is_face_enough(threshold) ? FittedTo::face : FittedTo::all;
+    }
+    const ShapeSums& best() const
+    {
+        return fitted_to == FittedTo::face ? face : fitted_to == FittedTo::interior ? interior : all;
+    }
+    bool is_fitted(const SeenPoint& seen) const
+    {
+        return fitted_to == FittedTo::all || (seen.in_face && (fitted_to == FittedTo::face || seen.inside));
+    }
 
-    ShapeSums interior, all;
-    bool use_interior = true;
+    // Noise of the points that doubts come from: those next to a face's border may be of several surfaces.
+    double drawn_noise(const ShapeFit& fit) const
+    {
+        return fitted_to == FittedTo::face ? all.result(fit.threshold).noise : fit.noise;
+    }
+
+    ShapeSums interior, face, all;  // interior: points inside both ways
+    FittedTo fitted_to;
+    bool is_face = false;
+    std::optional<DrawnPoints> outline;
     std::optional<PartFacts> facts;
 };
-
-// Width of a convex outline, the minimum distance of two parallel lines that hold it, source units; infinite where
-// there is no outline.
-double width_of(const std::vector<Vec3d>& outline)
-{
-    double width = infinity;
-    for (std::size_t i = 0; i < outline.size(); ++i) {
-        const Vec3d& from = outline[i];
-        const Vec3d along = outline[(i + 1) % outline.size()] - from;
-        if (!(length(along) > 0)) continue;
-        double most = 0;
-        for (const Vec3d& p : outline) most = std::max(most, length(cross(p - from, normalised(along))));
-        width = std::min(width, most);
-    }
-    return width;
-}
 
 // Keyed by candidate.
 using GroupSums = std::map<std::uint32_t, Sums>;
@@ -138,16 +172,11 @@ public:
 
     FinalFit run()
     {
-        for (const double begin : {0.0, 0.25}) {
-            std::vector<Sums> sums = pass(begin, begin + 0.25, 0);
-            for (std::size_t c = 0; c < candidates_.size(); ++c) {
-                candidates_[c].interior = sums[c].use_interior = sums[c].enough_interior_points();
-                if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
-            }
-        }
         const std::size_t lists = candidates_.size() * (options_.shifts.are_known() ? 2 : 1);
         const std::size_t drawn = std::clamp(all_drawn / std::max<std::size_t>(lists, 1), least_drawn, most_drawn);
-        const std::vector<Sums> sums = pass(0.5, 0.8, drawn);
+        find_faces(improve(0, 0.25, {Draw::For::outlines, drawn}));
+        improve(0.25, 0.5, {});
+        const std::vector<Sums> sums = pass(0.5, 0.8, {Draw::For::facts, drawn});
         std::vector<std::uint32_t> order(candidates_.size());
         std::iota(order.begin(), order.end(), 0u);
         std::stable_sort(order.begin(), order.end(),
@@ -168,7 +197,7 @@ public:
             label_of[c] = primitive.label = static_cast<std::uint32_t>(result_.primitives.size() + 1);
             primitive.name = std::string(traits_of(primitive.fit.shape.kind).label) + " " +
                              std::to_string(++numbers_[primitive.fit.shape.kind]);
-            result_.contested.push_back(is_contested(primitive, candidates_[c]));
+            result_.contested.push_back(is_contested(primitive, candidates_[c], sums[c]));
             result_.agreement.push_back(alike);
             result_.primitives.push_back(std::move(primitive));
         }
@@ -183,13 +212,13 @@ private:
         return static_cast<double>(part.sampled) * options_.cell * options_.cell / part.box.diagonal();
     }
 
-    bool is_contested(const Primitive& primitive, const Candidate& candidate) const
+    bool is_contested(const Primitive& primitive, const Candidate& candidate, const Sums& sums) const
     {
         const ContestTuning& tuned = detect_tuning().contest;
         const ShapeFit& fit = primitive.fit;
         return traits_of(fit.shape.kind).is_flat() && !candidate.whole &&
                mean_width(assigned_.parts[candidate.part]) <= tuned.max_width * fit.threshold &&
-               (fit.issue == FitIssue::other_surface || fit.noise > tuned.min_noise * options_.noise);
+               (fit.issue == FitIssue::other_surface || sums.drawn_noise(fit) > tuned.min_noise * options_.noise);
     }
 
     // Whether a piece is a doubtful primitive in any case: a floor, a ceiling, a wall, or round far beyond the
@@ -233,12 +262,35 @@ private:
         return part == AssignedPoints::no_part ? no_candidate : candidate_of_[part];
     }
 
-    std::vector<Sums> pass(double begin, double end, std::size_t drawn)
+    // A step of least squares.
+    std::vector<Sums> improve(double begin, double end, const Draw& draw)
+    {
+        std::vector<Sums> sums = pass(begin, end, draw);
+        for (std::size_t c = 0; c < candidates_.size(); ++c) {
+            candidates_[c].fitted_to = sums[c].fitted_to = sums[c].chosen(candidates_[c].threshold);
+            if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
+        }
+        return sums;
+    }
+
+    void find_faces(const std::vector<Sums>& sums)
+    {
+        std::vector<MeetingSurface> surfaces;
+        for (std::size_t c = 0; c < candidates_.size(); ++c) {
+            const Candidate& one = candidates_[c];
+            MeetingSurface surface{one.shape, assigned_.parts[one.part].box, one.threshold, {}};
+            if (sums[c].outline) surface.outline.emplace(sums[c].outline->points(), one.shape);
+            surfaces.push_back(std::move(surface));
+        }
+        faces_.emplace(std::move(surfaces));
+    }
+
+    std::vector<Sums> pass(double begin, double end, const Draw& draw)
     {
         std::vector<Sums> sums;
-        for (const Candidate& c : candidates_) sums.emplace_back(c, drawn);
+        for (const Candidate& c : candidates_) sums.emplace_back(c, draw);
         sum_over_nodes<GroupSums>(
-            points_.tree(), options_.threads, [&](GroupSums& part, NodeId node) { add_node(node, drawn, part); },
+            points_.tree(), options_.threads, [&](GroupSums& part, NodeId node) { add_node(node, draw, part); },
             [&](const GroupSums& part) {
                 for (const auto& [c, own] : part) sums[c].add(own);
             },
@@ -246,21 +298,27 @@ private:
         return sums;
     }
 
-    void add_node(NodeId node, std::size_t drawn, GroupSums& sums)
+    void add_node(NodeId node, const Draw& draw, GroupSums& sums)
     {
         const std::vector<std::uint32_t> labels = labels_.get(node);
         if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
         const std::vector<Vec3d> at = points_.positions(node);
         const std::vector<Vec3d> shifts =
-            drawn > 0 ? options_.shifts.of_points(points_.tree(), node) : std::vector<Vec3d>();
+            draw.what == Draw::For::facts ? options_.shifts.of_points(points_.tree(), node) : std::vector<Vec3d>();
+        Box3d box;
+        for (const Vec3d& p : at) box.extend(p);
+        std::map<std::uint32_t, std::optional<FaceInteriors::InBox>> faces;
         for (std::size_t i = 0; i < labels.size(); ++i) {
             const std::uint32_t c = candidate(labels[i]);
             if (c == no_candidate || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
             auto found = sums.find(c);
-            if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], drawn)).first;
-            const std::uint64_t number = (static_cast<std::uint64_t>(node) << 32) + i;
-            found->second.add(at[i], shifts.empty() ? nullptr : &shifts[i], number, (labels[i] & interior_label) != 0,
-                              candidates_[c].shape);
+            if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], draw)).first;
+            auto face = faces.find(c);
+            if (face == faces.end())
+                face = faces.emplace(c, faces_ ? faces_->inside(c, box) : std::optional<FaceInteriors::InBox>()).first;
+            const SeenPoint seen{at[i], (static_cast<std::uint64_t>(node) << 32) + i, (labels[i] & interior_label) != 0,
+                                 !face->second || face->second->has(at[i]), shifts.empty() ? nullptr : &shifts[i]};
+            found->second.add(seen, candidates_[c].shape);
         }
     }
 
@@ -274,7 +332,7 @@ private:
         const SurfacePart& part = assigned_.parts[candidate.part];
         if (!primitive.fit.has_shape()) return primitive;
         enlarge(primitive.fit.errors, alike);
-        if (!sums.use_interior) contain_inner(candidate, sums, alike, primitive.fit);
+        if (sums.fitted_to != FittedTo::interior) contain_inner(candidate, sums, alike, primitive.fit);
         bound(primitive, sums.facts->ends.points());
         if (primitive.fit.verdict == FitVerdict::good && !candidate.whole && is_piece(part, candidate.threshold)) {
             primitive.fit.verdict = FitVerdict::doubtful;
@@ -283,10 +341,9 @@ private:
         }
         if (primitive.fit.verdict == FitVerdict::good && candidate.of_strip)
             doubt(primitive.fit, FitIssue::other_surface,
-                  "it was found as the bend of a narrow strip, as the edges of posts and cones have, too: compare it "
-                  "with "
-                  "a section");
-        if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic) judge(primitive.fit, part, *sums.facts);
+                  "it was found as the bend of a narrow strip, as the edges of posts and cones have, too: "
+                  "compare it with a section");
+        if (primitive.fit.verdict == FitVerdict::good && options_.is_automatic) judge(primitive.fit, part, sums);
         return primitive;
     }
 
@@ -322,15 +379,17 @@ private:
         return found.has_shape() ? found.shape : fit.shape;
     }
 
-    // As a fit at a place is judged, by points that were drawn. Where the stations' shifts make them far quieter, by
-    // those without the shifts: stations that are apart are not surfaces.
-    void judge(ShapeFit& fit, const SurfacePart& part, const PartFacts& facts) const
+    // As a fit at a place is judged, by points that were drawn. Where the stations'
+    // shifts make them far quieter, by those without the shifts: stations that are apart are not surfaces.
+    void judge(ShapeFit& judged, const SurfacePart& part, const Sums& sums) const
     {
+        ShapeFit fit = judged;
+        fit.noise = sums.drawn_noise(fit);
         if (is_bent(fit, part))
-            return doubt(fit, FitIssue::uneven,
+            return doubt(judged, FitIssue::uneven,
                          "neighbouring points leave the shape together, more than their noise does: this may be a "
                          "piece of something bent");
-        const std::vector<Vec3d> some = facts.some.points(), moved = facts.moved.points();
+        const std::vector<Vec3d> some = sums.facts->some.points(), moved = sums.facts->moved.points();
         const Doubt as_they_are = doubt_of(fit, fit.shape, some);
         if (as_they_are.reason.empty()) return;
         if (!moved.empty()) {
@@ -338,7 +397,7 @@ private:
             const double most = detect_tuning().plates.max_moved_noise * rms_distance(fit.shape, some);
             if (rms_distance(shape, moved) <= most && doubt_of(fit, shape, moved).reason.empty()) return;
         }
-        doubt(fit, as_they_are.issue, as_they_are.reason);
+        doubt(judged, as_they_are.issue, as_they_are.reason);
     }
 
     struct Doubt {
@@ -423,6 +482,7 @@ private:
     const FinalFitOptions& options_;
     std::vector<Candidate> candidates_;
     std::vector<std::uint32_t> candidate_of_;  // one for each part
+    std::optional<FaceInteriors> faces_;       // those of all candidates, when outlines are known
     std::map<ShapeKind, int> numbers_;
     FinalFit result_;
 };

@@ -23,9 +23,22 @@ public:
 private:
     double gap_to(const Vec2d& p) const;
 
+    struct Side {
+        Vec2d corner, outwards;
+        double gap_to(const Vec2d& p) const
+        {
+            return (p[0] - corner[0]) * outwards[0] + (p[1] - corner[1]) * outwards[1];
+        }
+    };
+
     Vec3d point_;
     AxisFrame frame_;
     std::vector<Vec2d> corners_;  // counter-clockwise
+    std::vector<Side> sides_;     // from each corner to the next one
 };
+
+// Width of a convex outline, the minimum distance of two parallel lines that hold it, source units; infinite where
+// there is no outline.
+double width_of(const std::vector<Vec3d>& outline);
 
 }  // namespace pcm
