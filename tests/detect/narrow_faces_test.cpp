@@ -8,7 +8,7 @@ namespace {
 using namespace pcm;
 using namespace pcm::test;
 
-constexpr double face_noise = 0.0015, face_threshold = 0.006, face_width = 0.1;
+constexpr double flange_noise = 0.0015, flange_threshold = 0.006, flange_width = 0.1;
 
 // A flange 2 m long at z = 0, the first part, and a web on the middle of it, the second one.
 class NarrowFacesTest : public testing::Test {
@@ -17,19 +17,19 @@ protected:
     void add_flange(std::size_t count)
     {
         for (std::size_t i = 0; i < count; ++i)
-            add(dice_.between(0, 2), dice_.between(0, face_width), face_noise * dice_.normal());
+            add(dice_.between(0, 2), dice_.between(0, flange_width), flange_noise * dice_.normal());
     }
     // Points of a side of the flange, of which the threshold gives the flange those up to its own.
     void add_side(std::size_t count)
     {
         for (std::size_t i = 0; i < count; ++i)
-            add(dice_.between(0, 2), face_width + 0.0005 * dice_.normal(), -face_threshold * dice_.unit());
+            add(dice_.between(0, 2), flange_width + 0.0005 * dice_.normal(), -flange_threshold * dice_.unit());
     }
     // From `height` on; what is below the threshold is the flange's.
     void add_web(std::size_t count, double height)
     {
         for (std::size_t i = 0; i < count; ++i)
-            add(dice_.between(0, 2), face_width / 2 + 0.0005 * dice_.normal(), height * dice_.unit());
+            add(dice_.between(0, 2), flange_width / 2 + 0.0005 * dice_.normal(), height * dice_.unit());
     }
     FinalFit fit(double noise = 0)
     {
@@ -40,11 +40,11 @@ protected:
         assigned.parts[1].hypothesis = 1;
         std::vector<Hypothesis> planes(2);
         planes[1].shape.axis = {0, 1, 0};
-        planes[1].shape.point = {0, face_width / 2, 0};
-        for (Hypothesis& plane : planes) plane.threshold = face_threshold;
+        planes[1].shape.point = {0, flange_width / 2, 0};
+        for (Hypothesis& plane : planes) plane.threshold = flange_threshold;
         PointLabels labels(*tree);
         for (const PlacedPoint& p : all_points(*tree)) {
-            const std::uint32_t part = p.position[2] > face_threshold;
+            const std::uint32_t part = p.position[2] > flange_threshold;
             const std::uint32_t label = part + 1;
             labels.set(p.node, {p.number}, &label);
             assigned.parts[part].box.extend(p.position);
@@ -62,7 +62,7 @@ protected:
     static double angle_of(const Primitive& flange) { return length(cross(flange.fit.shape.axis, {0, 0, 1})); }
     static double height_of(const Primitive& flange)
     {
-        return std::fabs(signed_distance(flange.fit.shape, {1, face_width / 2, 0}));
+        return std::fabs(signed_distance(flange.fit.shape, {1, flange_width / 2, 0}));
     }
 
     TemporaryFolder folder_;
@@ -71,7 +71,7 @@ protected:
 };
 
 // Errors as chance alone leaves them: noise / root of the points / standard deviation of their places across.
-constexpr double chance_of(double points) { return face_noise / (0.2887 * face_width) / points; }
+constexpr double chance_of(double points) { return flange_noise / (0.2887 * flange_width) / points; }
 
 TEST_F(NarrowFacesTest, PointsOfASideDoNotTurnTheFace)
 {
@@ -86,7 +86,7 @@ TEST_F(NarrowFacesTest, PointsOfASideDoNotTurnTheFace)
     EXPECT_LE(height_of(flange), 3 * flange.fit.errors.position);
     EXPECT_LE(flange.fit.errors.angle, 2 * chance) << "most of the width is left";
     EXPECT_GE(flange.points, 995u) << "they are within the threshold";
-    EXPECT_NEAR(flange.fit.noise, face_noise, 0.1 * face_noise);
+    EXPECT_NEAR(flange.fit.noise, flange_noise, 0.1 * flange_noise);
 }
 
 TEST_F(NarrowFacesTest, PointsOfAWebDoNotShiftTheFace)
@@ -97,13 +97,13 @@ TEST_F(NarrowFacesTest, PointsOfAWebDoNotShiftTheFace)
     ASSERT_EQ(found.primitives.size(), 2u);
     const Primitive& flange = found.primitives[1];
     EXPECT_LE(height_of(flange), 3 * flange.fit.errors.position);
-    EXPECT_LE(flange.fit.errors.position, 1.5 * face_noise / 30);
+    EXPECT_LE(flange.fit.errors.position, 1.5 * flange_noise / 30);
 }
 
 // Three scan lines along the face: without the two at its border nothing shows its angle.
 TEST_F(NarrowFacesTest, FacesThatTheirMiddleDoesNotDetermineKeepTheirBorder)
 {
-    for (int i = 0; i < 900; ++i) add(dice_.between(0, 2), face_width / 2 * (i % 3), face_noise * dice_.normal());
+    for (int i = 0; i < 900; ++i) add(dice_.between(0, 2), flange_width / 2 * (i % 3), flange_noise * dice_.normal());
     const FinalFit found = fit();
     ASSERT_EQ(found.primitives.size(), 1u);
     EXPECT_LE(angle_of(found.primitives[0]), 3 * found.primitives[0].fit.errors.angle);
@@ -115,9 +115,9 @@ TEST_F(NarrowFacesTest, FacesThatTheirMiddleDoesNotDetermineKeepTheirBorder)
 TEST_F(NarrowFacesTest, FacesWithPointsOfOthersAreContested)
 {
     add_flange(900);
-    EXPECT_EQ(fit(face_noise).contested, std::vector<bool>{false});
+    EXPECT_EQ(fit(flange_noise).contested, std::vector<bool>{false});
     add_side(300);
-    EXPECT_EQ(fit(face_noise).contested, std::vector<bool>{true});
+    EXPECT_EQ(fit(flange_noise).contested, std::vector<bool>{true});
 }
 
 }  // namespace
