@@ -3,7 +3,7 @@
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
-#include "pcm/place/inner_points.h"
+#include "pcm/place/few_points.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/shape.h"
@@ -18,14 +18,6 @@ namespace {
 constexpr std::size_t enough_points = 1000;  // points for which kinds are compared
 
 bool is_good(const FittedPrimitive& found) { return found.primitive.fit.verdict == FitVerdict::good; }
-
-// The points of a shape without straight pipes that continue it.
-std::vector<Vec3d> sample_of(const FittedPrimitive& found, unsigned threads)
-{
-    if (!found.part) return random_points(found.points, enough_points, threads, {});
-    const auto is_own = [&](const Vec3d& p) { return found.part->has(p); };
-    return random_points(points_where(found.points, is_own, threads), enough_points, threads, {});
-}
 
 }  // namespace
 
@@ -48,6 +40,8 @@ FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double
 {
     const ShapeFit& first = found.primitive.fit;
     if (is_good(found) || kinds.size() < 2 || !first.has_shape() || first.noise > most_noise) return found;
+    const bool is_of_other = first.issue == FitIssue::no_consensus || first.issue == FitIssue::other_surface;
+    if (!is_of_other || found.points.size() < place_tuning().following.min_narrow_points) return found;
     const int rank = model_of(first.shape.kind).rank;
     if (rank == 0) return found;  // a plane may be terrain
     std::optional<FittedPrimitive> best;
@@ -56,7 +50,9 @@ FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double
         FittedPrimitive next = fit(place, {kind});
         if (!is_good(next) || next.primitive.fit.shape.kind != kind) continue;
         if (next.points.size() < place_tuning().growth.min_swept_points) continue;
-        if (!explains_better(next.primitive.fit, first.shape, sample_of(next, threads))) continue;
+        if (!explains_better(next.primitive.fit, first.shape,
+                             random_points(own_points(next, threads), enough_points, threads, {})))
+            continue;
         if (!best || next.points.size() > best->points.size()) best = std::move(next);
     }
     if (!best) return found;

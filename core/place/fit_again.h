@@ -18,8 +18,9 @@ FittedPrimitive or_elbow(FittedPrimitive found, const Vec3d& place, const Vec3d&
 
 // Kinds are compared by the points around the place, where a piece of an elbow is a cylinder, and one of a reducer,
 // too; followed through the cloud, that leaves the surface. Then the shape of a kind of higher rank (choose_kind()),
-// where that can be followed and explains its own points better. Only where the points of the shape found have at most
-// this noise: other points are not those of one surface. Throws what the fit throws.
+// where that can be followed and explains its own points better. Not where the points found have more than this
+// noise, as those of several surfaces, are as few as those of leaves, or the shape is doubtful for its own sake:
+// uneven, or uncertain. Throws what the fit throws.
 FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double most_noise,
                                const std::vector<ShapeKind>& kinds, const FitAgain& fit, unsigned threads);
 

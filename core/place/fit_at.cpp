@@ -15,6 +15,7 @@
 #include "pcm/place/local_fit.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/other_answers.h"
+#include "pcm/place/point_off.h"
 #include "pcm/place/station_errors.h"
 #include "pcm/place/stations_around.h"
 #include "pcm/place/tuning.h"
@@ -86,7 +87,8 @@ private:
         options.metres_per_unit = metres_per_unit(tree_->info().metadata);
         options.threads = options_.threads;
         options.progress = part_of(options_.progress, 0.9, 0.95);
-        add_station_errors(own_points(result), around_, options, result.agreement, result.primitive);
+        add_station_errors(own_points(result, options_.threads, part_of(options_.progress, 0.9, 0.9)), around_, options,
+                           result.agreement, result.primitive);
         if (result.agreement > 1)
             result.notes.push_back("neighbouring points leave the surface together: the errors are " +
                                    brief(result.agreement) + " times those of independent points");
@@ -107,7 +109,10 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            return or_again(or_other(or_side(best_of_thresholds())));
+            FittedPrimitive best = or_again(or_other(or_side(best_of_thresholds())));
+            if (places_.size() == 1 && !is_again_ && !(options_.fit.threshold > 0))
+                doubt_point_off(cloud_, places_.front(), limit_, best);
+            return best;
         } catch (const Error& error) {
             if (error.code() != ErrorCode::cancelled || !is_late_) throw;
         }
@@ -154,8 +159,10 @@ private:
         };
         const Vec3d place = places_.front();
         if (places_.size() == 1 && local_options().may_choose(found.primitive.fit.shape.kind)) {
+            std::vector<ShapeKind> kinds = options_.kinds;
+            if (place_on_bend_) kinds.erase(std::remove(kinds.begin(), kinds.end(), ShapeKind::cone), kinds.end());
             const double most = tuned_.max_shared_noise * around_.surface_noise();
-            found = or_higher_kind(std::move(found), place, most, options_.kinds, again, options_.threads);
+            found = or_higher_kind(std::move(found), place, most, kinds, again, options_.threads);
         }
         if (!place_on_bend_) return found;
         return or_elbow(std::move(found), place, *place_on_bend_, options_.kinds, again);
@@ -266,16 +273,9 @@ private:
         doubt_few_points(next);
         if (next.primitive.fit.verdict == FitVerdict::good &&
             explains_better(next.primitive.fit, result.primitive.fit.shape,
-                            random_points(own_points(next), enough_compared, options_.threads)))
+                            random_points(own_points(next, options_.threads, part_of(options_.progress, 0.9, 0.9)),
+                                          enough_compared, options_.threads)))
             result = std::move(next);
-    }
-
-    // The points of a shape without straight pipes that continue it.
-    PointSet own_points(const FittedPrimitive& found) const
-    {
-        const auto is_own = [&](const Vec3d& p) { return found.part->has(p); };
-        return found.part ? points_where(found.points, is_own, options_.threads, part_of(options_.progress, 0.9, 0.9))
-                          : found.points;
     }
 
     LocalFitOptions local_options() const

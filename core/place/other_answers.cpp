@@ -7,9 +7,7 @@
 #include "pcm/place/thin_pipe.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/shape.h"
-#include "pcm/system/text.h"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -86,39 +84,6 @@ FittedPrimitive OtherAnswers::or_corner(FittedPrimitive found) const
         doubt(found.primitive.fit, FitIssue::other_surface,
               "the place that was picked is at the edge of the plane, so it may belong to the face next to it: pick a "
               "place farther from the edge");
-    return found;
-}
-
-FittedPrimitive OtherAnswers::without_doubtful_place(FittedPrimitive found) const
-{
-    const PlaceOffTuning& tuned = place_tuning().off_place;
-    ShapeFit& fit = found.primitive.fit;
-    if (!is_good(found) || options_.fit.threshold > 0) return found;
-    NearOptions nearest;
-    nearest.places = true;
-    nearest.count = tuned.nearest;
-    nearest.limit = options_.limit;
-    const NearPoints near = points_near(cloud_, place_, nearest);
-    if (near.ids.empty()) return found;
-    const double away = distance_to(fit.shape, near.points.source(0));
-    const double noise = std::max(fit.noise, largest_magnitude(cloud_.info().grid.scale));
-    if (!(away > tuned.min_away * noise)) return found;
-    if (away > tuned.max_away * noise) {
-        doubt(fit, FitIssue::other_surface,
-              "the point that was picked is " + brief(away) +
-                  " off it, where its points have a standard deviation of " + brief(fit.noise) +
-                  ", so it may belong to another surface: pick another point");
-        return found;
-    }
-    if (is_flat(found)) return found;  // its edges were looked at
-    std::size_t off = 0;
-    for (std::size_t i = 0; i < near.ids.size(); ++i)
-        off += distance_to(fit.shape, near.points.source(i)) > fit.threshold;
-    if (off >= tuned.min_off)
-        doubt(fit, FitIssue::other_surface,
-              "the point that was picked is " + brief(away) +
-                  " off it, and some of the points next to it, too, so it may "
-                  "belong to another surface: pick a point farther from where they meet");
     return found;
 }
 

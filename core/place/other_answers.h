@@ -28,18 +28,13 @@ public:
     // (thin_pipe.h). Where no shape of the nearest points is good, or neighbours leave it together as those of two
     // faces do, that of the plate's face which has the place (face_at_place.h). Next to an edge, the plane that has the
     // place (corner_at_place.h). A plane that is good all the same is doubtful where the place may belong to the face
-    // next to it; any shape where the place is far off it; a curved one where the place is off it, and others of the
-    // nearest points are, too. Throws what the fits throw.
-    FittedPrimitive best(FittedPrimitive found) const
-    {
-        return without_doubtful_place(or_corner(or_face(or_thin_pipe(std::move(found)))));
-    }
+    // next to it. Throws what the fits throw.
+    FittedPrimitive best(FittedPrimitive found) const { return or_corner(or_face(or_thin_pipe(std::move(found)))); }
 
 private:
     FittedPrimitive or_thin_pipe(FittedPrimitive found) const;
     FittedPrimitive or_face(FittedPrimitive found) const;
     FittedPrimitive or_corner(FittedPrimitive found) const;
-    FittedPrimitive without_doubtful_place(FittedPrimitive found) const;
     bool is_plane(const Primitive& found, const Shape& plane) const;
 
     const PointCloud& cloud_;

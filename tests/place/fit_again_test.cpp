@@ -54,6 +54,7 @@ protected:
         ShapeFit& fit = found.primitive.fit;
         fit.shape = shape;
         fit.verdict = verdict;
+        if (verdict != FitVerdict::good) fit.issue = issue_;
         fit.noise = again_noise;
         fit.threshold = 3 * again_noise;
         fit.inliers = found.points.size();
@@ -79,6 +80,7 @@ protected:
     std::vector<ShapeKind> kinds_{ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere, ShapeKind::cone,
                                   ShapeKind::torus};
     FitVerdict verdict_ = FitVerdict::good;
+    FitIssue issue_ = FitIssue::no_consensus;
     double share_ = 1;
     std::vector<ShapeKind> asked_;
 };
@@ -103,7 +105,17 @@ TEST_F(FitAgainTest, NothingIsAskedForWhereItIsGoodOrRoughOrFlatOrOfTheOnlyKind)
     EXPECT_TRUE(asked_.empty());
     EXPECT_EQ(kind_after(answer(elbow_shape(), FitVerdict::doubtful)), ShapeKind::torus);
     EXPECT_TRUE(asked_.empty());
+    for (const FitIssue issue : {FitIssue::uneven, FitIssue::thin_arc}) {
+        issue_ = issue;
+        EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful)), ShapeKind::cylinder);
+        EXPECT_TRUE(asked_.empty());
+    }
+    issue_ = FitIssue::other_surface;
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful, 0.01)), ShapeKind::cylinder) << "few points";
+    EXPECT_TRUE(asked_.empty());
+    EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful)), ShapeKind::torus);
     kinds_ = {ShapeKind::cylinder};
+    asked_.clear();
     EXPECT_EQ(kind_after(answer(pipe_at_its_end(), FitVerdict::doubtful)), ShapeKind::cylinder);
     EXPECT_TRUE(asked_.empty());
 }
