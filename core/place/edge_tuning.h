@@ -96,9 +96,6 @@ struct PlaceOffTuning {
     // Minimum distance of the place from the shape: those on the shape are farther once in three times.
     // Chosen: of 246 right answers on two ray-cast plants three are doubted with these numbers; not swept.
     double min_away = 1;  // standard deviations of the noise
-    // Maximum distance where none of the nearest points is off it.
-    // Chosen: one place of 80 on a shape is farther by chance; not swept.
-    double max_away = 2.5;  // standard deviations of the noise
     // Chosen: not swept.
     std::size_t nearest = 10;  // points
     // Minimum number of these that are beyond the threshold.

@@ -15,7 +15,7 @@ void doubt_point_off(const PointCloud& cloud, const Vec3d& place, const Selectio
 {
     const PlaceOffTuning& tuned = place_tuning().off_place;
     ShapeFit& fit = found.primitive.fit;
-    if (fit.verdict != FitVerdict::good) return;
+    if (fit.verdict != FitVerdict::good || traits_of(fit.shape.kind).is_flat()) return;
     NearOptions nearest;
     nearest.places = true;
     nearest.count = tuned.nearest;
@@ -25,14 +25,6 @@ void doubt_point_off(const PointCloud& cloud, const Vec3d& place, const Selectio
     const double away = distance_to(fit.shape, near.points.source(0));
     const double noise = std::max(fit.noise, largest_magnitude(cloud.info().grid.scale));
     if (!(away > tuned.min_away * noise)) return;
-    if (away > tuned.max_away * noise) {
-        doubt(fit, FitIssue::other_surface,
-              "the point that was picked is " + brief(away) +
-                  " off it, where its points have a standard deviation of " + brief(fit.noise) +
-                  ", so it may belong to another surface: pick another point");
-        return;
-    }
-    if (traits_of(fit.shape.kind).is_flat()) return;  // its edges were looked at
     std::size_t off = 0;
     for (std::size_t i = 0; i < near.ids.size(); ++i)
         off += distance_to(fit.shape, near.points.source(i)) > fit.threshold;

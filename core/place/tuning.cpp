@@ -150,7 +150,6 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.corners.min_margin),
         PCM_TUNED(place.corners.max_angle),
         PCM_TUNED(place.off_place.min_away),
-        PCM_TUNED(place.off_place.max_away),
         PCM_TUNED(place.off_place.nearest),
         PCM_TUNED(place.off_place.min_off),
         PCM_TUNED(place.thin_pipes.points),
