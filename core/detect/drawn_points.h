@@ -28,11 +28,4 @@ private:
     std::vector<Drawn> heap_;
 };
 
-// What points of each candidate of a final fit are drawn for: outlines of faces, or all that is not a sum.
-struct Draw {
-    enum class For { nothing, outlines, facts };
-    For what = For::nothing;
-    std::size_t most = 0;  // points of a candidate
-};
-
 }  // namespace pcm

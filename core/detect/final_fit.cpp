@@ -1,17 +1,14 @@
 #include "pcm/detect/final_fit.h"
 
 #include "pcm/cloud/numbers.h"
-#include "pcm/detect/drawn_points.h"
+#include "pcm/detect/candidate_sums.h"
 #include "pcm/detect/face_interior.h"
 #include "pcm/detect/flat_hull.h"
 #include "pcm/detect/node_sums.h"
 #include "pcm/detect/other_kind.h"
 #include "pcm/detect/sagitta.h"
 #include "pcm/detect/tuning.h"
-#include "pcm/fit/shape_sums.h"
 #include "pcm/place/departure.h"
-#include "pcm/place/error_agreement.h"
-#include "pcm/place/extreme_points.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/refit.h"
@@ -30,126 +27,11 @@ namespace pcm {
 namespace {
 
 constexpr std::uint32_t no_candidate = 0xffffffffu;
-constexpr std::uint64_t least_inside = 20;  // points that a candidate is fitted to without the others
 // Points of a candidate that its doubts come from; of very many candidates fewer, so that they take 64 MB.
 constexpr std::size_t most_drawn = 500, least_drawn = 100, all_drawn = std::size_t(2) << 20;
 
-// Points that a candidate is fitted to.
-enum class FittedTo { all, interior, face };
-
-struct Candidate {
-    Shape shape;
-    Vec3d middle{};
-    double extent = 0;
-    Vec3d corner{};
-    double threshold = 0;
-    bool whole = false, thin = false, of_strip = false;  // as those of its hypothesis
-    std::uint32_t part = 0;
-    FittedTo fitted_to = FittedTo::interior;
-};
-
-// What bounds, errors and doubts need of a candidate's points in addition to the sums.
-struct PartFacts {
-    PartFacts(const Candidate& c, std::size_t most)
-        : ends(c.shape, c.middle),
-          alike(c.corner, c.extent / place_tuning().growth.agreement_cubes),
-          some(most),
-          moved(most)
-    {
-    }
-    ExtremePoints ends;
-    ErrorAgreement alike;
-    DrawnPoints some;
-    DrawnPoints moved;  // the same ones, where their stations most probably were
-};
-
-// A point whose neighbours are the candidate's, and inside a face as face_interior.h has it, as all points of other
-// shapes are; `shift`: that of its station, or null.
-struct SeenPoint {
-    Vec3d place;
-    std::uint64_t number = 0;
-    bool inside = false, in_face = false;
-    const Vec3d* shift = nullptr;
-};
-
-struct Sums {
-    Sums(const Candidate& c, const Draw& draw)
-        : interior(c.shape, c.middle, c.extent),
-          face(interior),
-          all(interior),
-          fitted_to(c.fitted_to),
-          is_face(traits_of(c.shape.kind).is_flat())
-    {
-        if (draw.what == Draw::For::facts) facts.emplace(c, draw.most);
-        if (draw.what == Draw::For::outlines && is_face) outline.emplace(draw.most);
-    }
-    void add(const SeenPoint& seen, const Shape& shape)
-    {
-        const Vec3d& p = seen.place;
-        all.add(p);
-        if (seen.inside && seen.in_face) interior.add(p);
-        if (is_face && seen.in_face) face.add(p);
-        if (outline) outline->add(p, seen.number);
-        if (!facts) return;
-        facts->ends.add(p);
-        if (fitted_to == FittedTo::interior && !seen.inside) return;
-        facts->some.add(p, seen.number);
-        if (seen.shift) facts->moved.add(p - *seen.shift, seen.number);
-        if (is_fitted(seen)) facts->alike.add(p, signed_distance(shape, p));
-    }
-    void add(const Sums& other)
-    {
-        all.add(other.all);
-        interior.add(other.interior);
-        face.add(other.face);
-        if (outline) outline->add(*other.outline);
-        if (!facts) return;
-        facts->ends.add(other.facts->ends);
-        facts->alike.add(other.facts->alike);
-        facts->some.add(other.facts->some);
-        facts->moved.add(other.facts->moved);
-    }
-    bool enough_interior_points() const
-    {
-        const double enough = detect_tuning().merging.min_interior * static_cast<double>(all.points());
-        return interior.points() >= least_inside && static_cast<double>(interior.points()) >= enough;
-    }
-    // Whether the face without its border determines the angle nearly as well as all of it.
-    bool is_face_enough(double threshold) const
-    {
-        if (face.points() < least_inside) return false;
-        const ShapeFit inner = face.result(threshold), whole = all.result(threshold);
-        return inner.errors.angle * whole.noise <= detect_tuning().faces.max_growth * whole.errors.angle * inner.noise;
-    }
-    FittedTo chosen(double threshold) const
-    {
-        if (enough_interior_points()) return FittedTo::interior;
-        return is_face && is_face_enough(threshold) ? FittedTo::face : FittedTo::all;
-    }
-    const ShapeSums& best() const
-    {
-        return fitted_to == FittedTo::face ? face : fitted_to == FittedTo::interior ? interior : all;
-    }
-    bool is_fitted(const SeenPoint& seen) const
-    {
-        return fitted_to == FittedTo::all || (seen.in_face && (fitted_to == FittedTo::face || seen.inside));
-    }
-
-    // Noise of the points that doubts come from: those next to a face's border may be of several surfaces.
-    double drawn_noise(const ShapeFit& fit) const
-    {
-        return fitted_to == FittedTo::face ? all.result(fit.threshold).noise : fit.noise;
-    }
-
-    ShapeSums interior, face, all;  // interior: points inside both ways
-    FittedTo fitted_to;
-    bool is_face = false;
-    std::optional<DrawnPoints> outline;
-    std::optional<PartFacts> facts;
-};
-
 // Keyed by candidate.
-using GroupSums = std::map<std::uint32_t, Sums>;
+using GroupSums = std::map<std::uint32_t, CandidateSums>;
 
 class Fitting {
 public:
@@ -174,9 +56,9 @@ public:
     {
         const std::size_t lists = candidates_.size() * (options_.shifts.are_known() ? 2 : 1);
         const std::size_t drawn = std::clamp(all_drawn / std::max<std::size_t>(lists, 1), least_drawn, most_drawn);
-        find_faces(improve(0, 0.25, {Draw::For::outlines, drawn}));
-        improve(0.25, 0.5, {});
-        const std::vector<Sums> sums = pass(0.5, 0.8, {Draw::For::facts, drawn});
+        find_faces(improve(0, 0.25, drawn));
+        improve(0.25, 0.5, 0);
+        const std::vector<CandidateSums> sums = pass(0.5, 0.8, 0, drawn);
         std::vector<std::uint32_t> order(candidates_.size());
         std::iota(order.begin(), order.end(), 0u);
         std::stable_sort(order.begin(), order.end(),
@@ -212,7 +94,7 @@ private:
         return static_cast<double>(part.sampled) * options_.cell * options_.cell / part.box.diagonal();
     }
 
-    bool is_contested(const Primitive& primitive, const Candidate& candidate, const Sums& sums) const
+    bool is_contested(const Primitive& primitive, const FitCandidate& candidate, const CandidateSums& sums) const
     {
         const ContestTuning& tuned = detect_tuning().contest;
         const ShapeFit& fit = primitive.fit;
@@ -242,7 +124,7 @@ private:
     void add(std::uint32_t part, const std::vector<Hypothesis>& hypotheses)
     {
         const SurfacePart& from = assigned_.parts[part];
-        Candidate candidate;
+        FitCandidate candidate;
         candidate.part = part;
         candidate.whole = hypotheses[from.hypothesis].whole;
         candidate.thin = hypotheses[from.hypothesis].thin;
@@ -263,9 +145,9 @@ private:
     }
 
     // A step of least squares.
-    std::vector<Sums> improve(double begin, double end, const Draw& draw)
+    std::vector<CandidateSums> improve(double begin, double end, std::size_t of_outline)
     {
-        std::vector<Sums> sums = pass(begin, end, draw);
+        std::vector<CandidateSums> sums = pass(begin, end, of_outline, 0);
         for (std::size_t c = 0; c < candidates_.size(); ++c) {
             candidates_[c].fitted_to = sums[c].fitted_to = sums[c].chosen(candidates_[c].threshold);
             if (const auto better = sums[c].best().step()) candidates_[c].shape = *better;
@@ -273,11 +155,11 @@ private:
         return sums;
     }
 
-    void find_faces(const std::vector<Sums>& sums)
+    void find_faces(const std::vector<CandidateSums>& sums)
     {
         std::vector<MeetingSurface> surfaces;
         for (std::size_t c = 0; c < candidates_.size(); ++c) {
-            const Candidate& one = candidates_[c];
+            const FitCandidate& one = candidates_[c];
             MeetingSurface surface{one.shape, assigned_.parts[one.part].box, one.threshold, {}};
             if (sums[c].outline) surface.outline.emplace(sums[c].outline->points(), one.shape);
             surfaces.push_back(std::move(surface));
@@ -285,12 +167,13 @@ private:
         faces_.emplace(std::move(surfaces));
     }
 
-    std::vector<Sums> pass(double begin, double end, const Draw& draw)
+    std::vector<CandidateSums> pass(double begin, double end, std::size_t of_outline, std::size_t of_facts)
     {
-        std::vector<Sums> sums;
-        for (const Candidate& c : candidates_) sums.emplace_back(c, draw);
+        std::vector<CandidateSums> sums;
+        for (const FitCandidate& c : candidates_) sums.emplace_back(c, of_outline, of_facts);
         sum_over_nodes<GroupSums>(
-            points_.tree(), options_.threads, [&](GroupSums& part, NodeId node) { add_node(node, draw, part); },
+            points_.tree(), options_.threads,
+            [&](GroupSums& part, NodeId node) { add_node(node, of_outline, of_facts, part); },
             [&](const GroupSums& part) {
                 for (const auto& [c, own] : part) sums[c].add(own);
             },
@@ -298,31 +181,31 @@ private:
         return sums;
     }
 
-    void add_node(NodeId node, const Draw& draw, GroupSums& sums)
+    void add_node(NodeId node, std::size_t of_outline, std::size_t of_facts, GroupSums& sums)
     {
         const std::vector<std::uint32_t> labels = labels_.get(node);
         if (std::all_of(labels.begin(), labels.end(), [](std::uint32_t l) { return l == 0; })) return;
         const std::vector<Vec3d> at = points_.positions(node);
         const std::vector<Vec3d> shifts =
-            draw.what == Draw::For::facts ? options_.shifts.of_points(points_.tree(), node) : std::vector<Vec3d>();
-        Box3d box;
-        for (const Vec3d& p : at) box.extend(p);
+            of_facts > 0 ? options_.shifts.of_points(points_.tree(), node) : std::vector<Vec3d>();
+        const Box3d box = points_.tree().box(node);
         std::map<std::uint32_t, std::optional<FaceInteriors::InBox>> faces;
         for (std::size_t i = 0; i < labels.size(); ++i) {
             const std::uint32_t c = candidate(labels[i]);
             if (c == no_candidate || distance_to(candidates_[c].shape, at[i]) > candidates_[c].threshold) continue;
             auto found = sums.find(c);
-            if (found == sums.end()) found = sums.emplace(c, Sums(candidates_[c], draw)).first;
+            if (found == sums.end()) found = sums.emplace(c, CandidateSums(candidates_[c], of_outline, of_facts)).first;
             auto face = faces.find(c);
             if (face == faces.end())
                 face = faces.emplace(c, faces_ ? faces_->inside(c, box) : std::optional<FaceInteriors::InBox>()).first;
-            const SeenPoint seen{at[i], (static_cast<std::uint64_t>(node) << 32) + i, (labels[i] & interior_label) != 0,
-                                 !face->second || face->second->has(at[i]), shifts.empty() ? nullptr : &shifts[i]};
+            const CandidatePoint seen{at[i], (static_cast<std::uint64_t>(node) << 32) + i,
+                                      (labels[i] & interior_label) != 0, !face->second || face->second->has(at[i]),
+                                      shifts.empty() ? nullptr : &shifts[i]};
             found->second.add(seen, candidates_[c].shape);
         }
     }
 
-    Primitive primitive_of(const Candidate& candidate, const Sums& sums, double alike)
+    Primitive primitive_of(const FitCandidate& candidate, const CandidateSums& sums, double alike)
     {
         Primitive primitive;
         primitive.fit = sums.best().result(candidate.threshold);
@@ -348,7 +231,7 @@ private:
     }
 
     // What the points at edges have moved a shape by that has few others.
-    static void contain_inner(const Candidate& candidate, const Sums& sums, double alike, ShapeFit& fit)
+    static void contain_inner(const FitCandidate& candidate, const CandidateSums& sums, double alike, ShapeFit& fit)
     {
         if (sums.interior.points() < place_tuning().growth.min_compared) return;
         ShapeFit inner = sums.interior.result(candidate.threshold);
@@ -379,9 +262,9 @@ private:
         return found.has_shape() ? found.shape : fit.shape;
     }
 
-    // As a fit at a place is judged, by points that were drawn. Where the stations'
-    // shifts make them far quieter, by those without the shifts: stations that are apart are not surfaces.
-    void judge(ShapeFit& judged, const SurfacePart& part, const Sums& sums) const
+    // As a fit at a place is judged, by points that were drawn. Where the stations' shifts make them far quieter, by
+    // those without the shifts: stations that are apart are not surfaces.
+    void judge(ShapeFit& judged, const SurfacePart& part, const CandidateSums& sums) const
     {
         ShapeFit fit = judged;
         fit.noise = sums.drawn_noise(fit);
@@ -417,7 +300,7 @@ private:
     }
 
     // Whether what bends there is within the threshold: a curved shape is flat, or a plane a line.
-    static bool is_hidden(const Primitive& primitive, const Sums& sums)
+    static bool is_hidden(const Primitive& primitive, const CandidateSums& sums)
     {
         const ShapeSearchTuning& tuned = detect_tuning().search;
         const Shape& shape = primitive.fit.shape;
@@ -431,7 +314,7 @@ private:
     }
 
     // Whether a doubtful shape is a piece of a cone or the like. Floors and walls that bend are kept.
-    bool is_of_other_kind(const ShapeFit& fit, const Candidate& candidate, const PartFacts& facts) const
+    bool is_of_other_kind(const ShapeFit& fit, const FitCandidate& candidate, const CandidateFacts& facts) const
     {
         if (fit.verdict == FitVerdict::good || is_wide(assigned_.parts[candidate.part], candidate.threshold))
             return false;
@@ -480,7 +363,7 @@ private:
     const AssignedPoints& assigned_;
     PointLabels& labels_;
     const FinalFitOptions& options_;
-    std::vector<Candidate> candidates_;
+    std::vector<FitCandidate> candidates_;
     std::vector<std::uint32_t> candidate_of_;  // one for each part
     std::optional<FaceInteriors> faces_;       // those of all candidates, when outlines are known
     std::map<ShapeKind, int> numbers_;

@@ -105,6 +105,18 @@ void add_to(PatchSums& sums, const PatchSums& other)
     for (std::size_t j = 0; j < sums.products.size(); ++j) sums.products[j] += other.products[j];
 }
 
+void take_from(PatchSums& sums, const PatchSums& other)
+{
+    sums.used -= other.used;
+    sums.slope -= other.slope;
+    sums.inliers -= std::min(sums.inliers, other.inliers);
+    sums.squares -= other.squares;
+    sums.pull -= other.pull;
+    sums.cost -= other.cost;
+    for (std::size_t j = 0; j < sums.gradient.size(); ++j) sums.gradient[j] -= other.gradient[j];
+    for (std::size_t j = 0; j < sums.products.size(); ++j) sums.products[j] -= other.products[j];
+}
+
 PatchSums sums_of(const ShapeModel& model, const SurfacePatch& patch, const WorkingPoints& points,
                   const PatchBand& band, const NoiseMixture* mixture, DistanceBins* bins)
 {

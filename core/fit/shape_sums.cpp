@@ -25,6 +25,8 @@ void ShapeSums::add(const Vec3d& p)
 
 void ShapeSums::add(const ShapeSums& other) { add_to(sums_, other.sums_); }
 
+void ShapeSums::subtract(const ShapeSums& other) { take_from(sums_, other.sums_); }
+
 double ShapeSums::rms() const { return sums_.used > 0 ? std::sqrt(sums_.squares / sums_.used) * extent_ : 0; }
 
 std::optional<Shape> ShapeSums::step(double part) const

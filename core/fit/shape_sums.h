@@ -20,6 +20,8 @@ public:
 
     void add(const Vec3d& p);          // source coordinates
     void add(const ShapeSums& other);  // sums of the same shape, middle and extent
+    // As if fewer points had been added: those of the other, of which there are fewer.
+    void subtract(const ShapeSums& other);
 
     std::uint64_t points() const { return sums_.inliers; }
     double rms() const;  // root mean square of the distances, source units

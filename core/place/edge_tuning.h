@@ -91,11 +91,12 @@ struct CornerAtPlaceTuning {
     double max_angle = 0.35;  // radians
 };
 
-// Whether a place belongs to another surface than the shape found.
-struct PlaceOffTuning {
-    // Minimum distance of the place from the shape: those on the shape are farther once in three times.
+// Whether the point that was picked belongs to another surface than the shape found (point_off.h).
+struct PointOffTuning {
+    // Minimum distance of the point from the shape: those on the shape are farther once in three times.
     // Chosen: of 246 right answers on two ray-cast plants three are doubted with these numbers; not swept.
     double min_away = 1;  // standard deviations of the noise
+    // Points next to the place that are looked at.
     // Chosen: not swept.
     std::size_t nearest = 10;  // points
     // Minimum number of these that are beyond the threshold.

@@ -2,18 +2,10 @@
 
 #include "pcm/place/cover_points.h"
 #include "pcm/place/followed_verdict.h"
-#include "pcm/place/inner_points.h"
 #include "pcm/place/tuning.h"
 #include "pcm/system/text.h"
 
 namespace pcm {
-
-PointSet own_points(const FittedPrimitive& found, unsigned threads, const ProgressFunction& progress)
-{
-    if (!found.part) return found.points;
-    return points_where(
-        found.points, [&](const Vec3d& p) { return found.part->has(p); }, threads, progress);
-}
 
 void doubt_few_points(FittedPrimitive& result)
 {

@@ -1,13 +1,9 @@
-// The points of a shape, and shapes of so few that they may be a leaf.
+// Shapes of so few points that they may be a leaf.
 #pragma once
 
 #include "pcm/place/fit_at.h"
 
 namespace pcm {
-
-// The points of a shape without straight pipes that continue it. Streams. Throws Error(cancelled), and what reading
-// throws.
-PointSet own_points(const FittedPrimitive& found, unsigned threads, const ProgressFunction& progress = {});
 
 // Doubts a good shape whose neighbourhood was chosen by its noise, and which has fewer points than leaves and twigs
 // that look smooth (place.following.min_narrow_points).

@@ -3,8 +3,8 @@
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
-#include "pcm/place/few_points.h"
 #include "pcm/place/one_surface.h"
+#include "pcm/place/own_points.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/shape.h"
 
@@ -15,6 +15,7 @@
 namespace pcm {
 namespace {
 
+constexpr int most_ranks = 2;                // cone and torus
 constexpr std::size_t enough_points = 1000;  // points for which kinds are compared
 
 bool is_good(const FittedPrimitive& found) { return found.primitive.fit.verdict == FitVerdict::good; }
@@ -35,6 +36,15 @@ FittedPrimitive or_elbow(FittedPrimitive found, const Vec3d& place, const Vec3d&
     return elbow;
 }
 
+FittedPrimitive or_pipe(FittedPrimitive found, const Vec3d& place, const FitAgain& fit)
+{
+    if (is_good(found) || !found.part || found.part->has(place)) return found;
+    FittedPrimitive pipe = fit(place, {ShapeKind::cylinder});
+    if (!is_good(pipe) || pipe.primitive.fit.shape.kind != ShapeKind::cylinder) return found;
+    pipe.notes.push_back("the place lies on the pipe behind an elbow: the pipe was fitted alone");
+    return pipe;
+}
+
 FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double most_noise,
                                const std::vector<ShapeKind>& kinds, const FitAgain& fit, unsigned threads)
 {
@@ -43,13 +53,17 @@ FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double
     const bool is_of_other = first.issue == FitIssue::no_consensus || first.issue == FitIssue::other_surface;
     if (!is_of_other || found.points.size() < place_tuning().following.min_narrow_points) return found;
     const int rank = model_of(first.shape.kind).rank;
-    if (rank == 0) return found;  // a plane may be terrain
+    // What is not followed as a plane may be a wide sphere or cylinder. Else it may be terrain.
+    if (rank == 0 && found.left_surface.empty()) return found;
+    const int most_rank = rank == 0 ? 1 : most_ranks;
+    const std::size_t least =
+        rank == 0 ? place_tuning().following.min_small_points : place_tuning().growth.min_swept_points;
     std::optional<FittedPrimitive> best;
     for (const ShapeKind kind : kinds) {
-        if (model_of(kind).rank <= rank) continue;
+        if (model_of(kind).rank <= rank || model_of(kind).rank > most_rank) continue;
         FittedPrimitive next = fit(place, {kind});
         if (!is_good(next) || next.primitive.fit.shape.kind != kind) continue;
-        if (next.points.size() < place_tuning().growth.min_swept_points) continue;
+        if (next.points.size() < least) continue;
         if (!explains_better(next.primitive.fit, first.shape,
                              random_points(own_points(next, threads), enough_points, threads, {})))
             continue;

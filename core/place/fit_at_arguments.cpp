@@ -1,6 +1,7 @@
 #include "pcm/place/fit_at_arguments.h"
 
 #include "pcm/cloud/coordinates.h"
+#include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/near_points.h"
 #include "pcm/place/tuning.h"
 #include "pcm/system/error.h"
@@ -47,6 +48,11 @@ Clip left_out(const PointCloud& cloud, const Vec3d& place, const std::vector<Vec
     double radius = points_near(cloud, place, near).radius;
     for (const Vec3d& p : places) radius = std::min(radius, length(p - place) / 2);
     return {Region::sphere(place, radius), true};
+}
+
+double registration_of(const FitAtOptions& options, const Tree& tree)
+{
+    return options.registration / 1000 / metres_per_unit(tree.info().metadata);
 }
 
 }  // namespace pcm

@@ -1,4 +1,4 @@
-// What fit_at() refuses.
+// What fit_at() refuses, and what it makes of its arguments.
 #pragma once
 
 #include "pcm/cloud/clip.h"
@@ -16,5 +16,8 @@ void require_arguments(const std::vector<Vec3d>& places, const std::vector<Vec3d
 // neighbourhood, and to half the way to the nearest of `places`. Throws what points_near() throws.
 Clip left_out(const PointCloud& cloud, const Vec3d& place, const std::vector<Vec3d>& places, const Selection& limit,
               const FitAtOptions& options);
+
+// FitAtOptions::registration in source units.
+double registration_of(const FitAtOptions& options, const Tree& tree);
 
 }  // namespace pcm

@@ -227,15 +227,23 @@ void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutE
         return doubt(fit, FitIssue::other_surface,
                      "nearly all of its few points lie next to points that leave it, so they may be a strip of another "
                      "surface: take a smaller neighbourhood, or give a threshold");
-    const double explained = std::hypot(least_noise(), stations().spread);
+    // The closest points may be those of several surfaces; then smooth ones around have less noise.
+    const double explained = std::hypot(std::min(known_noise(), around_.most_noise()), stations().spread);
     const double most = around_.are_named() ? tuned.max_shared_noise : tuned.max_unknown_noise;
     const bool may_be_bent = !around_.are_named() && !departure.is_chance;
-    if (explained > 0 && noise > most * explained && !may_be_bent &&
-        std::max(followed.agreement, departure.agreement) > tuned.max_other_agreement)
+    const bool is_shared = std::max(followed.agreement, departure.agreement) > tuned.max_other_agreement;
+    if (explained > 0 && noise > most * explained && !may_be_bent && is_shared)
+        return doubt(fit, FitIssue::other_surface,
+                     "neighbouring points leave it together by " + brief(noise) +
+                         ", which neither the noise at the place nor shifts of the stations explain: it may hold "
+                         "several surfaces, so take a smaller neighbourhood, or give a threshold");
+    // Few points show nothing of what neighbours share.
+    const bool is_far = noise > tuned.max_close_noise * around_.surface_noise();
+    if (around_.are_named() && fit.inliers < tuned.min_small_points && is_far)
         doubt(fit, FitIssue::other_surface,
-              "neighbouring points leave it together by " + brief(noise) +
-                  ", which neither the noise at the place nor shifts of the stations explain: it may hold several "
-                  "surfaces, so take a smaller neighbourhood, or give a threshold");
+              "its points leave it by " + brief(noise) + ", those of smooth surfaces around by " +
+                  brief(around_.survey().noise()) +
+                  ": it may hold several surfaces, so take a smaller neighbourhood, or give a threshold");
 }
 
 // Points of the surfaces next to a narrow face lie on its plane, too, where these were left out of sight or are as
@@ -243,17 +251,9 @@ void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutE
 void FollowedVerdict::doubt_strip(const FollowedPoints& followed, const std::vector<Vec3d>& fitted,
                                   FittedPrimitive& result) const
 {
-    ShapeFit& fit = result.primitive.fit;
     const bool is_bare = followed.inner_share >= place_tuning().growth.min_inner &&
                          result.reached.limit.clips.size() == options_.limit.clips.size();
-    if (is_bare || !traits_of(fit.shape.kind).is_flat()) return;
-    const double turn = turn_of_strip(fitted, fit.threshold);
-    if (!(turn > place_tuning().following.max_strip_turn)) return;
-    doubt(
-        fit, FitIssue::thin_arc,
-        "its points are a strip hardly wider than their noise, so those of the surfaces next to it may have turned it "
-        "by " +
-            brief(turn * 180 / pi) + " degrees: pick a place where the face is wider, or give a threshold");
+    if (!is_bare) pcm::doubt_strip(fitted, result.primitive.fit);
 }
 
 // Near its tangent an elbow is closer to the cylinder of its pipe than the noise. A place is the pipe's only if the
@@ -325,13 +325,6 @@ double FollowedVerdict::known_noise() const
 {
     if (known_.close_noise > 0 && known_.own_noise > 0) return std::min(known_.close_noise, known_.own_noise);
     return std::max(known_.close_noise, known_.own_noise);
-}
-
-// The closest points may be those of several surfaces; then smooth ones around have less noise.
-double FollowedVerdict::least_noise()
-{
-    const double smooth = place_tuning().following.max_smooth_noise * around_.survey().noise();
-    return smooth > 0 ? std::min(known_noise(), smooth) : known_noise();
 }
 
 // Stations that the registration has left apart make a round pipe out of round by as much.

@@ -92,7 +92,6 @@ private:
     void find_other_kind(const ShapeFit& fit, const PointSet& around);
     double resolution() const;
     double known_noise() const;
-    double least_noise();
     const Stations& stations();
     Departure without_stations(const Departure& departure, const std::optional<SweptPart>& part,
                                const FittedPrimitive& result);

@@ -1,6 +1,7 @@
 #include "pcm/place/grow_shape.h"
 
 #include "pcm/place/cover_points.h"
+#include "pcm/place/crossing_surfaces.h"
 #include "pcm/place/inner_points.h"
 #include "pcm/place/near_shape.h"
 #include "pcm/place/next_to.h"
@@ -42,13 +43,10 @@ public:
             const double begin = grown.rounds == 0 ? 0 : 1 - std::pow(0.5, grown.rounds);
             const double end = 1 - std::pow(0.5, ++grown.rounds);
             const Shape before = grown.fit.shape;
-            reach(before, begin, (begin + end) / 2, grown);
-            const RefittedShape fitted = refit(grown.points, before, (begin + end) / 2, end, options_.most_rounds > 0);
-            grown.fit = fitted.fit;
-            grown.agreement = fitted.agreement;
+            const Box3d box = fit_reached(before, begin, end, options_.most_rounds > 0, grown);
             if (!grown.fit.has_shape()) break;
-            grown.converged = change_in_errors(before, grown.fit.shape, grown.fit.errors, fitted.box.centre()) <
-                              tuned_.settled_change;
+            grown.converged =
+                change_in_errors(before, grown.fit.shape, grown.fit.errors, box.centre()) < tuned_.settled_change;
             if (options_.raise_threshold && grown.rounds < rounds) {
                 const double raised = std::min(place_tuning().evidence.spread_noises * grown.fit.noise,
                                                tuned_.max_raised * options_.threshold);
@@ -85,6 +83,17 @@ private:
         grown.threshold = threshold_;
     }
 
+    // A fit to the points reached from the shape, to which it moves, or is judged by; returns their box.
+    Box3d fit_reached(const Shape& shape, double begin, double end, bool moves, GrownShape& grown) const
+    {
+        const Shape from = shape;  // may be that of `grown`
+        reach(from, begin, (begin + end) / 2, grown);
+        const RefittedShape fitted = refit(grown.points, from, (begin + end) / 2, end, moves);
+        grown.fit = fitted.fit;
+        grown.agreement = fitted.agreement;
+        return fitted.box;
+    }
+
     void lower_threshold(GrownShape& grown)
     {
         const double begin = 1 - std::pow(0.5, grown.rounds);
@@ -94,10 +103,7 @@ private:
             if (!grown.fit.has_shape() || !(threshold_ > tuned_.max_wide * grown.fit.noise) || !(lower < threshold_))
                 return;
             threshold_ = lower;
-            reach(grown.fit.shape, begin, begin, grown);
-            const RefittedShape fitted = refit(grown.points, grown.fit.shape, begin, begin, true);
-            grown.fit = fitted.fit;
-            grown.agreement = fitted.agreement;
+            fit_reached(grown.fit.shape, begin, begin, true, grown);
             grown.converged = true;
         }
     }
@@ -105,11 +111,7 @@ private:
     // The points of the last shape rather than of the one before it.
     void settle(GrownShape& grown) const
     {
-        const double begin = 1 - std::pow(0.5, grown.rounds);
-        reach(grown.fit.shape, begin, (1 + begin) / 2, grown);
-        const RefittedShape judged = refit(grown.points, grown.fit.shape, (1 + begin) / 2, 1, false);
-        grown.fit = judged.fit;
-        grown.agreement = judged.agreement;
+        fit_reached(grown.fit.shape, 1 - std::pow(0.5, grown.rounds), 1, false, grown);
     }
 
     // Where another surface meets the shape, some of its points are within the threshold, all on one side.
@@ -141,6 +143,9 @@ private:
     // What points of other surfaces at the edges have moved the shape by, beyond what chance moves the few inner ones.
     void contain_edges(const PointSet& inner, GrownShape& grown) const
     {
+        if (const auto plane = without_crossing(grown.points, grown.around, grown.fit.shape, threshold_,
+                                                options_.threads, part_of(options_.progress, 0.5, 0.55)))
+            correct(plane->shape, plane->middle, grown.fit);
         if (inner.size() < tuned_.min_compared) return;
         const RefittedShape fitted = refit(inner, grown.fit.shape, 0.55, 0.7, true);
         pcm::contain_edges(fitted.fit, fitted.box.centre(), grown.fit);

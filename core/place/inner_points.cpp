@@ -32,7 +32,10 @@ void scan(const PointSet& set, unsigned threads, const ProgressFunction& progres
 
 }  // namespace
 
-EdgeCubes::EdgeCubes(const Vec3d& corner, double edge, std::size_t most) : corner_(corner), edge_(edge), most_(most) {}
+EdgeCubes::EdgeCubes(const Vec3d& corner, double edge, std::size_t most)
+    : corner_(corner), first_edge_(edge), edge_(edge), most_(most), most_share_(place_tuning().growth.max_edge_share)
+{
+}
 
 std::size_t EdgeCubes::Hash::operator()(const Key& key) const
 {
@@ -76,8 +79,11 @@ void EdgeCubes::widen()
     while (static_cast<double>(points_) < enough * static_cast<double>(cubes_.size()) && cubes_.size() > 1) coarsen();
 }
 
-void EdgeCubes::find_edges()
+double EdgeCubes::share_of_edges() const { return place_tuning().growth.max_edge_share * first_edge_ / edge_; }
+
+void EdgeCubes::find_edges(double most)
 {
+    most_share_ = most;
     for (auto& [key, counts] : cubes_) counts.is_edge = is_edge_cube(key);
     are_edges_found_ = true;
 }
@@ -101,9 +107,8 @@ bool EdgeCubes::is_edge_cube(const Key& key) const
         sum.on += found->second.on;
         sum.off += found->second.off;
     }
-    const GrowthTuning& tuned = place_tuning().growth;
-    return sum.off >= tuned.min_edge_points &&
-           static_cast<double>(sum.off) > tuned.max_edge_share * static_cast<double>(sum.on);
+    return sum.off >= place_tuning().growth.min_edge_points &&
+           static_cast<double>(sum.off) > most_share_ * static_cast<double>(sum.on);
 }
 
 PointSet points_where(const PointSet& points, const std::function<bool(const Vec3d&)>& wanted, unsigned threads,
@@ -133,9 +138,16 @@ PointSet inner_points(const PointSet& points, const PointSet& around, const Shap
         for (std::size_t k = 0; k < positions.size(); ++k) cubes.add(positions[k], on[k]);
     });
     cubes.widen();
-    cubes.find_edges();
-    return points_where(
-        points, [&](const Vec3d& p) { return !cubes.is_edge(p); }, threads, part_of(progress, 0.6, 1));
+    const GrowthTuning& tuned = place_tuning().growth;
+    const auto inside = [&](double most, double begin, double end) {
+        cubes.find_edges(most);
+        return points_where(
+            points, [&](const Vec3d& p) { return !cubes.is_edge(p); }, threads, part_of(progress, begin, end));
+    };
+    const double share = cubes.share_of_edges();
+    PointSet inner = inside(share, 0.6, 0.8);
+    const bool is_enough = static_cast<double>(inner.size()) >= tuned.min_inner * static_cast<double>(points.size());
+    return is_enough || !(share < tuned.max_edge_share) ? inner : inside(tuned.max_edge_share, 0.8, 1);
 }
 
 }  // namespace pcm

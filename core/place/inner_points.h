@@ -24,10 +24,13 @@ public:
     double edge() const { return edge_; }
     // Doubles cubes until there are four points in each on average.
     void widen();
-    // Makes is_edge() fast, until more points are added.
-    void find_edges();
-    // Whether the place's cube and those around it have more than a tenth as many points off the shape as on it, and at
-    // least two off it.
+    // Share of the points on the shape above which points off it are an edge's: a tenth, and in doubled cubes half of
+    // it each time, since the strip of points off it next to an edge is as narrow there.
+    double share_of_edges() const;
+    // Makes is_edge() fast, until more points are added. `most`: another share.
+    void find_edges(double most);
+    // Whether the place's cube and those around it have at least two points off the shape, and more than that share of
+    // those on it; before find_edges() a tenth.
     bool is_edge(const Vec3d& p) const;
 
 private:
@@ -44,10 +47,12 @@ private:
     bool is_edge_cube(const Key& key) const;
 
     const Vec3d corner_;
+    const double first_edge_;
     double edge_;
     const std::size_t most_;
     std::uint64_t points_ = 0;
     bool are_edges_found_ = false;
+    double most_share_;
     std::unordered_map<Key, Counts, Hash> cubes_;
 };
 
@@ -57,7 +62,8 @@ PointSet points_where(const PointSet& points, const std::function<bool(const Vec
                       const ProgressFunction& progress = {});
 
 // The points of the set that are not at an edge: not next to points of `around` that are farther than the threshold
-// from the shape (EdgeCubes, two thresholds wide at first). Streams. Throws Error(cancelled), and what reading throws.
+// from the shape (EdgeCubes, two thresholds wide at first, with their share_of_edges(), or where that leaves less than
+// place.growth.min_inner with a tenth). Streams. Throws Error(cancelled), and what reading throws.
 PointSet inner_points(const PointSet& points, const PointSet& around, const Shape& shape, double threshold,
                       unsigned threads = 0, const ProgressFunction& progress = {});
 

@@ -2,6 +2,10 @@
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/cloud/symmetric_eigen.h"
+#include "pcm/place/followed_verdict.h"
+#include "pcm/place/tuning.h"
+#include "pcm/shapes/shape_traits.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -29,6 +33,18 @@ double turn_of_strip(const std::vector<Vec3d>& points, double threshold)
     const double width = std::sqrt(12.0) * narrowest_spread(points);
     if (!(width > 0)) return infinity;
     return 6 * threshold * threshold / (width * width + 6 * threshold * width);
+}
+
+void doubt_strip(const std::vector<Vec3d>& points, ShapeFit& fit)
+{
+    if (!traits_of(fit.shape.kind).is_flat()) return;
+    const double turn = turn_of_strip(points, fit.threshold);
+    if (!(turn > place_tuning().following.max_strip_turn)) return;
+    doubt(
+        fit, FitIssue::thin_arc,
+        "its points are a strip hardly wider than their noise, so those of the surfaces next to it may have turned it "
+        "by " +
+            brief(turn * 180 / pi) + " degrees: pick a place where the face is wider, or give a threshold");
 }
 
 }  // namespace pcm

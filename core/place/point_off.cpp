@@ -13,7 +13,7 @@ namespace pcm {
 
 void doubt_point_off(const PointCloud& cloud, const Vec3d& place, const Selection& limit, FittedPrimitive& found)
 {
-    const PlaceOffTuning& tuned = place_tuning().off_place;
+    const PointOffTuning& tuned = place_tuning().point_off;
     ShapeFit& fit = found.primitive.fit;
     if (fit.verdict != FitVerdict::good || traits_of(fit.shape.kind).is_flat()) return;
     NearOptions nearest;

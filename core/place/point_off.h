@@ -7,7 +7,7 @@
 namespace pcm {
 
 // Doubts a good curved shape that the point nearest to the place is off, and others of the nearest points are, too
-// (place.off_place). Planes have edges that were looked at (other_answers.h), and one point alone may be noise: of
+// (place.point_off). Planes have edges that were looked at (other_answers.h), and one point alone may be noise: of
 // those under the pointer a window picks the nearest to the viewer. `limit`: no other points are looked at. Throws what
 // points_near() throws.
 void doubt_point_off(const PointCloud& cloud, const Vec3d& place, const Selection& limit, FittedPrimitive& found);

@@ -128,7 +128,7 @@ bool patch_of(std::vector<StationPoint> points, std::size_t fewest, StationPatch
         heights[i] = dot(axes[2], d);
         places.push_back({x, y});
     }
-    count_mixed(places, points, patch);
+    if (fewest > 1) count_mixed(places, points, patch);
     PatchMatrix normal = terms.transpose() * terms;
     normal.diagonal().array() += 1e-9 * static_cast<double>(n);
     const Eigen::LDLT<PatchMatrix> solver(normal);
@@ -170,8 +170,9 @@ public:
             if (is_enough()) break;
         }
         const PatchTuning& tuned = place_tuning().patches;
-        return {smooth_patches(), stations_.are_stated() || mixed_by_chance_ < tuned.enough_by_chance ||
-                                      mixed_ >= tuned.min_mixed * mixed_by_chance_};
+        const bool mix =
+            seen_by_chance_ >= tuned.min_seen * mixed_by_chance_ && mixed_ >= tuned.min_mixed * seen_by_chance_;
+        return {smooth_patches(), stations_.are_stated() || mixed_by_chance_ < tuned.enough_by_chance || mix};
     }
 
 private:
@@ -229,9 +230,11 @@ private:
                 in_cube.push_back(inside[order[end].second]);
             StationPatch patch;
             const bool shows = in_cube.size() <= tuned.max_points && patch_of(in_cube, fewest_stations(), patch);
-            mixed_ += patch.mixed;
             mixed_by_chance_ += patch.mixed_by_chance;
-            if (shows) patches_.push_back(std::move(patch));
+            if (!shows) continue;
+            mixed_ += patch.mixed;
+            seen_by_chance_ += patch.mixed_by_chance;
+            patches_.push_back(std::move(patch));
         }
     }
 
@@ -299,7 +302,8 @@ private:
     std::vector<StationPoint> points_;
     std::vector<View> views_;
     std::vector<StationPatch> patches_;
-    double mixed_ = 0, mixed_by_chance_ = 0;
+    double mixed_by_chance_ = 0;             // of all patches
+    double mixed_ = 0, seen_by_chance_ = 0;  // of those that stations see all of
 };
 
 // Those that deviate from the shifts by a few medians of the deviations of those that have agreed, at most.

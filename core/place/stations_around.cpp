@@ -21,12 +21,15 @@ const StationSurvey& StationsAround::survey()
 
 bool StationsAround::are_named() { return points().source() != StationSource::none && survey().names_stations; }
 
-double StationsAround::surface_noise()
+double StationsAround::most_noise()
 {
     const double noise = survey().noise();
-    if (!(noise > 0)) return infinity;
-    const double spread = are_named() ? survey().evidence().spread().spread : 0;
-    return std::hypot(place_tuning().following.max_smooth_noise * noise, spread);
+    return noise > 0 ? place_tuning().following.max_smooth_noise * noise : infinity;
+}
+
+double StationsAround::surface_noise()
+{
+    return std::hypot(most_noise(), are_named() ? survey().evidence().spread().spread : 0);
 }
 
 }  // namespace pcm

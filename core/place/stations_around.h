@@ -17,9 +17,10 @@ public:
     const PointStations& points();  // reads a chunk of each part when it is first asked for
     const StationSurvey& survey();  // reads the chunks from the root to the place then
     bool are_named();               // whether points say from which station they are
-    // Standard deviation that points of one surface have at most, with how far stations are apart: surfaces around have
-    // half of its noise. Source units; infinity where these are not known.
-    double surface_noise();
+    // Standard deviation that points of one surface have at most, by that of smooth surfaces around
+    // (place.following.max_smooth_noise), source units; infinity where the survey has none.
+    double most_noise();
+    double surface_noise();  // the same, with how far stations are apart
 
 private:
     const Tree& tree_;

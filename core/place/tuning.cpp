@@ -121,7 +121,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
 }
 
 using ValuesOfEdges =
-    std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PlaceOffTuning, ThinPipeTuning>>;
+    std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning, ThinPipeTuning>>;
 ValuesOfEdges values_of_edges(PlaceTuning& place)
 {
     return {{
@@ -149,9 +149,9 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.corners.min_edge_share),
         PCM_TUNED(place.corners.min_margin),
         PCM_TUNED(place.corners.max_angle),
-        PCM_TUNED(place.off_place.min_away),
-        PCM_TUNED(place.off_place.nearest),
-        PCM_TUNED(place.off_place.min_off),
+        PCM_TUNED(place.point_off.min_away),
+        PCM_TUNED(place.point_off.nearest),
+        PCM_TUNED(place.point_off.min_off),
         PCM_TUNED(place.thin_pipes.points),
         PCM_TUNED(place.thin_pipes.step_growth),
         PCM_TUNED(place.thin_pipes.min_elongation),
@@ -193,6 +193,7 @@ ValuesOfStations values_of_stations(PlaceTuning& place)
         PCM_TUNED(place.patches.min_overlap),
         PCM_TUNED(place.patches.max_noise),
         PCM_TUNED(place.patches.max_deviation),
+        PCM_TUNED(place.patches.min_seen),
         PCM_TUNED(place.patches.min_mixed),
         PCM_TUNED(place.patches.enough_by_chance),
     }};

@@ -331,9 +331,7 @@ struct FollowingTuning {
     //
     // Chosen: by that post, scans of real things have less; not swept.
     double max_unknown_noise = 4;  // noise of the closest points
-    // Maximum noise of one surface relative to that of smooth surfaces around, next to what stations add to it: crowns
-    // of racks have 10.
-    //
+    // Maximum noise of one surface, without what stations add to it. A plane over the crowns of a rack has 10.
     // Chosen: grazing angles double the noise; not swept.
     double max_smooth_noise = 2;  // noise of smooth surfaces around
     // Maximum angle by which surfaces next to a narrow plane may have turned it (narrow_strip.h): right planes of two
@@ -414,10 +412,15 @@ struct PatchTuning {
     // Maximum deviation of a patch from the shifts that all patches give.
     // Chosen: not swept.
     double max_deviation = 4;  // medians of the deviations
-    // Minimum number of nearest neighbours of another station, where stations see the same surfaces: tiles and objects
-    // have fewer.
-    // Chosen: ray-cast stations have 0.97 to 1.36, objects of generated sites of 40,000 to 300,000 points 0.29 to 0.64.
-    double min_mixed = 0.8;  // shares of their number by chance
+    // Minimum share of the neighbours by chance that patches have which stations see all of: tiles and objects meet at
+    // their borders alone.
+    // Chosen: five ray-cast plants have 0.69 to 1, objects of generated sites of 40,000 to 1,000,000 points 0.02 to
+    // 0.37.
+    double min_seen = 0.5;  // share
+    // Minimum number of nearest neighbours of another station in those patches. Ones whose borders stations see have
+    // fewer.
+    // Chosen: with min_seen; those plants have 0.86 to 2, squares whose points are mixed a little 0.7.
+    double min_mixed = 0.78;  // shares of their number by chance
     // Below this number by chance, stations are taken to mix.
     // Chosen: with min_mixed; 500 took the objects of sparse sites for stations, half a metre apart.
     double enough_by_chance = 50;  // neighbours
@@ -436,7 +439,7 @@ struct PlaceTuning {
     FaceTuning faces;
     SideTuning sides;
     CornerAtPlaceTuning corners;
-    PlaceOffTuning off_place;
+    PointOffTuning point_off;
     ThinPipeTuning thin_pipes;
     StationTuning stations;
     PatchTuning patches;

@@ -27,7 +27,7 @@ protected:
         build_surface_tree(folder_.path(), points);
         cloud_ = PointCloud::open(folder_ / "surface.pct");
         FitAtOptions options;
-        for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+        options.kinds = any_kind().kinds;
         return fit_at(*cloud_, {place}, {}, options);
     }
     Dice dice_{12};

@@ -4,6 +4,7 @@
 
 #include "pcm/place/grow_shape.h"
 #include "pcm/place/refit.h"
+#include "pcm/place/tuning.h"
 #include "tests/place/shape_cloud.h"
 #include "tests/sanitizers.h"
 
@@ -47,13 +48,30 @@ TEST(EdgeCubes, AreDoubledWhereThereAreManyOrFewPointsInThem)
     for (const Vec3d& p : points) ASSERT_EQ(many.is_edge(p), reversed.is_edge(p));
     EXPECT_FALSE(many.is_edge({0.3, 0.5, 0}));
     EXPECT_TRUE(many.is_edge({0.49, 0.5, 0}));
-    many.find_edges();
+    many.find_edges(place_tuning().growth.max_edge_share);
     for (const Vec3d& p : points) ASSERT_EQ(many.is_edge(p), reversed.is_edge(p));
     EXPECT_EQ(many.is_edge({0.49, 0.9, 0.06}), reversed.is_edge({0.49, 0.9, 0.06}));  // no points there
     for (int i = 0; i < 2000; ++i) many.add({0.3, 0.5, 0}, false);
     EXPECT_TRUE(many.is_edge({0.3, 0.5, 0}));  // found before more were added
     many.widen();
     EXPECT_EQ(many.edge(), 0.064);  // eighty points in each
+}
+
+// A strip of points off the shape, one in twenty, along points on it: in cubes that are doubled it counts as an edge.
+TEST(EdgeCubes, CountNarrowStripsInDoubledCubes)
+{
+    EdgeCubes cubes({0, 0, 0}, 0.5);
+    for (int i = 0; i < 60; ++i)
+        for (int k = 0; k < 20; ++k) cubes.add({1.0 * i, 1.0 * k, 1}, true);
+    for (int i = 0; i < 60; i += 3) cubes.add({1.0 * i, 19.5, 1}, false);
+    cubes.widen();
+    EXPECT_GE(cubes.edge(), 2);
+    EXPECT_DOUBLE_EQ(cubes.share_of_edges(), place_tuning().growth.max_edge_share * 0.5 / cubes.edge());
+    cubes.find_edges(cubes.share_of_edges());
+    EXPECT_TRUE(cubes.is_edge({30, 18.5, 1}));
+    EXPECT_FALSE(cubes.is_edge({30, 6.5, 1}));
+    cubes.find_edges(place_tuning().growth.max_edge_share);
+    EXPECT_FALSE(cubes.is_edge({30, 18.5, 1}));
 }
 
 // The face of a kerb, 20 cm high: the street at its foot and the pavement behind its top turn it about its length.

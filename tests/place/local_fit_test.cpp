@@ -191,7 +191,7 @@ TEST_F(LocalFitTest, TheThresholdIsThatOfTheSurfaceWhereOthersMeetIt)
     for (const double x : {-0.012, 0.012}) add(9000, {x, -1, -0.004}, {0, 2, 0}, {0, 0, -0.3});
     build();
     LocalFitOptions options;
-    for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+    options.kinds = any_kind().kinds;
     for (const double y : {-0.3, 0.0, 0.3}) {
         const LocalFit local = fit_locally(*cloud_, {{0.02, y, 0}}, options);
         ASSERT_TRUE(local.fit.has_shape());

@@ -143,7 +143,7 @@ protected:
             });
         place_ = nearest.position;
         FitAtOptions options;
-        for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+        options.kinds = any_kind().kinds;
         return fit_at(*cloud_, {place_}, {}, options).primitive.fit;
     }
 

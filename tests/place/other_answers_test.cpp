@@ -45,7 +45,7 @@ protected:
         build_surface_tree(folder_.path(), points);
         const auto cloud = PointCloud::open(folder_ / "surface.pct");
         FitAtOptions options;
-        for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+        options.kinds = any_kind().kinds;
         const FittedPrimitive found = fit_at(*cloud, {edge_middle + offset}, {}, options);
         count_ = found.points.size();
         return found.primitive.fit;
@@ -106,13 +106,6 @@ FittedPrimitive good_answer(const std::shared_ptr<const Tree>& tree, const Shape
     return found;
 }
 
-LocalFitOptions any_kind_at_edges()
-{
-    LocalFitOptions options;
-    for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
-    return options;
-}
-
 // Where points are as far apart as a thin pipe is wide, the edge of a post is one within the threshold. 6 mm from it
 // the two faces are found.
 TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(TheEdgeOfAPostIsNoThinPipe))
@@ -134,8 +127,8 @@ TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(TheEdgeOfAPostIsNoThinPipe))
     FittedPrimitive doubtful = good_answer(tree, {});
     doubtful.primitive.fit.verdict = FitVerdict::doubtful;
     const Vec3d place = edge_middle + Vec3d{half - 0.006, half, 0.1};
-    ASSERT_TRUE(fit_thin_pipe(*cloud, place, any_kind_at_edges(), infinity));
-    const OtherAnswers answers(*cloud, place, any_kind_at_edges(), 0, follow);
+    ASSERT_TRUE(fit_thin_pipe(*cloud, place, any_kind(), infinity));
+    const OtherAnswers answers(*cloud, place, any_kind(), 0, follow);
     EXPECT_EQ(answers.best(doubtful).primitive.fit.shape.kind, ShapeKind::plane);
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "pcm/build/builder.h"
+#include "pcm/place/local_fit.h"
 #include "pcm/query/point_set.h"
 #include "pcm/shapes/shape.h"
 #include "pcm/tree/source_rounding.h"
@@ -38,6 +39,14 @@ public:
 private:
     std::mt19937_64 random_;
 };
+
+// A click for any kind, with a neighbourhood and a threshold that are chosen.
+inline LocalFitOptions any_kind()
+{
+    LocalFitOptions options;
+    for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
+    return options;
+}
 
 struct SurfacePoint {
     Vec3d position{}, normal{};

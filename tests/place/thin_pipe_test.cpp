@@ -46,13 +46,6 @@ std::vector<Pipe> add_rack(std::vector<SurfacePoint>& points, Dice& dice)
     return pipes;
 }
 
-LocalFitOptions any_kind()
-{
-    LocalFitOptions options;
-    for (const ShapeTraits& row : shape_kinds()) options.kinds.push_back(row.kind);
-    return options;
-}
-
 class ThinPipe : public testing::Test {
 protected:
     void build(const std::vector<SurfacePoint>& points)
