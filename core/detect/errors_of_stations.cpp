@@ -118,7 +118,7 @@ private:
             const Shape& shape = primitives_[i * primitives_.size() / places].fit.shape;
             const StationSurvey around = station_survey(tree_, stations_, shape.point);
             is_known_ = around.names_stations;
-            for (StationEvidence& part : around.parts()) surfaces_.push_back(std::move(part));
+            for (StationPart& part : around.parts()) surfaces_.push_back(std::move(part));
         }
         for (Primitive& primitive : primitives_) {
             StationFacts& facts = primitive.stations.emplace();
@@ -204,11 +204,11 @@ private:
 
     StationSpread spread_of(const std::vector<ShapePoints>& points) const
     {
-        std::vector<StationEvidence> parts = surfaces_;
+        std::vector<StationPart> parts = surfaces_;
         for (std::size_t i = 0; i < points.size(); ++i)
             if (const StationSums& sums = points[i].sums;
                 primitives_[i].fit.verdict == FitVerdict::good && sums.stations() > 1 && can_compare(points[i]))
-                parts.push_back(sums.evidence(sums.noise_within() * within_[i]));
+                parts.push_back({sums.evidence(sums.noise_within() * within_[i]), primitives_[i].fit.shape.axis});
         return agreeing_evidence({}, parts).spread();
     }
 
@@ -231,7 +231,7 @@ private:
     std::vector<Primitive>& primitives_;
     const PointStations stations_;
     bool is_known_ = false;  // whether points say from which station they are
-    std::vector<StationEvidence> surfaces_;
+    std::vector<StationPart> surfaces_;
     std::vector<double> within_;  // factors of agreement within stations, keyed by label - 1
 };
 

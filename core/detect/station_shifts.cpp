@@ -168,11 +168,11 @@ void SeenPlanes::find_shifts(const Tree& tree)
     if (references_.empty() ||
         !station_survey(tree, *shifts_.stations, planes_[references_.front()].shape.point).names_stations)
         return;
-    std::vector<StationEvidence> parts;
+    std::vector<StationPart> parts;
     for (const std::size_t i : references_) {
         const StationSums sums = sums_of(planes_[i]);
         if (sums.stations() > 1 && sums.stations() <= StationEvidence::most_stations && sums.is_determined())
-            parts.push_back(sums.evidence(sums.noise_within()));
+            parts.push_back({sums.evidence(sums.noise_within()), planes_[i].shape.axis});
     }
     shifts_.shifts = agreeing_evidence({}, parts).spread().shifts;
 }

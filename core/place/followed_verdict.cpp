@@ -209,7 +209,13 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
         const Departure own = without_stations(departure, followed.part, result);
         const bool is_seen =
             departure.is_smooth(known_noise()) || own.share > place_tuning().departure.min_hidden_share;
-        if (is_seen && own.is_smooth(known_noise())) doubt_uneven(own, result);
+        if (is_seen && own.is_smooth(known_noise()))
+            doubt_uneven(own, result);
+        else if (own.share > place_tuning().departure.max_share)
+            doubt(fit, FitIssue::other_surface,
+                  "the points leave the " + name + " together by " + brief(own.size) +
+                      ", which shifts of the stations do not explain: it may hold several surfaces, so take a smaller "
+                      "neighbourhood, or give a threshold");
     }
     if (is_automatic && fit.verdict == FitVerdict::good) doubt_others(followed, cut_out, departure, noise, fit);
     if (is_automatic && fit.verdict == FitVerdict::good) doubt_strip(followed, fitted, result);
@@ -237,9 +243,9 @@ void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutE
                      "neighbouring points leave it together by " + brief(noise) +
                          ", which neither the noise at the place nor shifts of the stations explain: it may hold "
                          "several surfaces, so take a smaller neighbourhood, or give a threshold");
-    // Few points show nothing of what neighbours share.
-    const bool is_far = noise > tuned.max_close_noise * around_.surface_noise();
-    if (around_.are_named() && fit.inliers < tuned.min_small_points && is_far)
+    // Planes may be rough. The faces of a post alternate about a cylinder, so neighbours do not show them.
+    const bool is_flat = traits_of(fit.shape.kind).is_flat();
+    if (around_.are_named() && !is_flat && noise > tuned.max_curved_noise * around_.surface_noise())
         doubt(fit, FitIssue::other_surface,
               "its points leave it by " + brief(noise) + ", those of smooth surfaces around by " +
                   brief(around_.survey().noise()) +
@@ -347,7 +353,8 @@ Departure FollowedVerdict::without_stations(const Departure& departure, const st
     if (departure.is_smooth(known_noise()) && departure.size > place_tuning().departure.min_station_spreads * spread)
         return departure;
     const double most = stations().most_spread;
-    if (!(most > 0 && known_noise() > 0 && around_.are_named())) return {};
+    if (!(known_noise() > 0 && around_.are_named())) return {};
+    if (!(most > 0)) return departure;
     return departure_within_stations(result.points, result.primitive.fit, around_.points(), {most, known_noise()}, part,
                                      options_.threads, part_of(progress_, 0.94, 0.94));
 }

@@ -145,7 +145,7 @@ private:
     {
         if (const auto plane = without_crossing(grown.points, grown.around, grown.fit.shape, threshold_,
                                                 options_.threads, part_of(options_.progress, 0.5, 0.55)))
-            correct(plane->shape, plane->middle, grown.fit);
+            correct(plane->shape, tuned_.crossing_error, plane->middle, grown.fit);
         if (inner.size() < tuned_.min_compared) return;
         const RefittedShape fitted = refit(inner, grown.fit.shape, 0.55, 0.7, true);
         pcm::contain_edges(fitted.fit, fitted.box.centre(), grown.fit);

@@ -193,14 +193,14 @@ void contain_edges(const ShapeFit& inner, const Vec3d& middle, ShapeFit& fit)
     if (!(std::min(flat, other) >= fit_tuning().judgement.good_significance)) doubt_edges(fit);
 }
 
-void correct(const Shape& corrected, const Vec3d& middle, ShapeFit& fit)
+void correct(const Shape& corrected, double uncertain, const Vec3d& middle, ShapeFit& fit)
 {
     const ShapeErrors moved = difference_of(fit.shape, corrected, middle);
     fit.shape = corrected;
-    fit.errors.position = std::hypot(fit.errors.position, moved.position / 2);
-    fit.errors.angle = std::hypot(fit.errors.angle, moved.angle / 2);
-    fit.errors.radius = std::hypot(fit.errors.radius, moved.radius / 2);
-    fit.errors.second = std::hypot(fit.errors.second, moved.second / 2);
+    fit.errors.position = std::hypot(fit.errors.position, uncertain * moved.position);
+    fit.errors.angle = std::hypot(fit.errors.angle, uncertain * moved.angle);
+    fit.errors.radius = std::hypot(fit.errors.radius, uncertain * moved.radius);
+    fit.errors.second = std::hypot(fit.errors.second, uncertain * moved.second);
 }
 
 double change_in_errors(const Shape& from, const Shape& to, const ShapeErrors& errors, const Vec3d& middle)

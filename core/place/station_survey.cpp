@@ -306,56 +306,73 @@ private:
     double mixed_ = 0, seen_by_chance_ = 0;  // of those that stations see all of
 };
 
-// Those that deviate from the shifts by a few medians of the deviations of those that have agreed, at most.
-std::vector<bool> agreeing_with(const StationSpread& found, const std::vector<StationEvidence>& parts,
-                                const std::vector<bool>& agreed)
+std::size_t direction_of(const StationPart& part)
 {
-    std::vector<double> deviations, sorted;
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-        deviations.push_back(parts[i].deviation_from(found.shifts));
-        if (agreed[i]) sorted.push_back(deviations.back());
+    const Vec3d& n = part.normal;
+    std::size_t largest = 0;
+    for (std::size_t a = 1; a < 3; ++a)
+        if (std::fabs(n[a]) > std::fabs(n[largest])) largest = a;
+    return largest;
+}
+
+double median_of(std::vector<double> values)
+{
+    if (values.empty()) return 0;
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+// Those that deviate from the shifts by no more than a few medians of the deviations of parts that face alike.
+std::vector<bool> agreeing_with(const StationSpread& found, const std::vector<StationPart>& parts, double most)
+{
+    std::vector<double> deviations;
+    std::array<std::vector<double>, 3> alike;
+    for (const StationPart& part : parts) {
+        deviations.push_back(part.evidence.deviation_from(found.shifts));
+        alike[direction_of(part)].push_back(deviations.back());
     }
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
+    const double largest = place_tuning().patches.max_unlike * median_of(deviations);
+    std::array<double, 3> usual{};
+    for (std::size_t a = 0; a < 3; ++a) usual[a] = std::min(median_of(alike[a]), largest);
     std::vector<bool> agrees;
-    for (const double deviation : deviations)
-        agrees.push_back(deviation <= place_tuning().patches.max_deviation * *middle);
+    for (std::size_t i = 0; i < parts.size(); ++i)
+        agrees.push_back(deviations[i] <= most * usual[direction_of(parts[i])]);
     return agrees;
 }
 
 }  // namespace
 
-StationEvidence agreeing_evidence(const StationEvidence& known, const std::vector<StationEvidence>& parts)
+StationEvidence agreeing_evidence(const StationEvidence& known, const std::vector<StationPart>& parts)
 {
-    std::vector<bool> agrees(parts.size(), true);
+    if (parts.empty()) return known;
+    const PatchTuning& tuned = place_tuning().patches;
+    // The two faces of a plate, each seen by other stations, are farther apart than most registrations leave stations.
+    std::vector<bool> agrees = agreeing_with(known.spread(), parts, tuned.max_first_deviation);
     StationEvidence evidence;
     for (int round = 0; round < most_agreeing_rounds; ++round) {
         evidence = known;
         for (std::size_t i = 0; i < parts.size(); ++i)
-            if (agrees[i]) evidence.add(parts[i]);
-        if (parts.empty()) break;
-        const std::vector<bool> now = agreeing_with(evidence.spread(), parts, agrees);
+            if (agrees[i]) evidence.add(parts[i].evidence);
+        const std::vector<bool> now = agreeing_with(evidence.spread(), parts, tuned.max_deviation);
         if (now == agrees) break;
         agrees = now;
     }
     return evidence;
 }
 
-std::vector<StationEvidence> StationSurvey::parts() const
+std::vector<StationPart> StationSurvey::parts() const
 {
-    std::vector<StationEvidence> parts;
-    for (const StationPatch& patch : patches) parts.push_back(evidence_of(patch));
+    std::vector<StationPart> parts;
+    for (const StationPatch& patch : patches) parts.push_back({evidence_of(patch), patch.normal});
     return parts;
 }
 
 double StationSurvey::noise() const
 {
-    if (patches.empty()) return 0;
     std::vector<double> noises;
     for (const StationPatch& patch : patches) noises.push_back(patch.noise);
-    const auto middle = noises.begin() + static_cast<std::ptrdiff_t>(noises.size() / 2);
-    std::nth_element(noises.begin(), middle, noises.end());
-    return *middle;
+    return median_of(noises);
 }
 
 StationEvidence StationSurvey::evidence(const StationEvidence& known) const

@@ -20,9 +20,17 @@ struct StationPatch {
     double mixed = 0, mixed_by_chance = 0;  // numbers of points whose nearest neighbour is of another station
 };
 
+// What one surface says of the stations, and its normal.
+struct StationPart {
+    StationEvidence evidence;
+    Vec3d normal{};
+};
+
 // What is known of the stations and those of the parts that agree with each other and with it: a part that contradicts
-// the others by more than a few of their deviations is left out.
-StationEvidence agreeing_evidence(const StationEvidence& known, const std::vector<StationEvidence>& parts);
+// the others by more than a few medians of the deviations is left out; first one that contradicts what is known, or
+// that stations are where they are. Deviations are compared between parts that face alike (by the largest component of
+// their normals, up to place.patches.max_unlike): a station may be shifted along one axis more than along others.
+StationEvidence agreeing_evidence(const StationEvidence& known, const std::vector<StationPart>& parts);
 
 struct StationSurvey {
     std::vector<StationPatch> patches;  // those of little noise
@@ -34,8 +42,8 @@ struct StationSurvey {
     // included: the two faces of a plate, each seen by another station, contradict others by as much as the plate is
     // thick.
     StationEvidence evidence(const StationEvidence& known = {}) const;
-    std::vector<StationEvidence> parts() const;  // one for each patch
-    double noise() const;                        // median of the patches', source units; 0: no patch
+    std::vector<StationPart> parts() const;  // one for each patch
+    double noise() const;                    // median of the patches', source units; 0: no patch
 };
 
 // The points of the node at the place and of the nodes above it, in the box of the lowest of these, then of the next

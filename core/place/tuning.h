@@ -174,6 +174,12 @@ struct DepartureTuning {
     // 2.4 to 4.2 (Tango).
     // Chosen: as min_share; not swept.
     double max_rest = 1.6;  // noise of the points at the place
+    // Maximum share where stations are known, beyond their shifts, whatever is left: of 185 good answers on three
+    // ray-cast plants right ones have up to 0.35, pipes and reducers as a torus or a cylinder, and the legs of an angle
+    // as a cylinder 0.42 to 0.86.
+    //
+    // Chosen: by those clicks; not swept.
+    double max_share = 0.39;  // share of the squared distances
     // Maximum agreement of neighbours about the smooth surface.
     // Chosen: as following.max_other_agreement; not swept.
     double max_agreement = 1.35;  // factor on the errors
@@ -224,6 +230,9 @@ struct GrowthTuning {
     // Mean number of points of a cube, below which cubes are doubled.
     // Chosen: not swept.
     double min_cube_points = 4;  // points
+    // Error of what crossing surfaces are found to add to a plane (crossing_surfaces.h).
+    // Chosen: chance alone makes a quarter where a web has 26 points of a flange; not swept.
+    double crossing_error = 0.35;  // share of the correction
     // Cubes in which errors are compared with those of their neighbours. Detection has them, too.
     // Chosen: not swept.
     double agreement_cubes = 16;  // cubes per extent
@@ -334,6 +343,11 @@ struct FollowingTuning {
     // Maximum noise of one surface, without what stations add to it. A plane over the crowns of a rack has 10.
     // Chosen: grazing angles double the noise; not swept.
     double max_smooth_noise = 2;  // noise of smooth surfaces around
+    // Maximum noise of a curved shape where stations are known: of 185 good answers on three ray-cast plants right ones
+    // have up to 0.98, square posts, angles and pipes with their reducers as cylinders 1.5 to 2.4.
+    //
+    // Chosen: by those clicks; not swept.
+    double max_curved_noise = 1.3;  // StationsAround::surface_noise()
     // Maximum angle by which surfaces next to a narrow plane may have turned it (narrow_strip.h): right planes of two
     // ray-cast plants have up to 0.021, one of 60 has 0.037; oblique ones through a face 5 to 10 mm wide and the faces
     // next to it have 0.058 to 0.13, strips of pipes 0.037.
@@ -409,9 +423,16 @@ struct PatchTuning {
     // Maximum noise of a patch, relative to the quarter with the least noise.
     // Chosen: not swept.
     double max_noise = 2;  // noises of that quarter
-    // Maximum deviation of a patch from the shifts that all patches give.
-    // Chosen: not swept.
-    double max_deviation = 4;  // medians of the deviations
+    // Maximum deviation of a patch from what is known of the shifts before, which is nothing at most places.
+    // Chosen: as max_deviation; patches of walls deviate by the whole shift of a station, those of floors by little.
+    double max_first_deviation = 3;  // medians of the deviations
+    // Maximum deviation of a patch from the shifts that the others give.
+    // Chosen: at 49 places of three ray-cast plants, one without registration error: with 4, and without a first step,
+    // eight of 20 spreads there were 2.4 to 7.3 mm, as plates are thick.
+    double max_deviation = 2.5;  // medians of the deviations
+    // Maximum median of the deviations of patches that face alike.
+    // Chosen: levels keep heights better than places; not swept.
+    double max_unlike = 2.5;  // medians of all deviations
     // Minimum share of the neighbours by chance that patches have which stations see all of: tiles and objects meet at
     // their borders alone.
     // Chosen: five ray-cast plants have 0.69 to 1, objects of generated sites of 40,000 to 1,000,000 points 0.02 to

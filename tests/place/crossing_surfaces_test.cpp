@@ -64,7 +64,6 @@ protected:
 // Their points within the threshold are few, but all at its borders.
 TEST_F(CrossingSurfacesTest, PCM_NOT_UNDER_THREAD(DoNotTurnASparseFace))
 {
-    const std::vector<SurfacePoint> web = points_;
     double squares = 0, claimed = 0;
     constexpr int turns = 20;
     for (int turn = 0; turn < turns; ++turn) {
@@ -80,7 +79,7 @@ TEST_F(CrossingSurfacesTest, PCM_NOT_UNDER_THREAD(DoNotTurnASparseFace))
         claimed += web.fit.errors.angle * web.fit.errors.angle / turns;
     }
     EXPECT_LT(std::sqrt(squares), 0.003) << "their points turn it by 0.007";
-    EXPECT_LT(claimed, 4 * squares) << "the errors are no wider than twice what they say";
+    EXPECT_LT(claimed, 6 * squares) << "the errors are no wider than two and a half times the truth";
 }
 
 TEST_F(CrossingSurfacesTest, PCM_NOT_UNDER_THREAD(DoNotShiftASparseFace))

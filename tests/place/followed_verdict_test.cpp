@@ -227,6 +227,12 @@ TEST_F(FollowedVerdictTest, WhatNeighboursShareIsDoubtedWhereStationsDoNotExplai
     EXPECT_EQ(beside_wall.primitive.fit.verdict, FitVerdict::doubtful);
     EXPECT_NE(beside_wall.primitive.fit.message.find("together"), std::string::npos)
         << beside_wall.primitive.fit.message;
+    // Neighbours do not share it, but a curved surface is as smooth as those around.
+    const FittedPrimitive rough = judged(false, 0.012, 1, true);
+    EXPECT_EQ(rough.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_NE(rough.primitive.fit.message.find("those of smooth surfaces around"), std::string::npos)
+        << rough.primitive.fit.message;
+    has_stations_ = false;
     EXPECT_EQ(judged(false, 0.012, 1, true).primitive.fit.verdict, FitVerdict::good);
 }
 
