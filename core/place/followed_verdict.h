@@ -74,7 +74,7 @@ private:
     void name_departure(const FollowedPoints& followed, const std::vector<Vec3d>& fitted, FittedPrimitive& result);
     static void doubt_uneven(const Departure& departure, FittedPrimitive& result);
     // All of few points lie next to others that cross the shape, or neighbours leave the shape together by more than
-    // noise and what is known of the stations' shifts explain.
+    // noise and what is known of the stations' shifts explain, or a curved shape is far rougher than surfaces around.
     void doubt_others(const FollowedPoints& followed, const CutOutEvidence& cut_out, const Departure& departure,
                       double noise, ShapeFit& fit);
     // A plane is a narrow strip that surfaces next to it may have turned.

@@ -133,4 +133,63 @@ TEST_F(FitAgainTest, ItMustExplainEnoughPointsBetter)
     EXPECT_EQ(asked_.size(), 2u);
 }
 
+// A wide sphere is flat around the place, and as a plane it cannot be followed.
+TEST_F(FitAgainTest, AWideSphereIsTakenForAPlaneThatWasNotFollowed)
+{
+    pcm::Shape sphere;
+    sphere.kind = ShapeKind::sphere;
+    sphere.point = elbow_middle;
+    sphere.radius = 1;
+    build(sphere, 0);
+    pcm::Shape plane;
+    plane.point = elbow_middle + Vec3d{1, 0, 0};
+    plane.axis = {1, 0, 0};
+    asked_.clear();
+    FitVerdict verdict = FitVerdict::good;
+    const FitAgain fit = [&](const Vec3d&, const std::vector<ShapeKind>& kinds) {
+        asked_.push_back(kinds.front());
+        return kinds.front() == ShapeKind::sphere ? answer(sphere, verdict, share_)
+                                                  : answer(pipe_at_its_end(), FitVerdict::doubtful);
+    };
+    const auto kind_of = [&](const std::string& left) {
+        FittedPrimitive found = answer(plane, FitVerdict::doubtful);
+        found.left_surface = left;
+        return or_higher_kind(std::move(found), place_, 0.002, kinds_, fit, 1).primitive.fit.shape.kind;
+    };
+    EXPECT_EQ(kind_of("its points leave it"), ShapeKind::sphere);
+    EXPECT_EQ(asked_, (std::vector<ShapeKind>{ShapeKind::cylinder, ShapeKind::sphere})) << "cones and tori are not";
+    EXPECT_EQ(kind_of(""), ShapeKind::plane) << "it may be terrain";
+    verdict = FitVerdict::doubtful;
+    EXPECT_EQ(kind_of("its points leave it"), ShapeKind::plane);
+    verdict = FitVerdict::good;
+    share_ = -2.7;  // 380 points
+    EXPECT_EQ(kind_of("its points leave it"), ShapeKind::plane) << "as few points as leaves have";
+}
+
+TEST_F(FitAgainTest, ThePipeBehindAnElbowIsTakenForTheElbow)
+{
+    build(elbow_shape(), 0);
+    FitVerdict verdict = FitVerdict::good;
+    const FitAgain fit = [&](const Vec3d& place, const std::vector<ShapeKind>& kinds) {
+        EXPECT_EQ(place, place_);
+        EXPECT_EQ(kinds, std::vector<ShapeKind>{ShapeKind::cylinder});
+        return answer(pipe_at_its_end(), verdict);
+    };
+    const auto kind_of = [&](FitVerdict of_elbow, double to) {
+        FittedPrimitive found = answer(elbow_shape(), of_elbow);
+        found.part.emplace();
+        found.part->shape = elbow_shape();
+        found.part->start = {-1, 0, 0};
+        found.part->to = to;
+        return or_pipe(std::move(found), place_, fit).primitive.fit.shape.kind;
+    };
+    EXPECT_EQ(kind_of(FitVerdict::doubtful, 3), ShapeKind::cylinder) << "the place is at half a turn";
+    EXPECT_EQ(kind_of(FitVerdict::doubtful, 3.5), ShapeKind::torus) << "the elbow has the place";
+    EXPECT_EQ(kind_of(FitVerdict::good, 3), ShapeKind::torus);
+    verdict = FitVerdict::doubtful;
+    EXPECT_EQ(kind_of(FitVerdict::doubtful, 3), ShapeKind::torus);
+    EXPECT_EQ(or_pipe(answer(elbow_shape(), FitVerdict::doubtful), place_, fit).primitive.fit.shape.kind,
+              ShapeKind::torus);
+}
+
 }  // namespace

@@ -236,6 +236,35 @@ TEST_F(FollowedVerdictTest, WhatNeighboursShareIsDoubtedWhereStationsDoNotExplai
     EXPECT_EQ(judged(false, 0.012, 1, true).primitive.fit.verdict, FitVerdict::good);
 }
 
+// A bent pipe as a cylinder, where the closest points say less of the noise than others: what is left is not that of a
+// smooth surface, but the bend is most of what they leave the cylinder by, and stations do not explain it.
+TEST_F(FollowedVerdictTest, WhatPointsLeaveTogetherBeyondStationsIsDoubted)
+{
+    constexpr double noise = 0.0015;
+    const auto of_bend = [&](double bend) {
+        Dice dice(12);
+        std::vector<SurfacePoint> points;
+        for (int i = 0; i < 6000; ++i) {
+            const double along = dice.between(0, 2 * pi), r = 0.1 + noise * dice.normal(), z = dice.between(0, 2);
+            const double off = bend * ((z - 1) * (z - 1) - 1.0 / 3);
+            points.push_back({{r * std::cos(along) + off, r * std::sin(along), z}, {}});
+        }
+        ShapeFit fit;
+        fit.shape.kind = ShapeKind::cylinder;
+        fit.shape.axis = {0, 0, 1};
+        fit.shape.radius = 0.1;
+        fit.noise = 0.0022;
+        fit.threshold = 0.0075;
+        return judged(points, fit, 0.0008, 1, true).primitive.fit;
+    };
+    has_stations_ = true;
+    EXPECT_EQ(of_bend(0.002).verdict, FitVerdict::good) << of_bend(0.002).message;
+    const ShapeFit bent = of_bend(0.0085);
+    EXPECT_EQ(bent.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(bent.issue, FitIssue::other_surface);
+    EXPECT_NE(bent.message.find("which shifts of the stations do not explain"), std::string::npos) << bent.message;
+}
+
 // The straight pipe behind an elbow is followed with it, and is not a part of its torus.
 TEST_F(FollowedVerdictTest, APlaceBehindTheEndOfABendIsDoubted)
 {

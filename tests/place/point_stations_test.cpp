@@ -347,6 +347,21 @@ TEST_F(StationSurveyTest, NumbersOfPlacesAreNoStations)
     EXPECT_TRUE(names(80, 1, 1.5)) << "40 by chance say nothing";
 }
 
+// Half of a floor is seen by one station alone, as where the view of another ends or something stands before it, in
+// stripes: patches across their borders are mixed less than by chance.
+TEST_F(StationSurveyTest, StationsThatSeePartsOfASurfaceAreStations)
+{
+    const auto made = tree(
+        "p", 12000,
+        [&](int) {
+            const Vec3d place{dice_.between(0, 6), dice_.between(0, 6), noise * dice_.normal()};
+            const bool is_both = std::fmod(place[0], 3) < 2;
+            return Numbers{0, static_cast<std::uint16_t>(is_both ? dice_.unit() < 0.5 : 0), 0, place};
+        },
+        12000);
+    EXPECT_TRUE(station_survey(*made, PointStations(*made), {}).names_stations);
+}
+
 // The walls are eight times as rough as the floor, which alone is looked at: it shows differences of heights.
 // The same squares as scans of a file that says from where they were made: stations, however little their points mix.
 TEST_F(StationSurveyTest, ScansOfSeveralPlacesAreStations)
