@@ -62,7 +62,7 @@ SearchValues search_values(DetectTuning& detect)
 
 using ResultValues =
     std::array<TunedValue, values_of<PieceTuning, WideningTuning, ContestTuning, MergingTuning, FaceBorderTuning,
-                                     JoiningTuning, ElbowTuning, PlateTuning, OutlineTuning>>;
+                                     JoiningTuning, ElbowTuning, PlateTuning, OutlineTuning, FacingTuning>>;
 static_assert(std::tuple_size_v<SearchValues> + std::tuple_size_v<ResultValues> == values_of<DetectTuning>);
 ResultValues result_values(DetectTuning& detect)
 {
@@ -90,7 +90,7 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.plates.max_noise),      PCM_TUNED(detect.plates.max_moved_noise),
         PCM_TUNED(detect.outlines.min_points),   PCM_TUNED(detect.outlines.max_points),
         PCM_TUNED(detect.elbows.max_reach),      PCM_TUNED(detect.elbows.threshold),
-        PCM_TUNED(detect.elbows.min_points),
+        PCM_TUNED(detect.elbows.min_points),     PCM_TUNED(detect.facing.min_cosine),
     }};
 }
 
