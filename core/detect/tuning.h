@@ -328,6 +328,20 @@ struct FacingTuning {
     double min_cosine = 0.2;  // cosine
 };
 
+// Shapes whose points lie on others, too (shared_points.h).
+struct SharingTuning {
+    // Points of planes on a curved shape, relative to its own.
+    // Chosen: a cylinder through the four faces of a post has 2.3, one through a beam's web 0.9; of 90 right ones of
+    // two plants, one has 0.64, the others up to 0.25; not swept.
+    double max_others = 1;  // share of its points
+    // Share of a plane's points on a cylinder, from which on it may be a strip of that.
+    // Chosen: not swept.
+    double min_strip = 0.8;  // share of the points
+    // Share of such a cylinder's points on the plane, up to which it is more than that strip.
+    // Chosen: not swept.
+    double max_own = 0.5;  // share of the points
+};
+
 struct DetectTuning {
     SurveyTuning survey;
     ResolutionTuning resolution;
@@ -343,6 +357,7 @@ struct DetectTuning {
     OutlineTuning outlines;
     ElbowTuning elbows;
     FacingTuning facing;
+    SharingTuning sharing;
 };
 
 // The values above, unless a benchmark has set one (tuned_values.h). Constant while anything works. A loop over points
