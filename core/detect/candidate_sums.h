@@ -46,7 +46,7 @@ struct CandidateFacts {
 
     ExtremePoints ends;
     ErrorAgreement alike;
-    DrawnPoints some;   // of those that it is fitted to, but the border of a face
+    DrawnPoints some;   // points it is fitted to, and the border of a face
     DrawnPoints moved;  // the same ones, where their stations most probably were
 };
 

@@ -30,6 +30,7 @@
 #include "pcm/detect/point_labels.h"
 #include "pcm/detect/sample_units.h"
 #include "pcm/detect/shape_search.h"
+#include "pcm/detect/shared_points.h"
 #include "pcm/detect/surface_sample.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/whole_parts.h"
@@ -428,18 +429,6 @@ private:
     StationShifts shifts_;
 };
 
-}  // namespace
-
-std::vector<ShapeKind> detected_kinds()
-{
-    std::vector<ShapeKind> kinds;
-    for (const ShapeTraits& row : shape_kinds())
-        if (model_of(row.kind).like) kinds.push_back(row.kind);
-    return kinds;
-}
-
-namespace {
-
 // What was found, and what a second search at a finer threshold finds among the points that are left: pipes that the
 // first one is too coarse for.
 DetectReport with_finer_shapes(const std::shared_ptr<const Tree>& tree, const DetectOptions& options,
@@ -489,10 +478,19 @@ DetectReport found_primitives(const std::shared_ptr<const Tree>& tree, const Det
 
 }  // namespace
 
+std::vector<ShapeKind> detected_kinds()
+{
+    std::vector<ShapeKind> kinds;
+    for (const ShapeTraits& row : shape_kinds())
+        if (model_of(row.kind).like) kinds.push_back(row.kind);
+    return kinds;
+}
+
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options)
 {
     check(options, tree->folder());
-    DetectReport found = found_primitives(tree, within(options, 0, 0.95));
+    DetectReport found = found_primitives(tree, within(options, 0, 0.93));
+    if (options.threshold == 0) doubt_shared_points(tree, within(options, 0.93, 0.95), found);
     add_errors_of_stations(tree, within(options, 0.95, 1), found);
     return found;
 }

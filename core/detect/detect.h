@@ -65,12 +65,13 @@ struct DetectReport {
 // vessels that bend by more than the threshold are doubtful ones; what cones explain better is left out. Where points
 // name their stations, the two faces of plates that are thinner than the threshold are two. The points that are left,
 // and those of narrow planes that may be several surfaces (FinalFit::contested), are searched again at half the
-// threshold, for pipes down to four spacings across and narrow planes. The errors contain how far stations are apart,
-// where points say from which they are or options.registration does, and what errors along their rays may have left of
-// their bias (errors_of_stations.h). The result depends on the seed, neither on threads nor on memory. Throws
-// Error(invalid_argument) for options out of range, steps that reach too many points, and kinds that are not searched
-// for, Error(unsupported) for more than 2^31 parts of surfaces, what Selector throws, Error(cancelled), and what
-// reading and the scratch file throw.
+// threshold, for pipes down to four spacings across and narrow planes. Where the threshold is found, shapes that others
+// explain are doubtful (shared_points.h). The errors contain how far stations are apart, where points say from which
+// they are or options.registration does, and what errors along their rays may have left of their bias
+// (errors_of_stations.h); points that are turned away from their stations are not used (turned_points.h). The result
+// depends on the seed, neither on threads nor on memory. Throws Error(invalid_argument) for options out of range, steps
+// that reach too many points, and kinds that are not searched for, Error(unsupported) for more than 2^31 parts of
+// surfaces, what Selector throws, Error(cancelled), and what reading and the scratch file throw.
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options);
 
 struct LabelOptions {

@@ -2,6 +2,7 @@
 
 #include "pcm/detect/node_sums.h"
 #include "pcm/detect/point_labels.h"
+#include "pcm/detect/turned_points.h"
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/point_stations.h"
@@ -84,7 +85,11 @@ private:
     void add_errors()
     {
         survey();
-        const std::vector<ShapePoints> points = sum_points();
+        std::vector<ShapePoints> points = sum_points();
+        std::vector<Shape> before;
+        for (const Primitive& primitive : primitives_) before.push_back(primitive.fit.shape);
+        for (std::size_t i = 0; i < primitives_.size() && is_known_; ++i)
+            leave_turned(report_.agreement[i], points[i], primitives_[i]);
         if (is_known_) find_agreement(points);
         const StationSpread found = is_known_ ? spread_of(points) : StationSpread();
         for (std::size_t i = 0; i < primitives_.size(); ++i) {
@@ -94,7 +99,8 @@ private:
                 add_known_spread(points[i].sums, found, within_[i], report_.agreement[i], primitive);
             else
                 add_unknown_spread(primitive);
-            take_ray_errors(points[i], primitive);
+            leave_ray_errors(points[i].sample, metres_per_unit_, primitive);
+            keep_within(before[i], points[i].box, primitive);
             report_.outcome.error = std::max(report_.outcome.error, primitive.fit.threshold);
         }
     }
@@ -212,14 +218,23 @@ private:
         return agreeing_evidence({}, parts).spread();
     }
 
-    // No point of the shape is moved by more than what its numbers change by.
-    void take_ray_errors(const ShapePoints& points, Primitive& primitive) const
+    // What follows sees the points that face their stations.
+    static void leave_turned(double alike, ShapePoints& points, Primitive& primitive)
     {
-        const Shape before = primitive.fit.shape;
-        leave_ray_errors(points.sample, metres_per_unit_, primitive);
-        if (primitive.stations->ray_share == 0) return;
-        const ShapeErrors moved = difference_of(before, primitive.fit.shape, points.box.centre());
-        primitive.fit.threshold += moved.position + moved.radius + moved.angle * points.box.diagonal() / 2;
+        std::vector<PointOfStation> facing = facing_points(primitive.fit.shape, points.sample);
+        if (facing.size() == points.sample.size()) return;
+        leave_turned_points(facing, points.sample, alike, primitive.fit);
+        StationSums sums(primitive.fit.shape, primitive.fit.shape.point, extent_of(primitive));
+        for (const PointOfStation& p : facing) sums.add(p.place, p.station);
+        points.sums = std::move(sums);
+        points.sample = std::move(facing);
+    }
+
+    // No point of the shape was moved by more than what its numbers have changed by.
+    static void keep_within(const Shape& before, const Box3d& box, Primitive& primitive)
+    {
+        const ShapeErrors moved = difference_of(before, primitive.fit.shape, box.centre());
+        primitive.fit.threshold += moved.position + moved.radius + moved.angle * box.diagonal() / 2;
     }
 
     const Tree& tree_;

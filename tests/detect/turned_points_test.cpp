@@ -1,0 +1,98 @@
+// Points next to the silhouettes of a pipe, which no station can have seen there.
+#include "pcm/detect/turned_points.h"
+
+#include "tests/place/shape_cloud.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+constexpr double pipe_radius = 0.03, pipe_noise = 0.0015, pipe_threshold = 0.006;
+
+pcm::Shape pipe_along_z()
+{
+    pcm::Shape pipe;
+    pipe.kind = ShapeKind::cylinder;
+    pipe.axis = {0, 0, 1};
+    pipe.radius = pipe_radius;
+    return pipe;
+}
+
+// Points of a pipe at angles of up to `arc` to both sides of the direction to their station.
+void add_arc(double arc, double direction, std::uint32_t station, std::size_t count, Dice& dice,
+             std::vector<PointOfStation>& points)
+{
+    for (std::size_t i = 0; i < count; ++i) {
+        const double a = direction + std::asin(std::sin(arc) * dice.between(-1, 1));
+        const double r = pipe_radius + pipe_noise * dice.normal();
+        points.push_back({{r * std::cos(a), r * std::sin(a), dice.between(0, 2)}, station});
+    }
+}
+
+// Points behind both silhouettes of the pipe as the station sees it, farther from its axis.
+void add_behind(double direction, std::uint32_t station, std::size_t count, Dice& dice,
+                std::vector<PointOfStation>& points)
+{
+    for (std::size_t i = 0; i < count; ++i) {
+        const double a = direction + (i % 2 ? 1 : -1) * dice.between(1.7, 2.5), r = pipe_radius + 0.003;
+        points.push_back({{r * std::cos(a), r * std::sin(a), dice.between(0, 2)}, station});
+    }
+}
+
+ShapeFit fit_to(const std::vector<PointOfStation>& points)
+{
+    std::vector<Vec3d> places;
+    for (const PointOfStation& p : points) places.push_back(p.place);
+    RefineOptions refine;
+    refine.threshold = pipe_threshold;
+    return refine_shape(FitPoints::of(places), pipe_along_z(), refine);
+}
+
+TEST(TurnedPoints, PointsBehindASilhouetteDoNotFaceTheirStation)
+{
+    Dice dice(1);
+    std::vector<PointOfStation> points;
+    add_arc(1.3, 0, 7, 1000, dice, points);
+    add_behind(0, 7, 20, dice, points);
+    EXPECT_NEAR(static_cast<double>(facing_points(pipe_along_z(), points).size()), 1000, 10);
+    for (PointOfStation& p : points) p.station = p.place[2] > 1 ? 7 : 8;
+    const double half = pi / 2;
+    add_arc(1.3, half, 9, 1000, dice, points);
+    const std::vector<PointOfStation> facing = facing_points(pipe_along_z(), points);
+    EXPECT_NEAR(static_cast<double>(facing.size()), 2000, 20) << "each station for itself";
+}
+
+TEST(TurnedPoints, PointsAllAroundAreKept)
+{
+    Dice dice(2);
+    std::vector<PointOfStation> points;
+    for (const double direction : {0.0, pi / 2, pi, -pi / 2}) add_arc(1.3, direction, 0, 300, dice, points);
+    EXPECT_EQ(facing_points(pipe_along_z(), points).size(), points.size());
+}
+
+TEST(TurnedPoints, WithoutThemAPipeIsWhereItIsAndItsErrorsAreThoseOfItsArc)
+{
+    Dice dice(3);
+    std::vector<PointOfStation> own, all;
+    add_arc(1.2, 0, 7, 2000, dice, own);
+    all = own;
+    add_behind(0, 7, 60, dice, all);
+    const ShapeFit without = fit_to(own);
+    ShapeFit fit = fit_to(all);
+    const auto off = [](const ShapeFit& one) { return std::hypot(one.shape.point[0], one.shape.point[1]); };
+    const double before = off(fit), error = fit.errors.position;
+    EXPECT_GT(before, 3 * error) << "a few points move it far";
+    EXPECT_LT(error, 0.8 * without.errors.position) << "and seem to be an arc";
+    leave_turned_points(facing_points(fit.shape, all), all, 1, fit);
+    EXPECT_LT(off(fit), 0.5 * before);
+    EXPECT_LT(off(fit), 3 * fit.errors.position);
+    EXPECT_GT(fit.errors.position, 0.9 * without.errors.position);
+    EXPECT_LT(std::fabs(fit.shape.radius - pipe_radius), 3 * fit.errors.radius);
+    EXPECT_LT(fit.errors.position, before) << "no more than what they have moved it by";
+}
+
+}  // namespace
