@@ -14,6 +14,8 @@
 namespace pcm {
 namespace {
 
+constexpr double uncertain_way = 0.5;  // share of the way moved that is added to the errors
+
 ShapeSums sums_of(const std::vector<PointOfStation>& points, const Shape& shape, const Box3d& box)
 {
     ShapeSums sums(shape, box.centre(), box.diagonal());
@@ -68,7 +70,7 @@ void leave_turned_points(const std::vector<PointOfStation>& points, const std::v
     fit.errors.angle = std::max(fit.errors.angle, least.angle);
     fit.errors.radius = std::max(fit.errors.radius, least.radius);
     fit.errors.second = std::max(fit.errors.second, least.second);
-    correct(moved_along(fit.shape, *from, *to, box.centre()), box.centre(), fit);
+    correct(moved_along(fit.shape, *from, *to, box.centre()), uncertain_way, box.centre(), fit);
 }
 
 }  // namespace pcm

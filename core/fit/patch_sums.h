@@ -46,7 +46,7 @@ double take_away_other_normals(const Shape& shape, const WorkingPoints& points, 
 
 void add_to(PatchSums& sums, const PatchBlock& block, std::size_t i);  // one point, of weight 1
 void add_to(PatchSums& sums, const PatchSums& other);
-void take_from(PatchSums& sums, const PatchSums& other);  // which has fewer points
+void take_from(PatchSums& sums, const PatchSums& other);  // `other`: sums of fewer points
 
 // The equations in units in which all parameters are lengths. One per parameter: parameter = length * unit.
 std::array<double, most_parameters> parameter_units(const ShapeModel& model, double extent);

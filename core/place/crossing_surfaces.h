@@ -1,7 +1,7 @@
 // What the surfaces that cross a plane, or end on it, do to its fit where nearly all of its points lie next to them.
 //
 // A surface that leads away from a plane has as many points in each band 0..t, t..2t, 2t..3t and 3t..4t of distances to
-// its side (t: the threshold). Those in the first band are among the plane's, and turn it; those in the others tell how
+// its side (t: the threshold). Those in the first band are among the plane's, and turn it; those in the others show how
 // many they are, and where. On each side the band with the fewest points is taken: the other face of a plate, which
 // does not cross the plane, is not in all of them.
 #pragma once
@@ -17,7 +17,7 @@ namespace pcm {
 
 struct PlaneWithoutCrossing {
     Shape shape;
-    Vec3d middle;  // of the box around the points
+    Vec3d middle;  // centre of the box around the points
 };
 
 // The plane of least squares of `points` without what crossing surfaces probably add to them: the points of those bands

@@ -16,8 +16,8 @@ using FitAgain = std::function<FittedPrimitive(const Vec3d& place, const std::ve
 FittedPrimitive or_elbow(FittedPrimitive found, const Vec3d& place, const Vec3d& on_bend,
                          const std::vector<ShapeKind>& kinds, const FitAgain& fit);
 
-// Where the place is on a straight pipe behind the end of an elbow, that pipe; else the elbow, which is doubtful. Throws
-// what the fit throws.
+// Where the place is on a straight pipe behind the end of an elbow, that pipe; else the elbow, which is doubtful.
+// Throws what the fit throws.
 FittedPrimitive or_pipe(FittedPrimitive found, const Vec3d& place, const FitAgain& fit);
 
 // Kinds are compared by the points around the place, where a piece of an elbow is a cylinder, and one of a reducer,

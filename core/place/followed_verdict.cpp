@@ -220,6 +220,7 @@ void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vect
     if (is_automatic && fit.verdict == FitVerdict::good) doubt_others(followed, cut_out, departure, noise, fit);
     if (is_automatic && fit.verdict == FitVerdict::good) doubt_strip(followed, fitted, result);
     if (is_automatic && fit.verdict == FitVerdict::good) doubt_bent(followed, noise, result);
+    if (is_automatic && fit.verdict == FitVerdict::good) doubt_equal_kind(fitted, fit);
     if (is_automatic && !other_) doubt_unsettled(followed, result);
 }
 
@@ -286,6 +287,29 @@ void FollowedVerdict::doubt_bent(const FollowedPoints& followed, double noise, F
         return doubt(fit, FitIssue::other_surface,
                      "the pipe bends at the place that was picked, or next to it, with a radius of " +
                          brief(bend->radius) + ": pick a place farther along the pipe, or fit a torus");
+    }
+}
+
+// The rim of a flange is a band of a cylinder, and as well one of a sphere.
+void FollowedVerdict::doubt_equal_kind(const std::vector<Vec3d>& fitted, ShapeFit& fit) const
+{
+    const FollowingTuning& tuned = place_tuning().following;
+    if (model_of(fit.shape.kind).rank != 1 || fit.inliers >= tuned.min_small_points || !(fit.noise > 0)) return;
+    const FitPoints points = FitPoints::of(fitted);
+    const KindComparison compared(points, fit.noise);
+    ShapeFitOptions options = options_.fit;
+    options.threshold = fit.threshold;
+    options.progress = part_of(progress_, 0.94, 0.94);
+    for (const ShapeKind kind : options_.kinds) {
+        if (kind == fit.shape.kind || model_of(kind).rank != 1) continue;
+        options.kind = kind;
+        const ShapeFit other = fit_shape(points, options);
+        const bool is_equal = other.has_shape() && compared.misfit(other.shape) - compared.misfit(fit.shape) <
+                                                       place_tuning().kinds.min_evidence;
+        if (is_equal)
+            doubt(fit, FitIssue::thin_arc,
+                  std::string("a ") + traits_of(kind).name + " fits these few points as well as a " +
+                      traits_of(fit.shape.kind).name + ": take points farther around it, or fit the kind that it is");
     }
 }
 

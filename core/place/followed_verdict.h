@@ -81,6 +81,8 @@ private:
     void doubt_strip(const FollowedPoints& followed, const std::vector<Vec3d>& fitted, FittedPrimitive& result) const;
     // The place may lie on an elbow of the pipe that was found, or on a pipe of the elbow.
     void doubt_bent(const FollowedPoints& followed, double noise, FittedPrimitive& result);
+    // Few points fit another kind with as many numbers as well.
+    void doubt_equal_kind(const std::vector<Vec3d>& fitted, ShapeFit& fit) const;
     // Growth has ended with the rounds, not with the shape.
     void doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const;
     // Stations see the plane from two sides.

@@ -302,8 +302,8 @@ private:
     std::vector<StationPoint> points_;
     std::vector<View> views_;
     std::vector<StationPatch> patches_;
-    double mixed_by_chance_ = 0;             // of all patches
-    double mixed_ = 0, seen_by_chance_ = 0;  // of those that stations see all of
+    double mixed_by_chance_ = 0;             // sum over all patches
+    double mixed_ = 0, seen_by_chance_ = 0;  // sums over patches that stations see all of
 };
 
 std::size_t direction_of(const StationPart& part)
@@ -323,7 +323,7 @@ double median_of(std::vector<double> values)
     return *middle;
 }
 
-// Those that deviate from the shifts by no more than a few medians of the deviations of parts that face alike.
+// Whether each deviates from the shifts by no more than a few medians of the deviations of parts with similar normals.
 std::vector<bool> agreeing_with(const StationSpread& found, const std::vector<StationPart>& parts, double most)
 {
     std::vector<double> deviations;

@@ -28,8 +28,8 @@ struct StationPart {
 
 // What is known of the stations and those of the parts that agree with each other and with it: a part that contradicts
 // the others by more than a few medians of the deviations is left out; first one that contradicts what is known, or
-// that stations are where they are. Deviations are compared between parts that face alike (by the largest component of
-// their normals, up to place.patches.max_unlike): a station may be shifted along one axis more than along others.
+// that stations are where they are. Deviations are compared between parts of similar normals (by the largest component,
+// up to place.patches.max_unlike): a station may be shifted along one axis more than along others.
 StationEvidence agreeing_evidence(const StationEvidence& known, const std::vector<StationPart>& parts);
 
 struct StationSurvey {

@@ -430,7 +430,7 @@ struct PatchTuning {
     // Chosen: at 49 places of three ray-cast plants, one without registration error: with 4, and without a first step,
     // eight of 20 spreads there were 2.4 to 7.3 mm, as plates are thick.
     double max_deviation = 2.5;  // medians of the deviations
-    // Maximum median of the deviations of patches that face alike.
+    // Maximum median of the deviations of patches with similar normals.
     // Chosen: levels keep heights better than places; not swept.
     double max_unlike = 2.5;  // medians of all deviations
     // Minimum share of the neighbours by chance that patches have which stations see all of: tiles and objects meet at

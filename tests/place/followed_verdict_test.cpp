@@ -85,7 +85,8 @@ protected:
         result.rounds = 8;
         // All points, or nothing.
         const PointSet around = set_where(tree_, [&](const Vec3d& p) { return beside_ > 0 || p[2] < 0; });
-        const FitAtOptions options;
+        FitAtOptions options;
+        options.kinds = kinds_;
         const ProgressFunction progress;
         StationsAround stations(*cloud->tree(), places_.front());
         FollowedVerdict verdict(*cloud, places_, options, {less_noise_ * close_noise, less_noise_ * close_noise, 0},
@@ -120,6 +121,7 @@ protected:
     int quiet_ = 0;         // number of points of a wall 1 m away, of little noise
     bool crosses_ = false;  // whether they are those of a wall that crosses it, or of one along it
     const std::vector<Vec3d> places_{{0.1, 0, 1}};
+    std::vector<ShapeKind> kinds_;
 };
 
 TEST_F(FollowedVerdictTest, FourFacesAreNoCylinder)
@@ -263,6 +265,32 @@ TEST_F(FollowedVerdictTest, WhatPointsLeaveTogetherBeyondStationsIsDoubted)
     EXPECT_EQ(bent.verdict, FitVerdict::doubtful);
     EXPECT_EQ(bent.issue, FitIssue::other_surface);
     EXPECT_NE(bent.message.find("which shifts of the stations do not explain"), std::string::npos) << bent.message;
+}
+
+// The rim of a flange, 15 mm wide, is a band of a cylinder or of a sphere; a pipe is not a sphere.
+TEST_F(FollowedVerdictTest, BandsThatAreOfTwoKindsAreDoubted)
+{
+    const auto of_width = [&](double width, int count) {
+        Dice dice(13);
+        std::vector<SurfacePoint> points;
+        for (int i = 0; i < count; ++i) {
+            const double along = dice.between(0, 2 * pi), r = 0.1 + 0.0015 * dice.normal();
+            points.push_back({{r * std::cos(along), r * std::sin(along), 1 + dice.between(-width, width) / 2}, {}});
+        }
+        ShapeFit fit;
+        fit.shape.kind = ShapeKind::cylinder;
+        fit.shape.axis = {0, 0, 1};
+        fit.shape.radius = 0.1;
+        fit.noise = 0.0015;
+        fit.threshold = 0.005;
+        return judged(points, fit, 0.0015, 1, true).primitive.fit;
+    };
+    EXPECT_EQ(of_width(0.015, 300).verdict, FitVerdict::good) << "cylinders alone are wanted";
+    kinds_ = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
+    const ShapeFit rim = of_width(0.015, 300);
+    EXPECT_EQ(rim.verdict, FitVerdict::doubtful);
+    EXPECT_NE(rim.message.find("a sphere fits these few points as well"), std::string::npos) << rim.message;
+    EXPECT_EQ(of_width(0.3, 300).verdict, FitVerdict::good) << of_width(0.3, 300).message;
 }
 
 // The straight pipe behind an elbow is followed with it, and is not a part of its torus.

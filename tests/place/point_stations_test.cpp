@@ -251,7 +251,7 @@ TEST_F(StationSurveyTest, WhatContradictsTheOthersIsLeftOut)
 }
 
 // Stations at both sides of plates see another face of each, as far apart everywhere. So far apart stations are not
-// along other axes, unless the shape that is fitted says so.
+// along other axes, unless the shape that is fitted shows it.
 TEST_F(StationSurveyTest, BothFacesOfPlatesAreLeftOut)
 {
     const auto patch = [](const Vec3d& normal, double difference) {
