@@ -15,8 +15,8 @@
 
 namespace pcm {
 
-// Points that a candidate is fitted to: all, those of faces away from their borders (face_interior.h), or those whose
-// neighbours are its own, too.
+// Points that a candidate is fitted to: all; those whose neighbours are its own, too, and which lie inside of a face;
+// or all inside of a face (face_interior.h).
 enum class FittedTo { all, interior, face };
 
 // Source coordinates and units.

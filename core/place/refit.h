@@ -41,8 +41,7 @@ ShapeErrors difference_of(const Shape& from, const Shape& to, const Vec3d& middl
 // uncertain, and one whose inner points determine no shape. `middle`: near the points.
 void contain_edges(const ShapeFit& inner, const Vec3d& middle, ShapeFit& fit);
 
-// Takes a shape that is corrected by what is known up to a part of itself: that part of the way to it is added to the
-// errors, `uncertain` of it.
+// Takes a shape that corrects the fit's. `uncertain`: share of the way to it that becomes a part of the errors.
 void correct(const Shape& corrected, double uncertain, const Vec3d& middle, ShapeFit& fit);
 
 // How far two shapes of one kind are apart near a place, in units of the errors: the largest quotient of a change and
