@@ -355,7 +355,7 @@ TEST_F(StationSurveyTest, StationsThatSeePartsOfASurfaceAreStations)
         "p", 12000,
         [&](int) {
             const Vec3d place{dice_.between(0, 6), dice_.between(0, 6), noise * dice_.normal()};
-            const bool is_both = std::fmod(place[0], 3) < 2;
+            const bool is_both = std::fmod(place[0], 1) < 0.6;
             return Numbers{0, static_cast<std::uint16_t>(is_both ? dice_.unit() < 0.5 : 0), 0, place};
         },
         12000);
