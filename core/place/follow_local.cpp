@@ -136,6 +136,7 @@ private:
         result.primitive.fit = std::move(grown.fit);
         FollowedVerdict verdict(cloud_, places_, options_, known_, around_, progress_);
         verdict.judge({grown.around, grown.noise, grown.agreement, grown.part, grown.inner_share}, result);
+        result.primitive.fit.threshold += grown.farther;
         followed_.other_kind = verdict.other_kind();
         followed_.other_doubt = verdict.other_doubt();
         followed_.cuts_noise = verdict.cuts_noise();

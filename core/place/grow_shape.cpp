@@ -36,7 +36,7 @@ public:
     GrownShape run(const Shape& start)
     {
         const PointSet none(seeds_.shared_tree());
-        GrownShape grown{{}, 0, 1, none, start, threshold_, {}, 1, none, 0, false};
+        GrownShape grown{{}, 0, 1, none, start, threshold_, {}, 1, none, 0, false, 0};
         grown.fit.shape = start;
         const unsigned rounds = std::max(1u, options_.most_rounds);
         while (grown.rounds < rounds && !grown.converged) {
@@ -81,6 +81,7 @@ private:
         grown.points = grow(seeds_, options_.step, grow_options);
         grown.followed = shape;
         grown.threshold = threshold_;
+        grown.farther = 0;
     }
 
     // A fit to the points reached from the shape, to which it moves, or is judged by; returns their box.
@@ -144,8 +145,11 @@ private:
     void contain_edges(const PointSet& inner, GrownShape& grown) const
     {
         if (const auto plane = without_crossing(grown.points, grown.around, grown.fit.shape, threshold_,
-                                                options_.threads, part_of(options_.progress, 0.5, 0.55)))
+                                                options_.threads, part_of(options_.progress, 0.5, 0.52))) {
             correct(plane->shape, tuned_.crossing_error, plane->middle, grown.fit);
+            reach(plane->shape, 0.52, 0.55, grown);
+            grown.fit.inliers = grown.points.size();
+        }
         if (inner.size() < tuned_.min_compared) return;
         const RefittedShape fitted = refit(inner, grown.fit.shape, 0.55, 0.7, true);
         pcm::contain_edges(fitted.fit, fitted.box.centre(), grown.fit);
@@ -156,6 +160,8 @@ private:
         grown.fit = fitted.fit;
         grown.fit.inliers = grown.points.size();
         grown.agreement = fitted.agreement;
+        const ShapeErrors apart = difference_of(grown.followed, grown.fit.shape, fitted.box.centre());
+        grown.farther = apart.position + apart.radius + apart.second + apart.angle * fitted.box.diagonal() / 2;
     }
 
     // Straight pipes turn the shape, and with it the points that are within the threshold and the ends that these show:

@@ -51,6 +51,7 @@ struct GrownShape {
     PointSet around;         // next to `points`, up to around_thresholds from `fit.shape`; empty without rounds
     unsigned rounds = 0;     // number of rounds done
     bool converged = false;  // the last round changed the shape by less than a quarter of its errors
+    double farther = 0;      // how much more than `threshold` points are from `fit.shape` at most
 };
 
 // From the seeds (those near the surface), by steps from point to point, through points whose distance from the surface

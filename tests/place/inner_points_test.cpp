@@ -111,6 +111,7 @@ TEST(InnerPoints, PCM_NOT_UNDER_THREAD(AKerbIsNotTurnedByTheSurfacesAtItsEdges))
     EXPECT_TRUE(inner == inner_points(grown.points, grown.around, face, options.threshold, 3));
     for (const PlacedPoint& p : all_points(*tree)) {
         if (!grown.points.contains(p.node, p.number)) continue;
+        EXPECT_LE(distance_to(grown.fit.shape, p.position), grown.threshold + grown.farther);
         if (p.position[2] < 0.003 || p.position[2] > 0.197) EXPECT_FALSE(inner.contains(p.node, p.number));
         if (p.position[2] > 0.09 && p.position[2] < 0.11) EXPECT_TRUE(inner.contains(p.node, p.number));
     }
