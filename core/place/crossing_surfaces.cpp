@@ -2,15 +2,13 @@
 
 #include "pcm/fit/shape_sums.h"
 #include "pcm/place/grow_shape.h"
-#include "pcm/select/point_scan.h"
+#include "pcm/place/scan_positions.h"
 #include "pcm/shapes/shape_traits.h"
 #include "pcm/system/progress_part.h"
-#include "pcm/tree/source_rounding.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <mutex>
 #include <vector>
@@ -20,20 +18,7 @@ namespace {
 
 constexpr auto crossing_bands = static_cast<std::size_t>(around_thresholds);  // the first one holds the plane's points
 
-void scan(const PointSet& set, unsigned threads, const ProgressFunction& progress,
-          const std::function<void(NodeId, const std::vector<Vec3d>&)>& take)
-{
-    const SourceRounding rounding(set.tree().info());
-    ScanOptions options;
-    options.within = &set;
-    options.columns = ColumnSet::only_positions();
-    options.select.threads = threads;
-    options.select.progress = progress;
-    options.stage = "Looking at surfaces that cross";
-    scan_points(set.tree(), {}, options, [&](const ScannedPoints& found) {
-        take(found.node, source_positions(found, set.tree().info().grid, rounding));
-    });
-}
+constexpr const char* crossing_stage = "Looking at surfaces that cross";
 
 // One after the other, so that the sum does not depend on threads.
 using NodeSums = std::map<NodeId, std::vector<ShapeSums>>;
@@ -54,10 +39,11 @@ std::optional<PlaneWithoutCrossing> without_crossing(const PointSet& points, con
     if (!traits_of(shape.kind).is_flat() || !(threshold > 0)) return {};
     std::mutex mutex;
     Box3d box;
-    scan(points, threads, part_of(progress, 0, 0.3), [&](NodeId, const std::vector<Vec3d>& places) {
-        const std::lock_guard lock(mutex);
-        for (const Vec3d& p : places) box.extend(p);
-    });
+    scan_positions(points, crossing_stage, threads, part_of(progress, 0, 0.3),
+                   [&](const ScannedPoints&, const std::vector<Vec3d>& places) {
+                       const std::lock_guard lock(mutex);
+                       for (const Vec3d& p : places) box.extend(p);
+                   });
     if (box.empty()) return {};
     const std::vector<ShapeSums> none(2 * crossing_bands, ShapeSums(shape, box.centre(), box.diagonal()));
     NodeSums own, others;
@@ -65,22 +51,24 @@ std::optional<PlaneWithoutCrossing> without_crossing(const PointSet& points, con
         const std::lock_guard lock(mutex);
         nodes.emplace(node, part);
     };
-    scan(points, threads, part_of(progress, 0.3, 0.6), [&](NodeId node, const std::vector<Vec3d>& places) {
-        std::vector<ShapeSums> part(1, none.front());
-        for (const Vec3d& p : places) part.front().add(p);
-        into(own, node, part);
-    });
-    scan(around, threads, part_of(progress, 0.6, 1), [&](NodeId node, const std::vector<Vec3d>& places) {
-        std::vector<ShapeSums> part = none;
-        for (const Vec3d& p : places) {
-            const double d = signed_distance(shape, p);
-            const auto band = static_cast<std::size_t>(std::fabs(d) / threshold);
-            if (band < 1 || band >= crossing_bands) continue;
-            const double nearer = std::copysign(static_cast<double>(band) * threshold, d);
-            part[band + (d < 0 ? crossing_bands : 0)].add(p - nearer * normal_at(shape, p));
-        }
-        into(others, node, part);
-    });
+    scan_positions(points, crossing_stage, threads, part_of(progress, 0.3, 0.6),
+                   [&](const ScannedPoints& found, const std::vector<Vec3d>& places) {
+                       std::vector<ShapeSums> part(1, none.front());
+                       for (const Vec3d& p : places) part.front().add(p);
+                       into(own, found.node, part);
+                   });
+    scan_positions(around, crossing_stage, threads, part_of(progress, 0.6, 1),
+                   [&](const ScannedPoints& found, const std::vector<Vec3d>& places) {
+                       std::vector<ShapeSums> part = none;
+                       for (const Vec3d& p : places) {
+                           const double d = signed_distance(shape, p);
+                           const auto band = static_cast<std::size_t>(std::fabs(d) / threshold);
+                           if (band < 1 || band >= crossing_bands) continue;
+                           const double nearer = std::copysign(static_cast<double>(band) * threshold, d);
+                           part[band + (d < 0 ? crossing_bands : 0)].add(p - nearer * normal_at(shape, p));
+                       }
+                       into(others, found.node, part);
+                   });
     ShapeSums sums = added(own, {none.front()}).front();
     const std::vector<ShapeSums> banded = added(others, none);
     std::uint64_t crossing = 0;
@@ -94,7 +82,7 @@ std::optional<PlaneWithoutCrossing> without_crossing(const PointSet& points, con
         crossing += fewest->points();
     }
     if (crossing == 0) return {};
-    if (const auto found = sums.step()) return PlaneWithoutCrossing{*found, box.centre()};
+    if (const auto plane = sums.step()) return PlaneWithoutCrossing{*plane, box.centre()};
     return {};
 }
 

@@ -1,9 +1,8 @@
 #include "pcm/place/inner_points.h"
 
+#include "pcm/place/scan_positions.h"
 #include "pcm/place/tuning.h"
-#include "pcm/select/point_scan.h"
 #include "pcm/system/progress_part.h"
-#include "pcm/tree/source_rounding.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,20 +14,7 @@
 namespace pcm {
 namespace {
 
-void scan(const PointSet& set, unsigned threads, const ProgressFunction& progress,
-          const std::function<void(const ScannedPoints&, const std::vector<Vec3d>&)>& take)
-{
-    const Tree& tree = set.tree();
-    const SourceRounding rounding(tree.info());
-    ScanOptions options;
-    options.within = &set;
-    options.columns = ColumnSet::only_positions();
-    options.select.threads = threads;
-    options.select.progress = progress;
-    options.stage = "Finding edges";
-    scan_points(tree, {}, options,
-                [&](const ScannedPoints& found) { take(found, source_positions(found, tree.info().grid, rounding)); });
-}
+constexpr const char* edges_stage = "Finding edges";
 
 }  // namespace
 
@@ -116,13 +102,14 @@ PointSet points_where(const PointSet& points, const std::function<bool(const Vec
 {
     PointSet chosen(points.shared_tree());
     std::mutex mutex;
-    scan(points, threads, progress, [&](const ScannedPoints& found, const std::vector<Vec3d>& positions) {
-        std::vector<std::uint32_t> numbers;
-        for (std::size_t k = 0; k < positions.size(); ++k)
-            if (wanted(positions[k])) numbers.push_back(found.numbers[k]);
-        const std::lock_guard lock(mutex);
-        chosen.set(found.node, numbers);
-    });
+    scan_positions(points, edges_stage, threads, progress,
+                   [&](const ScannedPoints& found, const std::vector<Vec3d>& positions) {
+                       std::vector<std::uint32_t> numbers;
+                       for (std::size_t k = 0; k < positions.size(); ++k)
+                           if (wanted(positions[k])) numbers.push_back(found.numbers[k]);
+                       const std::lock_guard lock(mutex);
+                       chosen.set(found.node, numbers);
+                   });
     return chosen;
 }
 
@@ -131,12 +118,14 @@ PointSet inner_points(const PointSet& points, const PointSet& around, const Shap
 {
     EdgeCubes cubes(points.tree().info().bounds().min, place_tuning().growth.edge_cube * threshold);
     std::mutex mutex;
-    scan(around, threads, part_of(progress, 0, 0.6), [&](const ScannedPoints&, const std::vector<Vec3d>& positions) {
-        std::vector<bool> on(positions.size());
-        for (std::size_t k = 0; k < positions.size(); ++k) on[k] = distance_to(shape, positions[k]) <= threshold;
-        const std::lock_guard lock(mutex);
-        for (std::size_t k = 0; k < positions.size(); ++k) cubes.add(positions[k], on[k]);
-    });
+    scan_positions(around, edges_stage, threads, part_of(progress, 0, 0.6),
+                   [&](const ScannedPoints&, const std::vector<Vec3d>& positions) {
+                       std::vector<bool> on(positions.size());
+                       for (std::size_t k = 0; k < positions.size(); ++k)
+                           on[k] = distance_to(shape, positions[k]) <= threshold;
+                       const std::lock_guard lock(mutex);
+                       for (std::size_t k = 0; k < positions.size(); ++k) cubes.add(positions[k], on[k]);
+                   });
     cubes.widen();
     const GrowthTuning& tuned = place_tuning().growth;
     const auto inside = [&](double most, double begin, double end) {
