@@ -94,6 +94,7 @@ void put_stations(Json& json, const Primitive& primitive)
                         {"spread", finite(facts.spread, primitive)},
                         {"freedom", facts.freedom},
                         {"registration", finite(facts.registration, primitive)}};
+    if (facts.turn > 0) json["stations"]["turn"] = finite(facts.turn, primitive);
     if (facts.ray_share > 0) json["stations"]["ray_share"] = finite(facts.ray_share, primitive);
 }
 
@@ -207,6 +208,7 @@ StationFacts stations_of(const JsonFields& fields)
     facts.spread = fields.number("spread", false);
     facts.freedom = static_cast<std::uint32_t>(fields.whole("freedom", most));
     facts.registration = fields.number("registration", false);
+    if (fields.has("turn")) facts.turn = fields.number("turn", false);
     if (fields.has("ray_share")) facts.ray_share = fields.number("ray_share", false);
     return facts;
 }

@@ -2,14 +2,15 @@
 
 #include "pcm/detect/node_sums.h"
 #include "pcm/detect/point_labels.h"
-#include "pcm/detect/turned_points.h"
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/point_stations.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/station_errors.h"
+#include "pcm/place/station_reach.h"
 #include "pcm/place/station_survey.h"
 #include "pcm/place/tuning.h"
+#include "pcm/place/turned_points.h"
 #include "pcm/threads/thread_count.h"
 #include "pcm/threads/watch.h"
 #include "pcm/tree/source_rounding.h"
@@ -92,15 +93,16 @@ private:
             leave_turned(report_.agreement[i], points[i], primitives_[i]);
         if (is_known_) find_agreement(points);
         const StationSpread found = is_known_ ? spread_of(points) : StationSpread();
+        const double reach = station_reach(tree_, stations_);
         for (std::size_t i = 0; i < primitives_.size(); ++i) {
             Primitive& primitive = primitives_[i];
             primitive.stations->stations = is_known_ ? number_of(points[i]) : 0;
             if (can_compare(points[i]))
-                add_known_spread(points[i].sums, found, within_[i], report_.agreement[i], primitive);
+                add_known_spread(points[i].sums, found, reach, within_[i], report_.agreement[i], primitive);
             else
-                add_unknown_spread(primitive);
+                add_unknown_spread(reach, primitive);
             leave_ray_errors(points[i].sample, metres_per_unit_, primitive);
-            keep_within(before[i], points[i].box, primitive);
+            keep_within(before[i], points[i].box, primitive.fit);
             report_.outcome.error = std::max(report_.outcome.error, primitive.fit.threshold);
         }
     }
@@ -228,13 +230,6 @@ private:
         for (const PointOfStation& p : facing) sums.add(p.place, p.station);
         points.sums = std::move(sums);
         points.sample = std::move(facing);
-    }
-
-    // No point of the shape was moved by more than what its numbers have changed by.
-    static void keep_within(const Shape& before, const Box3d& box, Primitive& primitive)
-    {
-        const ShapeErrors moved = difference_of(before, primitive.fit.shape, box.centre());
-        primitive.fit.threshold += moved.position + moved.radius + moved.angle * box.diagonal() / 2;
     }
 
     const Tree& tree_;

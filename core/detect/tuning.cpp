@@ -61,9 +61,8 @@ SearchValues search_values(DetectTuning& detect)
 }
 
 using ResultValues =
-    std::array<TunedValue,
-               values_of<PieceTuning, WideningTuning, ContestTuning, MergingTuning, FaceBorderTuning, JoiningTuning,
-                         ElbowTuning, PlateTuning, OutlineTuning, FacingTuning, SharingTuning>>;
+    std::array<TunedValue, values_of<PieceTuning, WideningTuning, ContestTuning, MergingTuning, FaceBorderTuning,
+                                     JoiningTuning, ElbowTuning, PlateTuning, OutlineTuning, SharingTuning>>;
 static_assert(std::tuple_size_v<SearchValues> + std::tuple_size_v<ResultValues> == values_of<DetectTuning>);
 ResultValues result_values(DetectTuning& detect)
 {
@@ -91,9 +90,8 @@ ResultValues result_values(DetectTuning& detect)
         PCM_TUNED(detect.plates.max_noise),      PCM_TUNED(detect.plates.max_moved_noise),
         PCM_TUNED(detect.outlines.min_points),   PCM_TUNED(detect.outlines.max_points),
         PCM_TUNED(detect.elbows.max_reach),      PCM_TUNED(detect.elbows.threshold),
-        PCM_TUNED(detect.elbows.min_points),     PCM_TUNED(detect.facing.min_cosine),
-        PCM_TUNED(detect.sharing.max_others),    PCM_TUNED(detect.sharing.min_strip),
-        PCM_TUNED(detect.sharing.max_own),
+        PCM_TUNED(detect.elbows.min_points),     PCM_TUNED(detect.sharing.max_others),
+        PCM_TUNED(detect.sharing.min_strip),     PCM_TUNED(detect.sharing.max_own),
     }};
 }
 

@@ -320,14 +320,6 @@ struct ElbowTuning {
     double min_points = 30;  // number
 };
 
-// Points of curved shapes that are turned away from their stations (turned_points.h).
-struct FacingTuning {
-    // Cosine between the surface's normal and the direction to the station, below which points are not used.
-    // Chosen: thin pipes of two plants, one without registration error: the rms error of positions is 0.38 mm with all
-    // points, 0.37, 0.31 and 0.30 with 0, 0.2 and 0.3; not swept.
-    double min_cosine = 0.2;  // cosine
-};
-
 // Shapes whose points lie on others, too (shared_points.h).
 struct SharingTuning {
     // Points of planes on a curved shape, relative to its own.
@@ -356,7 +348,6 @@ struct DetectTuning {
     PlateTuning plates;
     OutlineTuning outlines;
     ElbowTuning elbows;
-    FacingTuning facing;
     SharingTuning sharing;
 };
 

@@ -26,6 +26,7 @@ struct StationSums::Whole {
     StationVector unit;      // units of the parameters
     StationVector gradient;  // sum of J d, in these units
     StationMatrix across;    // p x 3S: G of all stations
+    StationMatrix around;    // p x 3S: G by their turns
     StationVector pulls;     // 3S: sums of n d
     StationMatrix normals;   // 3S x 3S: Z^T Z
     double squares = 0, points = 0;
@@ -56,6 +57,7 @@ StationSums::Seen StationSums::see(const Vec3d& p) const
     seen.distance = block.distance[0];
     for (std::size_t j = 0; j < model.parameters(); ++j) seen.by[j] = block.by[j][0];
     seen.normal = side_ * normal_at(shape_, p);
+    seen.turned = cross(place, seen.normal);
     return seen;
 }
 
@@ -69,7 +71,10 @@ void StationSums::add(const Vec3d& p, std::uint32_t station)
     for (std::size_t j = 0; j < parameters; ++j) {
         sums.gradient[j] += seen.by[j] * seen.distance;
         for (std::size_t k = 0; k < parameters; ++k) sums.products[j * most_parameters + k] += seen.by[j] * seen.by[k];
-        for (std::size_t a = 0; a < 3; ++a) sums.across[3 * j + a] += seen.by[j] * seen.normal[a];
+        for (std::size_t a = 0; a < 3; ++a) {
+            sums.across[3 * j + a] += seen.by[j] * seen.normal[a];
+            sums.around[3 * j + a] += seen.by[j] * seen.turned[a];
+        }
     }
     for (std::size_t a = 0; a < 3; ++a) {
         sums.pulls[a] += seen.normal[a] * seen.distance;
@@ -85,7 +90,10 @@ void StationSums::add(const StationSums& other)
         to.squares += from.squares;
         for (std::size_t k = 0; k < to.gradient.size(); ++k) to.gradient[k] += from.gradient[k];
         for (std::size_t k = 0; k < to.products.size(); ++k) to.products[k] += from.products[k];
-        for (std::size_t k = 0; k < to.across.size(); ++k) to.across[k] += from.across[k];
+        for (std::size_t k = 0; k < to.across.size(); ++k) {
+            to.across[k] += from.across[k];
+            to.around[k] += from.around[k];
+        }
         for (std::size_t k = 0; k < to.normals.size(); ++k) to.normals[k] += from.normals[k];
         to.pulls = to.pulls + from.pulls;
     }
@@ -107,7 +115,7 @@ StationSums::Whole StationSums::whole() const
     const auto units = parameter_units(model, 1);
     whole.unit = Eigen::Map<const StationVector>(units.data(), p);
     whole.gradient = StationVector::Zero(p);
-    whole.across = StationMatrix::Zero(p, columns);
+    whole.across = whole.around = StationMatrix::Zero(p, columns);
     whole.pulls = StationVector::Zero(columns);
     whole.normals = StationMatrix::Zero(columns, columns);
     StationMatrix products = StationMatrix::Zero(p, p);
@@ -122,8 +130,11 @@ StationSums::Whole StationSums::whole() const
             for (Eigen::Index k = 0; k < p; ++k)
                 products(j, k) +=
                     sums.products[row * most_parameters + static_cast<std::size_t>(k)] * whole.unit[j] * whole.unit[k];
-            for (Eigen::Index a = 0; a < 3; ++a)
-                whole.across(j, at + a) = sums.across[3 * row + static_cast<std::size_t>(a)] * whole.unit[j];
+            for (Eigen::Index a = 0; a < 3; ++a) {
+                const std::size_t column = 3 * row + static_cast<std::size_t>(a);
+                whole.across(j, at + a) = sums.across[column] * whole.unit[j];
+                whole.around(j, at + a) = sums.around[column] * whole.unit[j];
+            }
         }
         for (Eigen::Index a = 0; a < 3; ++a) {
             whole.pulls[at + a] = sums.pulls[static_cast<std::size_t>(a)];
@@ -181,14 +192,15 @@ StationEvidence StationSums::evidence(double noise) const
     return evidence;
 }
 
-ShapeErrors StationSums::errors_of_spread(double spread) const
+ShapeErrors StationSums::errors_of(const StationMoves& moves) const
 {
     const Whole all = whole();
     ShapeFit fit;
     fit.shape = shape_;
     if (!all.is_good()) return fit.errors;
-    const StationMatrix answer = all.inverse * all.across * (spread / extent_);
-    StationMatrix covariance = answer * answer.transpose();
+    const StationMatrix by_shifts = all.inverse * all.across * (moves.shift / extent_),
+                        by_turns = all.inverse * all.around * moves.turn;
+    StationMatrix covariance = by_shifts * by_shifts.transpose() + by_turns * by_turns.transpose();
     for (Eigen::Index j = 0; j < covariance.rows(); ++j)
         for (Eigen::Index k = 0; k < covariance.cols(); ++k) covariance(j, k) *= all.unit[j] * all.unit[k];
     fit.errors = errors_of_covariance(model_of(shape_.kind), patch_, covariance.data(), {}, 1);

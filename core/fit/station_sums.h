@@ -7,6 +7,10 @@
 //
 //     noise^2 A^-1 + tau^2 A^-1 (sum over s of G_s G_s^T) A^-1:
 //
+// Turned stations are such clusters, too: a turn by omega_s around the shape's middle m moves p by omega_s x (p - m),
+// so G_s has the sums of J ((p - m) x n)^T in its place. What turns shift as a whole is in tau, which surfaces near
+// the shape show.
+//
 // a sandwich by cluster (Liang, Zeger 1986) whose filling is the one that the shifts make, which holds for any number
 // of stations, even for one, where the residuals' own filling needs many more stations than the shape has numbers.
 // tau is estimated from what no shape explains: station_spread.h.
@@ -23,6 +27,12 @@
 #include <vector>
 
 namespace pcm {
+
+// How far stations are from where they should be: standard deviations.
+struct StationMoves {
+    double shift = 0;  // along each axis, source units
+    double turn = 0;   // about each axis, radians
+};
 
 // The fit of a shape with its stations shifted as is most probable, which leaves the noise of the points alone.
 struct ShiftedFit {
@@ -50,8 +60,8 @@ public:
     double noise_within() const;
     // What the stations' differences on this surface say of the spread; `noise` of independent points, source units.
     StationEvidence evidence(double noise) const;
-    // Errors that stations cause that are shifted independently by `spread` > 0 along each axis, source units.
-    ShapeErrors errors_of_spread(double spread) const;
+    // Errors that stations cause that are moved independently.
+    ShapeErrors errors_of(const StationMoves& moves) const;
     // With the shifts that are most probable for that spread; and how far a point is from it, source units.
     ShiftedFit shifted(double spread, double noise) const;
     double distance(const ShiftedFit& fit, const Vec3d& p, std::uint32_t station) const;
@@ -63,13 +73,14 @@ private:
         std::array<double, most_parameters> gradient{};                    // sum of J d
         std::array<double, most_parameters * most_parameters> products{};  // A; whole
         std::array<double, most_parameters * 3> across{};                  // G, row by row
+        std::array<double, most_parameters * 3> around{};                  // G by turns
         std::array<double, 9> normals{};                                   // sum of n n^T
         Vec3d pulls{};                                                     // sum of n d
     };
     struct Seen {
         double distance = 0;
         std::array<double, most_parameters> by{};
-        Vec3d normal{};
+        Vec3d normal{}, turned{};  // n, (p - m) x n
     };
     Seen see(const Vec3d& p) const;
     struct Whole;

@@ -436,18 +436,19 @@ Row fit_row()
         "file on request. Fits that the points do not determine are refused or reported as doubtful.",
         menu::measure | menu::points,
         nullptr,
-        with_done_keys({{"primitive", "object", "",
-                         "as in a list of primitives, with sigma.position along the direction in which the position is "
-                         "least certain; or kind, verdict, issue and message"},
-                        {"sigma_contains", "list?", "",
-                         "errors that primitive.sigma contains: noise; stations (their spread, found) or "
-                         "registration (given); rays (what may be left of errors along a scanner's rays)"},
-                        {"neighbourhood", "object", "", "points, found, radius, spacing and inliers of the first fit"},
-                        {"growth", "object?", "", "step, rounds, converged, left_surface"},
-                        {"departure", "object?", "source units",
-                         "for points that leave the shape together, as where it is out of round or bulged: rms, of the "
-                         "smooth surface that they keep to from the shape, and noise, of the points from that surface"},
-                        {"list", "text?", "", "list that it was added to"}}),
+        with_done_keys(
+            {{"primitive", "object", "",
+              "as in a list of primitives, with sigma.position along the direction in which the position is "
+              "least certain; or kind, verdict, issue and message"},
+             {"sigma_contains", "list?", "",
+              "errors that primitive.sigma contains: noise; stations (shifted and turned by their "
+              "spread, found) or registration (given); rays (what may be left of errors along a scanner's rays)"},
+             {"neighbourhood", "object", "", "points, found, radius, spacing and inliers of the first fit"},
+             {"growth", "object?", "", "step, rounds, converged, left_surface"},
+             {"departure", "object?", "source units",
+              "for points that leave the shape together, as where it is out of round or bulged: rms, of the "
+              "smooth surface that they keep to from the shape, and noise, of the points from that surface"},
+             {"list", "text?", "", "list that it was added to"}}),
         make<Fit>,
         {},
         "An error target is not taken: the error follows from the noise and the number of the points, not from the "

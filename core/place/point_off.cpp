@@ -15,7 +15,7 @@ void doubt_point_off(const PointCloud& cloud, const Vec3d& place, const Selectio
 {
     const PointOffTuning& tuned = place_tuning().point_off;
     ShapeFit& fit = found.primitive.fit;
-    if (fit.verdict != FitVerdict::good || traits_of(fit.shape.kind).is_flat()) return;
+    if (fit.verdict != FitVerdict::good) return;
     NearOptions nearest;
     nearest.places = true;
     nearest.count = tuned.nearest;
@@ -24,7 +24,8 @@ void doubt_point_off(const PointCloud& cloud, const Vec3d& place, const Selectio
     if (near.ids.empty()) return;
     const double away = distance_to(fit.shape, near.points.source(0));
     const double noise = std::max(fit.noise, largest_magnitude(cloud.info().grid.scale));
-    if (!(away > tuned.min_away * noise)) return;
+    const double most = traits_of(fit.shape.kind).is_flat() ? fit.threshold : tuned.min_away * noise;
+    if (!(away > most)) return;
     std::size_t off = 0;
     for (std::size_t i = 0; i < near.ids.size(); ++i)
         off += distance_to(fit.shape, near.points.source(i)) > fit.threshold;

@@ -8,6 +8,7 @@
 #include "pcm/place/station_sample.h"
 #include "pcm/place/station_scan.h"
 #include "pcm/place/tuning.h"
+#include "pcm/place/turned_points.h"
 #include "pcm/system/progress_part.h"
 
 #include <algorithm>
@@ -30,13 +31,17 @@ void add_in_quadrature(ShapeErrors& errors, const ShapeErrors& other)
     errors.second = together(errors.second, other.second);
 }
 
-// Where it is unknown which points are shifted together.
-ShapeErrors errors_of_unknown_stations(const ShapeFit& fit, double spread)
+double turn_of(double shift, double reach) { return reach > 0 ? shift / reach : 0; }
+
+// Where it is unknown which points are moved together.
+ShapeErrors errors_of_unknown_stations(const ShapeFit& fit, const StationMoves& moves)
 {
+    const double spread = moves.shift;
     const double per_length = fit.errors.position > 0 ? spread / fit.errors.position : 0;
     ShapeErrors errors;
     errors.position = spread;
     if (std::isfinite(per_length) && std::isfinite(fit.errors.angle)) errors.angle = per_length * fit.errors.angle;
+    if (traits_of(fit.shape.kind).axis != ShapeAxis::none) errors.angle = together(errors.angle, moves.turn);
     for (const ShapeSize& size : traits_of(fit.shape.kind).sizes)
         errors.*size.error = size.unit == SizeUnit::length ? spread : per_length * fit.errors.*size.error;
     return errors;
@@ -87,16 +92,24 @@ void leave_ray_errors(const std::vector<PointOfStation>& sample, double metres_p
     add_in_quadrature(fit.errors, of_beam);
 }
 
-void add_unknown_spread(Primitive& primitive)
+void keep_within(const Shape& before, const Box3d& box, ShapeFit& fit)
 {
-    const double registration = primitive.stations->registration;
-    if (!(registration > 0)) return;
-    add_in_quadrature(primitive.fit.errors, errors_of_unknown_stations(primitive.fit, registration));
+    const ShapeErrors moved = difference_of(before, fit.shape, box.centre());
+    fit.threshold += moved.position + moved.radius + moved.angle * box.diagonal() / 2;
+}
+
+void add_unknown_spread(double reach, Primitive& primitive)
+{
+    StationFacts& facts = *primitive.stations;
+    if (!(facts.registration > 0)) return;
+    facts.turn = turn_of(facts.registration, reach);
+    add_in_quadrature(primitive.fit.errors,
+                      errors_of_unknown_stations(primitive.fit, {facts.registration, facts.turn}));
     doubt_uncertain_size(primitive.fit);
 }
 
-void add_known_spread(const StationSums& sums, const StationSpread& found, double within, double& agreement,
-                      Primitive& primitive)
+void add_known_spread(const StationSums& sums, const StationSpread& found, double reach, double within,
+                      double& agreement, Primitive& primitive)
 {
     StationFacts& facts = *primitive.stations;
     ShapeFit& fit = primitive.fit;
@@ -107,7 +120,8 @@ void add_known_spread(const StationSums& sums, const StationSpread& found, doubl
     agreement = within;
     const double spread = std::max(found.spread * student_factor(found.freedom), facts.registration);
     if (!(spread > 0)) return;
-    add_in_quadrature(fit.errors, sums.errors_of_spread(spread));
+    facts.turn = turn_of(spread, reach);
+    add_in_quadrature(fit.errors, sums.errors_of({spread, facts.turn}));
     doubt_uncertain_size(fit);
 }
 
@@ -119,15 +133,16 @@ void add_spread_of_stations(const PointSet& points, StationsAround& around, cons
     StationFacts& facts = primitive.stations.emplace();
     facts.registration = options.registration;
     facts.source = around.are_named() ? around.points().source() : StationSource::none;
-    if (facts.source == StationSource::none) return add_unknown_spread(primitive);
-    StationScan scan(points, around.points(), {options.threads, part_of(options.progress, 0, 0.75), 3});
+    const double reach = around.reach();
+    if (facts.source == StationSource::none) return add_unknown_spread(reach, primitive);
+    StationScan scan(points, around.points(), {options.threads, part_of(options.progress, 0.25, 1), 3});
     const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });
     const StationSums sums =
         scan.sums(StationSums(primitive.fit.shape, box.centre(), box.diagonal()),
                   [](StationSums& part, const Vec3d& p, std::uint32_t station) { part.add(p, station); });
     facts.stations = static_cast<std::uint32_t>(sums.stations());
     if (!sums.is_determined()) return;
-    if (facts.stations > StationEvidence::most_stations) return add_unknown_spread(primitive);
+    if (facts.stations > StationEvidence::most_stations) return add_unknown_spread(reach, primitive);
     StationEvidence own;
     double within = agreement;
     if (facts.stations > 1) {
@@ -136,7 +151,7 @@ void add_spread_of_stations(const PointSet& points, StationsAround& around, cons
         if (agreement > 1) within = std::min(agreement, agreement_within(scan, sums, spread, noise, box));
         own = sums.evidence(noise * within);
     }
-    add_known_spread(sums, around.survey().evidence(own).spread(), within, agreement, primitive);
+    add_known_spread(sums, around.survey().evidence(own).spread(), reach, within, agreement, primitive);
 }
 
 }  // namespace
@@ -145,11 +160,21 @@ void add_station_errors(const PointSet& points, StationsAround& around, const St
                         double& agreement, Primitive& primitive)
 {
     if (!primitive.fit.has_shape() || points.empty()) return;
+    if (traits_of(primitive.fit.shape.kind).is_flat())
+        return add_spread_of_stations(points, around, options, agreement, primitive);
+    std::vector<PointOfStation> sample = station_sample(points, around.points(), most_sampled_points, options.threads,
+                                                        part_of(options.progress, 0, 0.25));
+    Box3d box;
+    for (const PointOfStation& p : sample) box.extend(p.place);
+    const Shape before = primitive.fit.shape;
+    if (around.are_named()) {
+        std::vector<PointOfStation> facing = facing_points(before, sample);
+        if (facing.size() < sample.size()) leave_turned_points(facing, sample, agreement, primitive.fit);
+        sample = std::move(facing);
+    }
     add_spread_of_stations(points, around, options, agreement, primitive);
-    if (traits_of(primitive.fit.shape.kind).is_flat()) return;
-    leave_ray_errors(station_sample(points, around.points(), most_sampled_points, options.threads,
-                                    part_of(options.progress, 0.75, 1)),
-                     options.metres_per_unit, primitive);
+    leave_ray_errors(sample, options.metres_per_unit, primitive);
+    keep_within(before, box, primitive.fit);
 }
 
 }  // namespace pcm

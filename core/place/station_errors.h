@@ -2,13 +2,14 @@
 //
 // Where the station of each point is known, the spread of the stations is estimated from the surfaces around and from
 // the shape itself (station_spread.h, station_survey.h). The effect of shifts of that size on the shape is added to the
-// errors (station_sums.h), which are otherwise those of the noise that is left within stations. A spread from few
+// errors (station_sums.h), and that of turns by the spread over how far a station sees (station_reach.h); otherwise
+// errors are those of the noise that is left within stations. A spread from few
 // differences may be far too small, so that part is enlarged as Student's t is wider than a normal distribution
 // (student_factor()). One station alone shifts a shape and does not change its size; the errors contain its shift where
 // surfaces around show the spread, or it is given.
 //
 // Where the stations are unknown, only the given spread is added: whole to the position and to radii, and to angles in
-// the ratio of their errors to that of the position.
+// the ratio of their errors to that of the position, with the turn of a station that sees the whole cloud.
 #pragma once
 
 #include "pcm/fit/ray_errors.h"
@@ -41,14 +42,18 @@ void add_station_errors(const PointSet& points, StationsAround& around, const St
 // The steps of that, for many shapes whose points are streamed past together. `primitive` has `stations` with their
 // source, number and registration. Each doubts a good fit whose size is then uncertain.
 //
+// `reach`: station_reach(), source units.
+//
 // Adds the registration that is given, where the stations are unknown or too many.
-void add_unknown_spread(Primitive& primitive);
+void add_unknown_spread(double reach, Primitive& primitive);
 // Adds the effect of shifts of that spread. The sums are those of its points: they determine the shape, and the
 // stations are StationEvidence::most_stations at most. `agreement` becomes `within`, the factor within stations.
-void add_known_spread(const StationSums& sums, const StationSpread& found, double within, double& agreement,
-                      Primitive& primitive);
+void add_known_spread(const StationSums& sums, const StationSpread& found, double reach, double within,
+                      double& agreement, Primitive& primitive);
 // Takes the bias of errors along the rays from a curved shape, and adds what may be left of it to its errors.
 // `sample`: some of its points.
 void leave_ray_errors(const std::vector<PointOfStation>& sample, double metres_per_unit, Primitive& primitive);
+// Enlarges the threshold by how far points in that box may be from the shape because it was moved.
+void keep_within(const Shape& before, const Box3d& box, ShapeFit& fit);
 
 }  // namespace pcm

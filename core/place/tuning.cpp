@@ -176,7 +176,7 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
     }};
 }
 
-using ValuesOfStations = std::array<TunedValue, values_of<StationTuning, PatchTuning>>;
+using ValuesOfStations = std::array<TunedValue, values_of<StationTuning, PatchTuning, FacingTuning>>;
 ValuesOfStations values_of_stations(PlaceTuning& place)
 {
     return {{
@@ -198,6 +198,7 @@ ValuesOfStations values_of_stations(PlaceTuning& place)
         PCM_TUNED(place.patches.max_first_deviation),
         PCM_TUNED(place.patches.max_deviation),
         PCM_TUNED(place.patches.max_unlike),
+        PCM_TUNED(place.facing.min_cosine),
         PCM_TUNED(place.patches.min_seen),
         PCM_TUNED(place.patches.min_mixed),
         PCM_TUNED(place.patches.enough_by_chance),

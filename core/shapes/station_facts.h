@@ -24,6 +24,9 @@ struct StationFacts {
     // without the bias that such errors cause, and its errors contain what may be left of it.
     double ray_share = 0;
     double registration = 0;  // as given, source units; 0: none was given
+    // Standard deviation of a station's turn about one axis, radians, which belongs to contained(). 0: none is
+    // contained.
+    double turn = 0;
 
     // The larger one of both: what the errors contain. 0: they are those of the points' noise alone.
     double contained() const { return spread > registration ? spread : registration; }

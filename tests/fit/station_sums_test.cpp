@@ -120,7 +120,7 @@ TEST(StationSums, ErrorsAreTheSandwichByClusterOfTheShifts)
     EXPECT_EQ(sums.stations(), 3u);
     EXPECT_EQ(sums.points(), 75u);
     ASSERT_TRUE(sums.is_determined());
-    const ShapeErrors errors = sums.errors_of_spread(spread);
+    const ShapeErrors errors = sums.errors_of({spread, 0});
     EXPECT_NEAR(errors.radius, spread * std::sqrt(covariance[3][3]), 1e-5 * errors.radius);
     EXPECT_NEAR(errors.position, spread * std::sqrt(eigensystem<3>(place).values[2]), 1e-5 * errors.position);
     EXPECT_EQ(errors.angle, 0);
@@ -130,10 +130,70 @@ TEST(StationSums, ErrorsAreTheSandwichByClusterOfTheShifts)
 TEST(StationSums, OneStationShiftsAShapeAndLeavesItsSize)
 {
     const Ball ball(0.001, {{0.001, 0.002, -0.001}});
-    const ShapeErrors errors = ball.sums().errors_of_spread(0.002);
+    const ShapeErrors errors = ball.sums().errors_of({0.002, 0});
     EXPECT_NEAR(errors.position, 0.002, 1e-8);
     EXPECT_LT(errors.radius, 1e-8);
     EXPECT_EQ(ball.sums().evidence(0.001).spread().freedom, 0u) << "nothing to compare it with";
+}
+
+// A wall turns with the one station that sees it, and a ball moves.
+TEST(StationSums, OneStationTurnsAShape)
+{
+    const Ball ball(0.001, {{0.001, 0.002, -0.001}});
+    EXPECT_NEAR(ball.sums().errors_of({0, 0.01}).position, 0.01 * std::hypot(0.05, 0.02), 1e-8) << "by its distance";
+    EXPECT_LT(ball.sums().errors_of({0, 0.01}).radius, 1e-8);
+    pcm::Shape wall;
+    wall.axis = normalised({0.1, 0.9, 0.2});
+    wall.point = {454321, 5412345, 310};
+    const auto [u, v] = across(wall.axis);
+    StationSums sums(wall, wall.point, 4);
+    for (int i = -9; i < 10; ++i)
+        for (int k = -4; k < 5; ++k) sums.add(wall.point + 0.4 * i * u + 0.1 * k * v, 7);
+    const ShapeErrors errors = sums.errors_of({0.003, 0.0002});
+    EXPECT_NEAR(errors.angle, 0.0002, 1e-9);
+    EXPECT_NEAR(errors.position, 0.003, 1e-8);
+}
+
+// Fits of a pipe whose sides three stations see, which are turned: their spread is what the sums claim.
+TEST(StationSums, ErrorsOfTurnsAreThoseOfFitsToTurnedPoints)
+{
+    pcm::Shape pipe;
+    pipe.kind = ShapeKind::cylinder;
+    pipe.axis = normalised({0.3, 0.2, 0.9});
+    pipe.point = {3, -2, 5};
+    pipe.radius = 0.4;
+    const auto [u, v] = across(pipe.axis);
+    Dice dice(11);
+    std::vector<Vec3d> points;
+    StationSums sums(pipe, pipe.point, 3);
+    for (int i = 0; i < 300; ++i) {
+        const double a = dice.between(2 * pi * (i % 3) / 3, 2 * pi * (i % 3 + 1) / 3);
+        const double along = i % 3 == 0 ? dice.between(-0.2, 0.6) : dice.between(-1, 1);
+        points.push_back(pipe.point + along * pipe.axis + pipe.radius * (std::cos(a) * u + std::sin(a) * v));
+        sums.add(points.back(), static_cast<std::uint32_t>(i % 3));
+    }
+    const double turn = 0.001;
+    double angles = 0, radii = 0, places = 0;
+    constexpr int draws = 400;
+    for (int draw = 0; draw < draws; ++draw) {
+        std::vector<Vec3d> turns, moved;
+        for (int s = 0; s < 3; ++s) turns.push_back(turn * Vec3d{dice.normal(), dice.normal(), dice.normal()});
+        for (std::size_t i = 0; i < points.size(); ++i)
+            moved.push_back(points[i] + cross(turns[i % 3], points[i] - pipe.point));
+        const ShapeFit fit = refine_shape(FitPoints::of(moved), pipe);
+        angles += std::pow(length(cross(fit.shape.axis, pipe.axis)), 2);
+        radii += std::pow(fit.shape.radius - pipe.radius, 2);
+        const Vec3d away = fit.shape.point - pipe.point;
+        places += std::pow(length(cross(away, pipe.axis)), 2);
+    }
+    const ShapeErrors errors = sums.errors_of({0, turn});
+    EXPECT_NEAR(std::sqrt(radii / draws), errors.radius, 0.15 * errors.radius);
+    // Along the worst direction, and in both.
+    for (const auto& [seen, claimed] :
+         {std::pair(std::sqrt(angles / draws), errors.angle), std::pair(std::sqrt(places / draws), errors.position)}) {
+        EXPECT_GT(seen, 0.9 * claimed);
+        EXPECT_LT(seen, 1.5 * claimed);
+    }
 }
 
 // The restricted likelihood of all distances, from their whole covariance, is greatest where the spread says.
@@ -208,7 +268,7 @@ TEST(StationSums, NoisesAreThoseOfWhatLeastSquaresLeaves)
     for (std::size_t i = 0; i < n; ++i) other.add(ball.points[i], ball.stations[i]);
     EXPECT_NEAR(other.noise_as_one(), sums.noise_as_one(), 1e-8);
     EXPECT_NEAR(other.noise_within(), sums.noise_within(), 1e-8);
-    EXPECT_NEAR(other.errors_of_spread(1).radius, sums.errors_of_spread(1).radius, 1e-5);
+    EXPECT_NEAR(other.errors_of({1, 0}).radius, sums.errors_of({1, 0}).radius, 1e-5);
 }
 
 // The squares of what is left, over the noise, and of the shifts, over the spread, are together the least.
@@ -294,7 +354,7 @@ TEST(StationSums, WhatPointsDoNotDetermineSaysNothing)
     EXPECT_EQ(one_place.noise_as_one(), 0);
     EXPECT_EQ(one_place.noise_within(), 0);
     EXPECT_EQ(one_place.evidence(1).stations(), 0u);
-    EXPECT_EQ(one_place.errors_of_spread(1).position, 0);
+    EXPECT_EQ(one_place.errors_of({1, 0}).position, 0);
     EXPECT_TRUE(one_place.shifted(1, 1).shifts.empty());
     EXPECT_EQ(enough.evidence(0).stations(), 0u);
     EXPECT_EQ(enough.evidence(1).stations(), 2u);
@@ -337,7 +397,7 @@ TEST(StationSums, PCM_NOT_UNDER_ADDRESS(FitsOfShiftedStationsScatterAsTheErrorsS
     StationSums sums(pipe, pipe.point, 1);
     for (std::size_t i = 0; i < places.size(); ++i) sums.add(places[i], stations[i]);
     const double spread = 0.0005;
-    const ShapeErrors errors = sums.errors_of_spread(spread);
+    const ShapeErrors errors = sums.errors_of({spread, 0});
     double radii = 0, angles = 0, across_u = 0, across_v = 0, mixed = 0;
     constexpr int draws = 1000;
     for (int draw = 0; draw < draws; ++draw) {

@@ -1,9 +1,12 @@
 // What stations add to the errors of fits that are made up: on points of the shape, or on any.
 #include "pcm/fit/models/shape_model.h"
+#include "pcm/fit/shape_fit.h"
 #include "pcm/fit/station_sums.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/place/point_stations.h"
+#include "pcm/place/refit.h"
 #include "pcm/place/station_errors.h"
+#include "pcm/place/station_reach.h"
 #include "pcm/place/station_survey.h"
 #include "tests/place/station_cloud.h"
 
@@ -77,7 +80,10 @@ TEST_F(AddedErrors, OfUnknownStationsAreThoseOfEachKindsNumbers)
         EXPECT_EQ(add(any, primitive, 0.02, 2), 2);
         const ShapeErrors& after = primitive.fit.errors;
         EXPECT_NEAR(after.position, std::hypot(0.001, 0.02), 1e-15);
-        EXPECT_NEAR(after.angle, std::hypot(0.002, 0.04), 1e-15);
+        // A station that sees the whole ball, whose radius is 1: half the diagonal of a box as large, sqrt(3).
+        const double turn = kind == ShapeKind::sphere ? 0 : 0.02 / std::sqrt(3);
+        EXPECT_NEAR(after.angle, std::hypot(0.002, 0.04, turn), 1e-3 * after.angle);
+        EXPECT_NEAR(primitive.stations->turn, 0.02 / std::sqrt(3), 1e-4);
         EXPECT_NEAR(after.radius, has_radius ? std::hypot(0.003, 0.02) : 0.003, 1e-15);
         EXPECT_NEAR(after.second, second, 1e-15);
         ASSERT_TRUE(primitive.stations);
@@ -245,7 +251,8 @@ TEST_F(AddedErrors, TheAgreementIsThatWithinStations)
             EXPECT_NEAR(primitive.stations->spread, spread.spread, 1e-3 * spread.spread);
             EXPECT_EQ(primitive.stations->freedom, spread.freedom);
             const auto added = [&](double registration) {
-                return sums.errors_of_spread(std::max(spread.spread * student_factor(spread.freedom), registration));
+                const double shift = std::max(spread.spread * student_factor(spread.freedom), registration);
+                return sums.errors_of({shift, shift / station_reach(*seen, PointStations(*seen))});
             };
             const double smaller = share * agreement / given;
             const ShapeErrors& after = primitive.fit.errors;
@@ -289,15 +296,55 @@ TEST_F(AddedErrors, WhereNothingIsAddedNothingIsDoubted)
     for (const int stations : {1, 49}) {
         const auto seen =
             tree(ball(100 * std::max(5, stations), stations, {}), stations > 1 ? Says::source_id : Says::nothing);
+        double without = 0;
         for (const double registration : {0.0, 1e-6}) {
             Primitive primitive = fitted(ball_, {1e-3, 2e-3, 0.2, 0});
             add(seen, primitive, registration);
-            EXPECT_EQ(primitive.fit.errors.radius > 0.2, registration > 0);
+            if (registration > 0)
+                EXPECT_GT(primitive.fit.errors.radius, without);
+            else
+                without = primitive.fit.errors.radius;
+            EXPECT_NEAR(primitive.fit.errors.radius, 0.2, 1e-5) << "but for points that are turned from their stations";
             // Points of stations that cannot be distinguished are looked at, whatever is given.
             if (stations == 1)
                 EXPECT_EQ(primitive.fit.verdict, registration > 0 ? FitVerdict::doubtful : FitVerdict::good);
         }
     }
+}
+
+// A thin pipe that two stations see from one side; one of them has points next to both silhouettes, behind them.
+TEST_F(AddedErrors, PointsThatAreTurnedFromTheirStationAreLeftOut)
+{
+    pcm::Shape pipe{ShapeKind::cylinder, hall, {0, 0, 1}, 0.03, 0};
+    std::vector<StationPoint> own, all;
+    const auto at = [&](double angle, double r) {
+        return hall + Vec3d{r * std::cos(angle), r * std::sin(angle), dice_.between(-1, 1)};
+    };
+    for (int i = 0; i < 4000; ++i)
+        own.push_back({at(std::asin(0.93 * dice_.between(-1, 1)), 0.03 + scan_noise * dice_.normal()), i % 2});
+    all = own;
+    for (int i = 0; i < 300; ++i) all.push_back({at((i % 2 ? 1 : -1) * dice_.between(1.7, 2.5), 0.033), 0});
+    const auto fit = [&](const std::vector<StationPoint>& points) {
+        std::vector<Vec3d> places;
+        for (const StationPoint& p : points) places.push_back(p.position);
+        RefineOptions refine;
+        refine.threshold = 4 * scan_noise;
+        Primitive primitive;
+        primitive.fit = refine_shape(FitPoints::of(places), pipe, refine);
+        primitive.fit.threshold = 0;
+        for (const Vec3d& p : places)
+            primitive.fit.threshold = std::max(primitive.fit.threshold, distance_to(primitive.fit.shape, p));
+        add(tree(points, Says::source_id), primitive, 0);
+        for (const Vec3d& p : places) EXPECT_LE(distance_to(primitive.fit.shape, p), primitive.fit.threshold);
+        return primitive;
+    };
+    const Primitive without = fit(own), with = fit(all);
+    const auto off = [&](const Primitive& one) { return difference_of(pipe, one.fit.shape, hall); };
+    EXPECT_LT(off(with).position, 3 * with.fit.errors.position);
+    EXPECT_LT(off(with).radius, 3 * with.fit.errors.radius);
+    EXPECT_LT(off(with).position, 0.0004);
+    EXPECT_GT(with.fit.errors.position, 0.9 * without.fit.errors.position);
+    EXPECT_EQ(with.stations->stations, 2u);
 }
 
 TEST_F(AddedErrors, ProgressIsThatOfFourPasses)

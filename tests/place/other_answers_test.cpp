@@ -168,6 +168,33 @@ TEST_F(OtherAnswersTest, APointOffTheShapeIsDoubted)
     EXPECT_EQ(verdict(at(0.01, 0.7)), FitVerdict::good) << "typed, between points of the shape";
 }
 
+// The edge of a step: points below a plane are beyond its threshold, one next to it is not, and one alone is noise.
+TEST_F(OtherAnswersTest, APointBeyondThePlaneIsDoubted)
+{
+    Dice dice(3);
+    ShapeFit plane;
+    plane.shape.point = edge_middle;
+    plane.shape.axis = {0, 0, 1};
+    plane.noise = edge_noise;
+    plane.threshold = 3 * edge_noise;
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 6000; ++i) {
+        const double x = dice.between(-0.3, 0.3);
+        const double z = x < 0 ? -0.008 : 0.3 * edge_noise * dice.normal();
+        points.push_back({edge_middle + Vec3d{x, dice.between(-0.2, 0.2), z}, {}});
+    }
+    const std::vector<Vec3d> places{{0.1, 0, -2.8 * edge_noise}, {0.1, 0.1, -0.008}, {-0.1, 0, -0.008}};
+    for (const Vec3d& place : places) points.push_back({edge_middle + place, {}});
+    const auto tree = build_surface_tree(folder_.path(), points);
+    const auto cloud = PointCloud::open(folder_ / "surface.pct");
+    const std::vector<bool> is_good{true, true, false};
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        FittedPrimitive found = good_answer(tree, plane);
+        doubt_point_off(*cloud, edge_middle + places[i], {}, found);
+        EXPECT_EQ(found.primitive.fit.verdict == FitVerdict::good, is_good[i]) << i;
+    }
+}
+
 // Planes next to each other hold the points of a pipe, too.
 TEST_F(OtherAnswersTest, PCM_NOT_UNDER_SANITIZERS(APipeStaysAPipe))
 {

@@ -1,6 +1,7 @@
 // What the errors of a fit contain of how far stations are apart: clouds of several stations with known shifts.
 #include "pcm/place/fit_at.h"
 #include "pcm/place/point_stations.h"
+#include "pcm/place/station_reach.h"
 #include "pcm/place/station_survey.h"
 #include "tests/place/station_cloud.h"
 #include "tests/sanitizers.h"
@@ -163,7 +164,9 @@ TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(WhereNothingSaysTheStationWhatIsG
         const ShapeErrors &a = points.primitive.fit.errors, &b = given.primitive.fit.errors;
         EXPECT_NEAR(b.position, std::hypot(a.position, 0.0015), 1e-12);
         EXPECT_NEAR(b.radius, std::hypot(a.radius, 0.0015), 1e-12);
-        EXPECT_NEAR(b.angle, std::hypot(a.angle, 0.0015 * a.angle / a.position), 1e-12);
+        EXPECT_NEAR(b.angle, std::hypot(a.angle, 0.0015 * a.angle / a.position, given.primitive.stations->turn), 1e-12);
+        EXPECT_NEAR(given.primitive.stations->turn,
+                    0.0015 / station_reach(*there->tree(), PointStations(*there->tree())), 1e-9);
     }
 }
 

@@ -1,5 +1,5 @@
 // Points next to the silhouettes of a pipe, which no station can have seen there.
-#include "pcm/detect/turned_points.h"
+#include "pcm/place/turned_points.h"
 
 #include "tests/place/shape_cloud.h"
 
@@ -11,7 +11,7 @@ namespace {
 using namespace pcm;
 using namespace pcm::test;
 
-constexpr double pipe_radius = 0.03, pipe_noise = 0.0015, pipe_threshold = 0.006;
+constexpr double pipe_radius = 0.03, scan_noise_of_pipe = 0.0015, pipe_threshold = 0.006;
 
 pcm::Shape pipe_along_z()
 {
@@ -28,7 +28,7 @@ void add_arc(double arc, double direction, std::uint32_t station, std::size_t co
 {
     for (std::size_t i = 0; i < count; ++i) {
         const double a = direction + std::asin(std::sin(arc) * dice.between(-1, 1));
-        const double r = pipe_radius + pipe_noise * dice.normal();
+        const double r = pipe_radius + scan_noise_of_pipe * dice.normal();
         points.push_back({{r * std::cos(a), r * std::sin(a), dice.between(0, 2)}, station});
     }
 }

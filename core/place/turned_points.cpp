@@ -1,10 +1,10 @@
-#include "pcm/detect/turned_points.h"
+#include "pcm/place/turned_points.h"
 
-#include "pcm/detect/tuning.h"
 #include "pcm/fit/shape_sums.h"
 #include "pcm/fit/station_rays.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/refit.h"
+#include "pcm/place/tuning.h"
 #include "pcm/shapes/shape_traits.h"
 
 #include <algorithm>
@@ -44,7 +44,7 @@ std::vector<PointOfStation> facing_points(const Shape& shape, const std::vector<
     for (const PointOfStation& p : points) box.extend(p.place);
     if (!(box.diagonal() > 0)) return points;
     const auto stations = rays_of(shape, points, box.centre(), box.diagonal());
-    const double least = detect_tuning().facing.min_cosine;
+    const double least = place_tuning().facing.min_cosine;
     std::vector<PointOfStation> facing;
     for (const PointOfStation& p : points) {
         const auto rays = stations.find(p.station);

@@ -12,7 +12,7 @@
 
 namespace pcm {
 
-// Those of a curved shape that face their stations (detect.facing.min_cosine). The direction to a station is about the
+// Those of a curved shape that face their stations (place.facing.min_cosine). The direction to a station is about the
 // mean normal of its points; all points are kept of stations that show none (station_rays.h).
 std::vector<PointOfStation> facing_points(const Shape& shape, const std::vector<PointOfStation>& points);
 
