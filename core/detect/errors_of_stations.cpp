@@ -7,7 +7,6 @@
 #include "pcm/place/point_stations.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/station_errors.h"
-#include "pcm/place/station_reach.h"
 #include "pcm/place/station_survey.h"
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_points.h"
@@ -93,14 +92,13 @@ private:
             leave_turned(report_.agreement[i], points[i], primitives_[i]);
         if (is_known_) find_agreement(points);
         const StationSpread found = is_known_ ? spread_of(points) : StationSpread();
-        const double reach = station_reach(tree_, stations_);
         for (std::size_t i = 0; i < primitives_.size(); ++i) {
             Primitive& primitive = primitives_[i];
             primitive.stations->stations = is_known_ ? number_of(points[i]) : 0;
             if (can_compare(points[i]))
-                add_known_spread(points[i].sums, found, reach, within_[i], report_.agreement[i], primitive);
+                add_known_spread(points[i].sums, found, reach_, within_[i], report_.agreement[i], primitive);
             else
-                add_unknown_spread(reach, primitive);
+                add_unknown_spread(reach_, primitive);
             leave_ray_errors(points[i].sample, metres_per_unit_, primitive);
             keep_within(before[i], points[i].box, primitive.fit);
             report_.outcome.error = std::max(report_.outcome.error, primitive.fit.threshold);
@@ -126,8 +124,11 @@ private:
             const Shape& shape = primitives_[i * primitives_.size() / places].fit.shape;
             const StationSurvey around = station_survey(tree_, stations_, shape.point);
             is_known_ = around.names_stations;
+            reach_ = around.reach;
             for (StationPart& part : around.parts()) surfaces_.push_back(std::move(part));
         }
+        if (!(reach_ > 0) && registration_ > 0)
+            reach_ = station_survey(tree_, stations_, primitives_.front().fit.shape.point).reach;
         for (Primitive& primitive : primitives_) {
             StationFacts& facts = primitive.stations.emplace();
             facts.source = is_known_ ? stations_.source() : StationSource::none;
@@ -241,6 +242,7 @@ private:
     std::vector<Primitive>& primitives_;
     const PointStations stations_;
     bool is_known_ = false;  // whether points say from which station they are
+    double reach_ = 0;       // how far stations see, source units; 0: not needed
     std::vector<StationPart> surfaces_;
     std::vector<double> within_;  // factors of agreement within stations, keyed by label - 1
 };

@@ -133,7 +133,7 @@ void add_spread_of_stations(const PointSet& points, StationsAround& around, cons
     StationFacts& facts = primitive.stations.emplace();
     facts.registration = options.registration;
     facts.source = around.are_named() ? around.points().source() : StationSource::none;
-    const double reach = around.reach();
+    const double reach = around.survey().reach;
     if (facts.source == StationSource::none) return add_unknown_spread(reach, primitive);
     StationScan scan(points, around.points(), {options.threads, part_of(options.progress, 0.25, 1), 3});
     const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });

@@ -42,7 +42,7 @@ void add_station_errors(const PointSet& points, StationsAround& around, const St
 // The steps of that, for many shapes whose points are streamed past together. `primitive` has `stations` with their
 // source, number and registration. Each doubts a good fit whose size is then uncertain.
 //
-// `reach`: station_reach(), source units.
+// `reach`: StationSurvey::reach, source units.
 //
 // Adds the registration that is given, where the stations are unknown or too many.
 void add_unknown_spread(double reach, Primitive& primitive);

@@ -3,6 +3,7 @@
 #include "pcm/cloud/box_distance.h"
 #include "pcm/cloud/numbers.h"
 #include "pcm/cloud/symmetric_eigen.h"
+#include "pcm/place/station_reach.h"
 #include "pcm/place/tuning.h"
 #include "pcm/tree/source_rounding.h"
 
@@ -155,7 +156,8 @@ bool patch_of(std::vector<StationPoint> points, std::size_t fewest, StationPatch
 
 class Survey {
 public:
-    Survey(const Tree& tree, const PointStations& stations) : tree_(tree), stations_(stations), rounding_(tree.info())
+    Survey(const Tree& tree, const PointStations& stations)
+        : tree_(tree), stations_(stations), rounding_(tree.info()), reach_(tree.info().bounds().centre())
     {
     }
 
@@ -172,7 +174,8 @@ public:
         const PatchTuning& tuned = place_tuning().patches;
         const bool mix =
             seen_by_chance_ >= tuned.min_seen * mixed_by_chance_ && mixed_ >= tuned.min_mixed * seen_by_chance_;
-        return {smooth_patches(), stations_.are_stated() || mixed_by_chance_ < tuned.enough_by_chance || mix};
+        return {smooth_patches(), stations_.are_stated() || mixed_by_chance_ < tuned.enough_by_chance || mix,
+                reach_.reach()};
     }
 
 private:
@@ -187,7 +190,10 @@ private:
     {
         const std::size_t begin = points_.size();
         for (; node != no_node;) {
+            const bool is_root = points_.size() == begin;
             read(node);
+            for (std::size_t i = begin; is_root && i < points_.size(); ++i)
+                reach_.add(points_[i].place, points_[i].station);
             views_.push_back({tree_.box(node), begin, points_.size()});
             NodeId next = no_node;
             double best = infinity;
@@ -299,6 +305,7 @@ private:
     const Tree& tree_;
     const PointStations& stations_;
     const SourceRounding rounding_;
+    StationReach reach_;
     std::vector<StationPoint> points_;
     std::vector<View> views_;
     std::vector<StationPatch> patches_;

@@ -37,6 +37,7 @@ struct StationSurvey {
     // False where points of different numbers do not mix on the surfaces: points of stations do, those of tiles,
     // objects or classes do not, so the attribute names something else.
     bool names_stations = true;
+    double reach = 0;  // StationReach of the coarsest points of all parts, source units
 
     // What patches show that agree with each other and with what is known of the stations from elsewhere, that
     // included: the two faces of a plate, each seen by another station, contradict others by as much as the plate is

@@ -1,7 +1,6 @@
 #include "pcm/place/stations_around.h"
 
 #include "pcm/cloud/numbers.h"
-#include "pcm/place/station_reach.h"
 #include "pcm/place/tuning.h"
 
 #include <cmath>
@@ -26,12 +25,6 @@ double StationsAround::most_noise()
 {
     const double noise = survey().noise();
     return noise > 0 ? place_tuning().following.max_smooth_noise * noise : infinity;
-}
-
-double StationsAround::reach()
-{
-    if (!reach_) reach_ = station_reach(tree_, points());
-    return *reach_;
 }
 
 double StationsAround::surface_noise()

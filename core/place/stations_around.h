@@ -21,14 +21,12 @@ public:
     // (place.following.max_smooth_noise), source units; infinity where the survey has none.
     double most_noise();
     double surface_noise();  // the same, with how far stations are apart
-    double reach();          // station_reach(); reads a chunk of each part when it is first asked for
 
 private:
     const Tree& tree_;
     const Vec3d place_;
     std::optional<PointStations> points_;
     std::optional<StationSurvey> survey_;
-    std::optional<double> reach_;
 };
 
 }  // namespace pcm

@@ -6,7 +6,6 @@
 #include "pcm/place/point_stations.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/station_errors.h"
-#include "pcm/place/station_reach.h"
 #include "pcm/place/station_survey.h"
 #include "tests/place/station_cloud.h"
 
@@ -252,7 +251,7 @@ TEST_F(AddedErrors, TheAgreementIsThatWithinStations)
             EXPECT_EQ(primitive.stations->freedom, spread.freedom);
             const auto added = [&](double registration) {
                 const double shift = std::max(spread.spread * student_factor(spread.freedom), registration);
-                return sums.errors_of({shift, shift / station_reach(*seen, PointStations(*seen))});
+                return sums.errors_of({shift, shift / survey.reach});
             };
             const double smaller = share * agreement / given;
             const ShapeErrors& after = primitive.fit.errors;

@@ -1,7 +1,6 @@
 // What the errors of a fit contain of how far stations are apart: clouds of several stations with known shifts.
 #include "pcm/place/fit_at.h"
 #include "pcm/place/point_stations.h"
-#include "pcm/place/station_reach.h"
 #include "pcm/place/station_survey.h"
 #include "tests/place/station_cloud.h"
 #include "tests/sanitizers.h"
@@ -166,7 +165,7 @@ TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(WhereNothingSaysTheStationWhatIsG
         EXPECT_NEAR(b.radius, std::hypot(a.radius, 0.0015), 1e-12);
         EXPECT_NEAR(b.angle, std::hypot(a.angle, 0.0015 * a.angle / a.position, given.primitive.stations->turn), 1e-12);
         EXPECT_NEAR(given.primitive.stations->turn,
-                    0.0015 / station_reach(*there->tree(), PointStations(*there->tree())), 1e-9);
+                    0.0015 / station_survey(*there->tree(), PointStations(*there->tree()), pipe_.point).reach, 1e-9);
     }
 }
 

@@ -1,5 +1,5 @@
 // How far stations see, by boxes that their points fill.
-#include "pcm/place/station_reach.h"
+#include "pcm/place/station_survey.h"
 
 #include "tests/place/station_cloud.h"
 
@@ -28,7 +28,7 @@ TEST(StationReach, IsHalfTheDiagonalOfWhatAStationSees)
         options.overwrite = true;
         build_tree({folder / "rooms.ply"}, folder / "rooms.pct", options);
         const auto tree = Tree::open(folder / "rooms.pct");
-        const double reach = station_reach(*tree, PointStations(*tree));
+        const double reach = station_survey(*tree, PointStations(*tree), hall).reach;
         const double of_room = length(half), of_both = std::sqrt(3 * 50.0 * 50.0 + dot(half, half));
         const double expected = says == Says::source_id ? of_room : of_both;
         EXPECT_NEAR(reach, expected, 0.05 * expected);
