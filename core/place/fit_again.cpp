@@ -3,11 +3,16 @@
 #include "pcm/fit/models/shape_model.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
+#include "pcm/place/followed_verdict.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/own_points.h"
+#include "pcm/place/radius_step.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/shape.h"
+#include "pcm/system/text.h"
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -26,7 +31,7 @@ FittedPrimitive or_elbow(FittedPrimitive found, const Vec3d& place, const Vec3d&
                          const std::vector<ShapeKind>& kinds, const FitAgain& fit)
 {
     if (is_good(found)) return found;
-    FittedPrimitive elbow = fit(on_bend, kinds);
+    FittedPrimitive elbow = fit(on_bend, kinds, {});
     const ShapeFit& torus = elbow.primitive.fit;
     const bool has_place =
         elbow.part && elbow.part->has(place) && distance_to(torus.shape, place) <= farthest_place(torus);
@@ -39,7 +44,7 @@ FittedPrimitive or_elbow(FittedPrimitive found, const Vec3d& place, const Vec3d&
 FittedPrimitive or_pipe(FittedPrimitive found, const Vec3d& place, const FitAgain& fit)
 {
     if (is_good(found) || !found.part || found.part->has(place)) return found;
-    FittedPrimitive pipe = fit(place, {ShapeKind::cylinder});
+    FittedPrimitive pipe = fit(place, {ShapeKind::cylinder}, {});
     if (!is_good(pipe) || pipe.primitive.fit.shape.kind != ShapeKind::cylinder) return found;
     pipe.notes.push_back("the place lies on the pipe behind an elbow: the pipe was fitted alone");
     return pipe;
@@ -61,7 +66,7 @@ FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double
     std::optional<FittedPrimitive> best;
     for (const ShapeKind kind : kinds) {
         if (model_of(kind).rank <= rank || model_of(kind).rank > most_rank) continue;
-        FittedPrimitive next = fit(place, {kind});
+        FittedPrimitive next = fit(place, {kind}, {});
         if (!is_good(next) || next.primitive.fit.shape.kind != kind) continue;
         if (next.points.size() < least) continue;
         if (!explains_better(next.primitive.fit, first.shape,
@@ -73,6 +78,36 @@ FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double
     best->notes.push_back(std::string("first taken for a ") + traits_of(first.shape.kind).name +
                           ", which cannot be followed through the cloud");
     return std::move(*best);
+}
+
+FittedPrimitive or_one_radius(FittedPrimitive found, const Vec3d& place, double spread, const FitAgain& fit,
+                              unsigned threads)
+{
+    const RadiusStepTuning& tuned = place_tuning().radius_steps;
+    ShapeFit& whole = found.primitive.fit;
+    if (whole.shape.kind != ShapeKind::cylinder || found.points.empty()) return found;
+    const Shape cylinder = whole.shape;
+    const double least = std::max(tuned.min_spreads * spread, tuned.min_radii * cylinder.radius);
+    const auto step =
+        radius_step(cylinder, whole.noise, least, place, random_points(found.points, tuned.points, threads));
+    if (!step) return found;
+    if (step->has_place) {
+        const double way = dot(place - cylinder.point, cylinder.axis);
+        std::vector<Region::Plane> ends;  // normal . d + offset >= 0, d from the place
+        if (std::isfinite(step->from)) ends.push_back({cylinder.axis, way - step->from});
+        if (std::isfinite(step->to)) ends.push_back({-1 * cylinder.axis, step->to - way});
+        FittedPrimitive pipe = fit(place, {ShapeKind::cylinder}, Clip{Region::convex(place, ends), false});
+        if (is_good(pipe) && pipe.primitive.fit.shape.kind == ShapeKind::cylinder) {
+            pipe.notes.push_back("followed as far as the radius does not change: behind, it is about " +
+                                 brief(step->beyond));
+            return pipe;
+        }
+    }
+    if (is_good(found))
+        doubt(whole, FitIssue::other_surface,
+              "the radius changes along it, from about " + brief(step->radius) + " to " + brief(step->beyond) +
+                  ": pick a place farther from where it does, or take a smaller neighbourhood");
+    return found;
 }
 
 }  // namespace pcm

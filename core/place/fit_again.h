@@ -1,15 +1,18 @@
-// Fits that are made again where an answer is not good: farther along a bend, or of one kind alone.
+// Fits that are made again: farther along a bend, of one kind alone, or before the radius of a pipe changes.
 #pragma once
 
+#include "pcm/cloud/clip.h"
 #include "pcm/place/fit_at.h"
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace pcm {
 
-// The answer at another place, or for other kinds.
-using FitAgain = std::function<FittedPrimitive(const Vec3d& place, const std::vector<ShapeKind>& kinds)>;
+// The answer at another place, or for other kinds, or in a part of the cloud.
+using FitAgain = std::function<FittedPrimitive(const Vec3d& place, const std::vector<ShapeKind>& kinds,
+                                               const std::optional<Clip>& part)>;
 
 // Where a pipe bends at the place, the elbow if that has the place. `on_bend`: a point of the bend farther along it.
 // Throws what the fit throws.
@@ -27,5 +30,11 @@ FittedPrimitive or_pipe(FittedPrimitive found, const Vec3d& place, const FitAgai
 // uneven, or uncertain. Throws what the fit throws.
 FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double most_noise,
                                const std::vector<ShapeKind>& kinds, const FitAgain& fit, unsigned threads);
+
+// The pipe at the place alone, where it was followed through a reducer to a pipe of another radius (radius_step.h). If
+// that is not good, or the radius changes at the place, the first answer, which is doubtful. `spread`: how far
+// stations are apart, source units. Throws what the fit throws.
+FittedPrimitive or_one_radius(FittedPrimitive found, const Vec3d& place, double spread, const FitAgain& fit,
+                              unsigned threads);
 
 }  // namespace pcm

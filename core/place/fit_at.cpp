@@ -54,6 +54,8 @@ public:
         if (options_.grow && options_.fit.threshold == 0)
             doubt_small(result, metres_per_unit(tree_->info().metadata), options_.threads);
         compare_stations(result);
+        if (places_.size() == 1 && !(options_.fit.threshold > 0))
+            doubt_point_aside(cloud_, places_.front(), limit_, result);
         find_bounds(result, part_of(options_.progress, 0.95, 1));
         result.primitive.fit.seconds = seconds_since(start_);
         return result;
@@ -96,7 +98,7 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            FittedPrimitive best = or_again(or_other(or_side(best_of_thresholds())));
+            FittedPrimitive best = or_part(or_again(or_other(or_side(best_of_thresholds()))));
             if (places_.size() == 1 && !is_again_ && !(options_.fit.threshold > 0))
                 doubt_point_off(cloud_, places_.front(), limit_, best);
             return best;
@@ -129,13 +131,12 @@ private:
         return side;
     }
 
-    // At another place, or for other kinds, where this answer is not good.
-    FittedPrimitive or_again(FittedPrimitive found)
+    FitAgain fit_again()
     {
-        if (found.primitive.fit.verdict == FitVerdict::good || is_again_) return found;
-        const FitAgain again = [this](const Vec3d& place, const std::vector<ShapeKind>& kinds) {
+        return [this](const Vec3d& place, const std::vector<ShapeKind>& kinds, const std::optional<Clip>& part) {
             FitAtOptions options = options_;
             options.limit = limit_;
+            if (part) options.limit.clips.push_back(*part);
             options.kinds = kinds;
             if (!kinds.empty()) options.fit.kind = kinds.front();
             options.progress = part_of(progress_in_time_, 0.9, 1);
@@ -145,6 +146,23 @@ private:
             fit.is_again_ = true;
             return fit.best_in_time();
         };
+    }
+
+    // Errors of a cylinder that neighbours share may be those of a reducer.
+    FittedPrimitive or_part(FittedPrimitive found)
+    {
+        if (is_again_ || !options_.grow || options_.fit.threshold > 0 || places_.size() != 1) return found;
+        if (!(found.agreement > place_tuning().radius_steps.min_agreement)) return found;
+        const double spread =
+            around_.are_named() ? around_.survey().evidence().spread().spread : registration_of(options_, *tree_);
+        return or_one_radius(std::move(found), places_.front(), spread, fit_again(), options_.threads);
+    }
+
+    // At another place, or for other kinds, where this answer is not good.
+    FittedPrimitive or_again(FittedPrimitive found)
+    {
+        if (found.primitive.fit.verdict == FitVerdict::good || is_again_) return found;
+        const FitAgain again = fit_again();
         const Vec3d place = places_.front();
         if (places_.size() == 1 && local_options().may_choose(found.primitive.fit.shape.kind)) {
             std::vector<ShapeKind> kinds = options_.kinds;

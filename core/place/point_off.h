@@ -6,10 +6,14 @@
 
 namespace pcm {
 
-// Doubts a good shape that the point nearest to the place is off, and others of the nearest points are, too
-// (place.point_off). A plane only where it is beyond the threshold: planes have edges that were looked at
-// (other_answers.h), and one point alone may be noise: of those under the pointer a window picks the nearest to the
-// viewer. `limit`: no other points are looked at. Throws what points_near() throws.
+// Doubts a good curved shape that the point nearest to the place leaves by more than the noise, where several of the
+// nearest points are beyond its threshold (place.point_off). One point alone may be noise: of those under the pointer a
+// window picks the nearest to the viewer. `limit`: no other points are looked at. Throws what points_near() throws.
 void doubt_point_off(const PointCloud& cloud, const Vec3d& place, const Selection& limit, FittedPrimitive& found);
+
+// Doubts a good shape that this point and another of the nearest ones leave to the same side, by more than independent
+// errors do at one place in a hundred; by more than the threshold where neighbours share errors (found.agreement,
+// without what shifts of stations explain).
+void doubt_point_aside(const PointCloud& cloud, const Vec3d& place, const Selection& limit, FittedPrimitive& found);
 
 }  // namespace pcm

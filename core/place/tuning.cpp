@@ -123,8 +123,8 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
     }};
 }
 
-using ValuesOfEdges =
-    std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning, ThinPipeTuning>>;
+using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning,
+                                                       RadiusStepTuning, ThinPipeTuning>>;
 ValuesOfEdges values_of_edges(PlaceTuning& place)
 {
     return {{
@@ -155,6 +155,15 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.point_off.min_away),
         PCM_TUNED(place.point_off.nearest),
         PCM_TUNED(place.point_off.min_off),
+        PCM_TUNED(place.point_off.far_away),
+        PCM_TUNED(place.radius_steps.points),
+        PCM_TUNED(place.radius_steps.slice_points),
+        PCM_TUNED(place.radius_steps.max_slices),
+        PCM_TUNED(place.radius_steps.min_spreads),
+        PCM_TUNED(place.radius_steps.min_radii),
+        PCM_TUNED(place.radius_steps.min_significance),
+        PCM_TUNED(place.radius_steps.min_share),
+        PCM_TUNED(place.radius_steps.min_agreement),
         PCM_TUNED(place.thin_pipes.points),
         PCM_TUNED(place.thin_pipes.step_growth),
         PCM_TUNED(place.thin_pipes.min_elongation),

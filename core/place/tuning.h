@@ -469,6 +469,7 @@ struct PlaceTuning {
     SideTuning sides;
     CornerAtPlaceTuning corners;
     PointOffTuning point_off;
+    RadiusStepTuning radius_steps;
     ThinPipeTuning thin_pipes;
     StationTuning stations;
     PatchTuning patches;

@@ -3,7 +3,10 @@
 
 #include "tests/place/shape_cloud.h"
 
+#include <cmath>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 namespace {
@@ -64,7 +67,9 @@ protected:
     ShapeKind kind_after(FittedPrimitive found, double most_noise = 0.002)
     {
         asked_.clear();
-        const FitAgain fit = [&](const Vec3d& place, const std::vector<ShapeKind>& kinds) {
+        const FitAgain fit = [&](const Vec3d& place, const std::vector<ShapeKind>& kinds,
+                                 const std::optional<Clip>& part) {
+            EXPECT_FALSE(part);
             EXPECT_EQ(place, place_);
             EXPECT_EQ(kinds.size(), 1u);
             asked_.push_back(kinds.front());
@@ -146,7 +151,7 @@ TEST_F(FitAgainTest, AWideSphereIsTakenForAPlaneThatWasNotFollowed)
     plane.axis = {1, 0, 0};
     asked_.clear();
     FitVerdict verdict = FitVerdict::good;
-    const FitAgain fit = [&](const Vec3d&, const std::vector<ShapeKind>& kinds) {
+    const FitAgain fit = [&](const Vec3d&, const std::vector<ShapeKind>& kinds, const std::optional<Clip>&) {
         asked_.push_back(kinds.front());
         return kinds.front() == ShapeKind::sphere ? answer(sphere, verdict, share_)
                                                   : answer(pipe_at_its_end(), FitVerdict::doubtful);
@@ -170,7 +175,8 @@ TEST_F(FitAgainTest, ThePipeBehindAnElbowIsTakenForTheElbow)
 {
     build(elbow_shape(), 0);
     FitVerdict verdict = FitVerdict::good;
-    const FitAgain fit = [&](const Vec3d& place, const std::vector<ShapeKind>& kinds) {
+    const FitAgain fit = [&](const Vec3d& place, const std::vector<ShapeKind>& kinds, const std::optional<Clip>& part) {
+        EXPECT_FALSE(part);
         EXPECT_EQ(place, place_);
         EXPECT_EQ(kinds, std::vector<ShapeKind>{ShapeKind::cylinder});
         return answer(pipe_at_its_end(), verdict);
@@ -190,6 +196,71 @@ TEST_F(FitAgainTest, ThePipeBehindAnElbowIsTakenForTheElbow)
     EXPECT_EQ(kind_of(FitVerdict::doubtful, 3), ShapeKind::torus);
     EXPECT_EQ(or_pipe(answer(elbow_shape(), FitVerdict::doubtful), place_, fit).primitive.fit.shape.kind,
               ShapeKind::torus);
+}
+
+// Along y: 50 mm, and 42 behind y = 0.1.
+TEST_F(FitAgainTest, APipeIsFollowedAsFarAsItsRadiusDoesNotChange)
+{
+    Dice dice(4);
+    std::vector<SurfacePoint> points;
+    pcm::Shape pipe = pipe_at_its_end();
+    for (int i = 0; i < 8000; ++i) {
+        const double way = dice.between(-1, 1), angle = dice.between(-1.4, 1.4);
+        const Vec3d n{std::cos(angle), 0, std::sin(angle)};
+        const double away = (way < 0.1 ? 0.05 : 0.042) + again_noise * dice.normal();
+        points.push_back({pipe.point + way * pipe.axis + away * n, n});
+    }
+    tree_ = build_surface_tree(folder_.path(), points);
+    const auto on = [&](double way) { return pipe.point + Vec3d{0.05, way, 0}; };
+    const FittedPrimitive whole = answer(pipe, FitVerdict::good, 10);
+    FitVerdict verdict = FitVerdict::good;
+    ShapeKind kind = ShapeKind::cylinder;
+    int asked = 0;
+    double end = 0;
+    const auto after = [&](const FittedPrimitive& found, double way, double spread = 0) {
+        const FitAgain fit = [&](const Vec3d& place, const std::vector<ShapeKind>& kinds,
+                                 const std::optional<Clip>& part) {
+            ++asked;
+            EXPECT_EQ(place, on(way));
+            EXPECT_EQ(kinds, std::vector<ShapeKind>{ShapeKind::cylinder});
+            const double side = way < 0.1 ? 1 : -1;
+            for (end = -1.1; part && end < 1.1 && part->holds(on(side * end)); end += 0.001) {
+            }
+            end *= side;
+            pcm::Shape other = pipe;
+            other.kind = kind;
+            return answer(other, verdict, 0.5);
+        };
+        return or_one_radius(found, on(way), spread, fit, 1);
+    };
+    const FittedPrimitive wide = after(whole, -0.5);
+    EXPECT_EQ(asked, 1);
+    EXPECT_LE(end, 0.1);
+    EXPECT_GT(end, 0);
+    EXPECT_LT(wide.points.size(), whole.points.size());
+    ASSERT_FALSE(wide.notes.empty());
+    EXPECT_NE(wide.notes.back().find("0.04"), std::string::npos) << wide.notes.back();
+    after(whole, 0.7);
+    EXPECT_GE(end, 0.099);
+    EXPECT_LT(end, 0.2);
+    asked = 0;
+    const ShapeFit at_step = after(whole, 0.1).primitive.fit;
+    EXPECT_EQ(asked, 0);
+    EXPECT_EQ(at_step.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(at_step.issue, FitIssue::other_surface);
+    EXPECT_EQ(after(whole, -0.5, 0.02).primitive.fit.verdict, FitVerdict::good) << "stations may be as far apart";
+    EXPECT_EQ(asked, 0);
+    pcm::Shape ball = pipe;
+    ball.kind = ShapeKind::sphere;
+    EXPECT_EQ(after(answer(ball, FitVerdict::good, 10), -0.5).primitive.fit.verdict, FitVerdict::good);
+    EXPECT_EQ(asked, 0);
+    verdict = FitVerdict::doubtful;
+    EXPECT_EQ(after(whole, -0.5).primitive.fit.issue, FitIssue::other_surface);
+    EXPECT_EQ(after(whole, -0.5).points.size(), whole.points.size());
+    EXPECT_EQ(after(answer(pipe, FitVerdict::doubtful, 10), -0.5).primitive.fit.issue, issue_) << "its own doubt";
+    verdict = FitVerdict::good;
+    kind = ShapeKind::torus;
+    EXPECT_EQ(after(whole, -0.5).primitive.fit.verdict, FitVerdict::doubtful);
 }
 
 }  // namespace

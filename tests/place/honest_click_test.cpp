@@ -89,6 +89,28 @@ TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AReducerIsNoCylinder))
     EXPECT_LT(std::fabs(fit.shape.second - cone.second), 4 * fit.errors.second);
 }
 
+// Half of two pipes of 40 and 34 mm with a reducer between, to which one turned cylinder is as near as 4 mm. Before,
+// that was good, and its axis 4 mrad off.
+TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(APipeEndsAtItsReducer))
+{
+    std::vector<SurfacePoint> points;
+    for (int i = 0; i < 18000; ++i) {
+        const double way = dice_.between(-1, 1.3), angle = dice_.between(-1.3, 1.3);
+        const Vec3d n{std::cos(angle), std::sin(angle), 0};
+        const double radius = 0.04 - 0.006 * std::clamp((way + 0.02) / 0.05, 0.0, 1.0);
+        points.push_back({map + Vec3d{0, 0, way} + (radius + sigma * dice_.normal()) * n, n});
+    }
+    for (const double way : {-0.3, 0.5}) {
+        const auto near_way = [&](const SurfacePoint& p) { return std::fabs(p.position[2] - map[2] - way) < 0.01; };
+        const FittedPrimitive fitted = at(points, std::find_if(points.begin(), points.end(), near_way)->position);
+        const ShapeFit& fit = fitted.primitive.fit;
+        ASSERT_EQ(fit.shape.kind, ShapeKind::cylinder);
+        EXPECT_EQ(fit.verdict, FitVerdict::good) << fit.message;
+        EXPECT_LT(std::fabs(fit.shape.radius - (way < 0 ? 0.04 : 0.034)), 4 * fit.errors.radius) << way;
+        EXPECT_LT(length(cross(fit.shape.axis, {0, 0, 1})), 4 * fit.errors.angle) << way;
+    }
+}
+
 // Near its end the neighbourhood is a piece of a cylinder, which cannot be followed; a wider one is an elbow.
 TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(TheEndOfAnElbowIsOneOfAnElbow))
 {
