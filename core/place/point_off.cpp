@@ -66,8 +66,9 @@ void doubt_point_aside(const PointCloud& cloud, const Vec3d& place, const Select
     // Where neighbours share errors, one next to it is off with it.
     const double most =
         std::max(place_tuning().point_off.far_away * noise_of(cloud, fit), found.agreement > 1 ? fit.threshold : 0);
-    if (distances.empty() || !(distances.front() > most)) return;
-    if (std::any_of(distances.begin() + 1, distances.end(), [&](double d) { return d > most; }))
+    const auto off = std::count_if(distances.begin(), distances.end(), [&](double d) { return d > most; });
+    if (!distances.empty() && distances.front() > most &&
+        static_cast<std::size_t>(off) >= place_tuning().point_off.min_aside)
         doubt_off(distances.front(), fit);
 }
 

@@ -156,6 +156,7 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.point_off.nearest),
         PCM_TUNED(place.point_off.min_off),
         PCM_TUNED(place.point_off.far_away),
+        PCM_TUNED(place.point_off.min_aside),
         PCM_TUNED(place.radius_steps.points),
         PCM_TUNED(place.radius_steps.slice_points),
         PCM_TUNED(place.radius_steps.max_slices),
