@@ -105,10 +105,12 @@ struct PointOffTuning {
     // Minimum distance of points to the same side, that of the point that was picked.
     // Chosen: with min_aside; not swept.
     double far_away = 2;  // standard deviations of the noise
-    // Minimum number of these, the picked one included: of independent errors three are at one place in two thousand,
-    // and where the picked one is the outermost under the pointer at one in fifty. Chosen: on eight ray-cast scenes 4
-    // of 25 wrong answers and 2 of 453 right ones are doubted; with 2 also one more and two more, and in a window far
-    // more right ones.
+    // Minimum number of these, the picked one included: of independent errors three are at one place in a thousand,
+    // and where the picked one is the outermost under the pointer at one in fifty. On eight ray-cast scenes 4 of 25
+    // wrong answers and 2 of 453 right ones are doubted; with 2 points one and two more, and in a window far more right
+    // ones.
+    //
+    // Chosen: by those clicks; not swept.
     std::size_t min_aside = 3;  // points
 };
 

@@ -12,7 +12,7 @@ namespace pcm {
 void doubt_point_off(const PointCloud& cloud, const Vec3d& place, const Selection& limit, FittedPrimitive& found);
 
 // Doubts a good shape that this point and several of the nearest ones leave to the same side, by more than independent
-// errors do at one place in a hundred, even where the point that was picked is the outermost of those under the
+// errors do at one place in fifty, even where the point that was picked is the outermost of those under the
 // pointer; by more than the threshold where neighbours share errors (found.agreement, without what shifts of stations
 // explain).
 void doubt_point_aside(const PointCloud& cloud, const Vec3d& place, const Selection& limit, FittedPrimitive& found);
