@@ -31,9 +31,9 @@ FittedPrimitive or_pipe(FittedPrimitive found, const Vec3d& place, const FitAgai
 FittedPrimitive or_higher_kind(FittedPrimitive found, const Vec3d& place, double most_noise,
                                const std::vector<ShapeKind>& kinds, const FitAgain& fit, unsigned threads);
 
-// The pipe at the place alone, where it was followed through a reducer to a pipe of another radius (radius_step.h). If
-// that is not good, or the radius changes at the place, the first answer, which is doubtful. `spread`: how far
-// stations are apart, source units. Throws what the fit throws.
+// The pipe at the place alone, where it was followed through a reducer to a pipe of another radius (radius_step.h);
+// where its verdict is not good, or the radius changes at the place, the first answer, doubted. `spread`: distance
+// between stations after registration, source units. Throws what the fit throws.
 FittedPrimitive or_one_radius(FittedPrimitive found, const Vec3d& place, double spread, const FitAgain& fit,
                               unsigned threads);
 

@@ -153,8 +153,7 @@ private:
     {
         if (is_again_ || !options_.grow || options_.fit.threshold > 0 || places_.size() != 1) return found;
         if (!(found.agreement > place_tuning().radius_steps.min_agreement)) return found;
-        const double spread =
-            around_.are_named() ? around_.survey().evidence().spread().spread : registration_of(options_, *tree_);
+        const double spread = around_.spread(registration_of(options_, *tree_));
         return or_one_radius(std::move(found), places_.front(), spread, fit_again(), options_.threads);
     }
 

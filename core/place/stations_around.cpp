@@ -27,9 +27,8 @@ double StationsAround::most_noise()
     return noise > 0 ? place_tuning().following.max_smooth_noise * noise : infinity;
 }
 
-double StationsAround::surface_noise()
-{
-    return std::hypot(most_noise(), are_named() ? survey().evidence().spread().spread : 0);
-}
+double StationsAround::surface_noise() { return std::hypot(most_noise(), spread(0)); }
+
+double StationsAround::spread(double unknown) { return are_named() ? survey().evidence().spread().spread : unknown; }
 
 }  // namespace pcm

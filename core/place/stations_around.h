@@ -20,7 +20,9 @@ public:
     // Standard deviation that points of one surface have at most, by that of smooth surfaces around
     // (place.following.max_smooth_noise), source units; infinity where the survey has none.
     double most_noise();
-    double surface_noise();  // the same, with how far stations are apart
+    double surface_noise();  // the same, with the spread of the stations
+    // Spread of the stations by the surfaces around, source units; `unknown` where points do not name them.
+    double spread(double unknown);
 
 private:
     const Tree& tree_;

@@ -89,8 +89,8 @@ TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(AReducerIsNoCylinder))
     EXPECT_LT(std::fabs(fit.shape.second - cone.second), 4 * fit.errors.second);
 }
 
-// Half of two pipes of 40 and 34 mm with a reducer between, to which one turned cylinder is as near as 4 mm. Before,
-// that was good, and its axis 4 mrad off.
+// Half of two pipes of 40 and 34 mm with a reducer between, within 4 mm of one turned cylinder. Before, this cylinder
+// was the answer, with the verdict good and its axis 4 mrad off.
 TEST_F(HonestClick, PCM_NOT_UNDER_SANITIZERS(APipeEndsAtItsReducer))
 {
     std::vector<SurfacePoint> points;
