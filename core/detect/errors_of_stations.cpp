@@ -224,7 +224,8 @@ private:
     // What follows sees the points that face their stations.
     static void leave_turned(double alike, ShapePoints& points, Primitive& primitive)
     {
-        std::vector<PointOfStation> facing = facing_points(primitive.fit.shape, points.sample);
+        std::vector<PointOfStation> facing =
+            facing_points(StationDirections(primitive.fit.shape, points.sample), points.sample);
         if (facing.size() == points.sample.size()) return;
         leave_turned_points(facing, points.sample, alike, primitive.fit);
         StationSums sums(primitive.fit.shape, primitive.fit.shape.point, extent_of(primitive));

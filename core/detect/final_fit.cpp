@@ -6,6 +6,7 @@
 #include "pcm/detect/flat_hull.h"
 #include "pcm/detect/node_sums.h"
 #include "pcm/detect/other_kind.h"
+#include "pcm/detect/refined_shape.h"
 #include "pcm/detect/sagitta.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/place/departure.h"
@@ -255,11 +256,7 @@ private:
 
     static Shape shape_through(const std::vector<Vec3d>& points, const ShapeFit& fit)
     {
-        RefineOptions refine;
-        refine.threshold = 1.5 * fit.threshold;
-        refine.most_steps = 10;
-        const ShapeFit found = refine_shape(FitPoints::of(points), fit.shape, refine);
-        return found.has_shape() ? found.shape : fit.shape;
+        return refined_shape(points, fit.shape, 1.5 * fit.threshold).value_or(fit.shape);
     }
 
     // As a fit at a place is judged, by points that were drawn. Where the stations' shifts make them far quieter, by

@@ -4,9 +4,9 @@
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/flat_hull.h"
 #include "pcm/detect/hypotheses.h"
+#include "pcm/detect/refined_shape.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/unit_parts.h"
-#include "pcm/fit/shape_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -31,12 +31,7 @@ std::vector<Vec3d> every_second(const std::vector<Vec3d>& points, std::size_t fi
 std::optional<Shape> refined(const Shape& start, const std::vector<Vec3d>& points, double threshold)
 {
     if (points.size() < least_used / 2) return std::nullopt;
-    RefineOptions refine;
-    refine.threshold = threshold;
-    refine.most_steps = 10;
-    const ShapeFit fit = refine_shape(FitPoints::of(points), start, refine);
-    if (!fit.has_shape() || !is_finite(fit.shape.point)) return std::nullopt;
-    return fit.shape;
+    return refined_shape(points, start, threshold);
 }
 
 bool have_most_of_hull(const Shape& plane, const std::vector<Vec3d>& one, const std::vector<Vec3d>& other,

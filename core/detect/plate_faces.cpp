@@ -1,6 +1,7 @@
 #include "pcm/detect/plate_faces.h"
 
 #include "pcm/detect/flat_hull.h"
+#include "pcm/detect/refined_shape.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/two_faces.h"
 #include "pcm/tree/selected_nodes.h"
@@ -80,7 +81,8 @@ private:
                 return static_cast<std::uint64_t>(std::llround(share * static_cast<double>(count)));
             };
             SurfacePart part;
-            plate.planes[face] = plane_through(places_of(points[face]), faces.planes[face], plane.threshold);
+            plate.planes[face] = refined_shape(places_of(points[face]), faces.planes[face], plane.threshold)
+                                     .value_or(faces.planes[face]);
             part.some = places_of(seen_.shifts().corrected(points[face]));
             Hypothesis one = hypotheses_[whole.hypothesis];
             one.shape = plate.planes[face];

@@ -1,8 +1,8 @@
 #include "pcm/detect/station_shifts.h"
 
 #include "pcm/detect/node_sums.h"
+#include "pcm/detect/refined_shape.h"
 #include "pcm/detect/tuning.h"
-#include "pcm/fit/shape_fit.h"
 #include "pcm/place/station_survey.h"
 #include "pcm/tree/source_rounding.h"
 
@@ -63,15 +63,6 @@ std::vector<Vec3d> places_of(const std::vector<PointOfStation>& points)
     return places;
 }
 
-Shape plane_through(const std::vector<Vec3d>& points, const Shape& start, double threshold)
-{
-    RefineOptions refine;
-    refine.threshold = threshold;
-    refine.most_steps = 10;
-    const ShapeFit fit = refine_shape(FitPoints::of(points), start, refine);
-    return fit.has_shape() && is_finite(fit.shape.point) ? fit.shape : start;
-}
-
 std::vector<PointOfStation> StationShifts::corrected(std::vector<PointOfStation> points) const
 {
     for (PointOfStation& p : points) p.place = p.place - of(p.station);
@@ -97,7 +88,7 @@ SeenPlanes::SeenPlanes(const ChosenPoints& points, const AssignedPoints& assigne
         const SurfacePart& part = assigned.parts[p];
         const Hypothesis& from = hypotheses[part.hypothesis];
         if (!traits_of(from.shape.kind).is_flat() || part.some.size() < least_gathered) continue;
-        const Shape shape = plane_through(part.some, from.shape, 1.5 * from.threshold);
+        const Shape shape = refined_shape(part.some, from.shape, 1.5 * from.threshold).value_or(from.shape);
         const double width = static_cast<double>(part.sampled) * options_.cell * options_.cell / part.box.diagonal();
         const bool is_narrow = width <= detect_tuning().contest.max_width * from.threshold;
         planes_.push_back({p, shape, from.threshold, rms_distance(shape, part.some), is_narrow, {}});
@@ -184,7 +175,7 @@ std::optional<double> SeenPlanes::left_along(const Vec3d& normal) const
         const SeenPlane& plane = planes_[i];
         if (std::fabs(dot(plane.shape.axis, normal)) < detect_tuning().plates.min_cosine) continue;
         const std::vector<PointOfStation> points = shifts_.corrected(plane.points);
-        const Shape shape = plane_through(places_of(points), plane.shape, plane.threshold);
+        const Shape shape = refined_shape(places_of(points), plane.shape, plane.threshold).value_or(plane.shape);
         const MeanDifferences here = differences_on(shape, plane.threshold, points);
         all.squares += here.squares;
         all.freedom += here.freedom;

@@ -78,7 +78,4 @@ private:
 
 std::vector<Vec3d> places_of(const std::vector<PointOfStation>& points);
 
-// A plane of least squares, from one that is near; that where the points show none.
-Shape plane_through(const std::vector<Vec3d>& points, const Shape& start, double threshold);
-
 }  // namespace pcm

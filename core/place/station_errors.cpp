@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace pcm {
@@ -127,8 +128,9 @@ void add_known_spread(const StationSums& sums, const StationSpread& found, doubl
 
 namespace {
 
+// `directions`: of the shape before turned points were left out; null: all points count.
 void add_spread_of_stations(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
-                            double& agreement, Primitive& primitive)
+                            const StationDirections* directions, double& agreement, Primitive& primitive)
 {
     StationFacts& facts = primitive.stations.emplace();
     facts.registration = options.registration;
@@ -137,9 +139,10 @@ void add_spread_of_stations(const PointSet& points, StationsAround& around, cons
     if (facts.source == StationSource::none) return add_unknown_spread(reach, primitive);
     StationScan scan(points, around.points(), {options.threads, part_of(options.progress, 0.25, 1), 3});
     const Box3d box = scan.sums(Box3d(), [](Box3d& part, const Vec3d& p, std::uint32_t) { part.extend(p); });
-    const StationSums sums =
-        scan.sums(StationSums(primitive.fit.shape, box.centre(), box.diagonal()),
-                  [](StationSums& part, const Vec3d& p, std::uint32_t station) { part.add(p, station); });
+    const StationSums sums = scan.sums(StationSums(primitive.fit.shape, box.centre(), box.diagonal()),
+                                       [&](StationSums& part, const Vec3d& p, std::uint32_t station) {
+                                           if (!directions || directions->can_see(p, station)) part.add(p, station);
+                                       });
     facts.stations = static_cast<std::uint32_t>(sums.stations());
     if (!sums.is_determined()) return;
     if (facts.stations > StationEvidence::most_stations) return add_unknown_spread(reach, primitive);
@@ -161,18 +164,20 @@ void add_station_errors(const PointSet& points, StationsAround& around, const St
 {
     if (!primitive.fit.has_shape() || points.empty()) return;
     if (traits_of(primitive.fit.shape.kind).is_flat())
-        return add_spread_of_stations(points, around, options, agreement, primitive);
+        return add_spread_of_stations(points, around, options, nullptr, agreement, primitive);
     std::vector<PointOfStation> sample = station_sample(points, around.points(), most_sampled_points, options.threads,
                                                         part_of(options.progress, 0, 0.25));
     Box3d box;
     for (const PointOfStation& p : sample) box.extend(p.place);
     const Shape before = primitive.fit.shape;
+    std::optional<StationDirections> directions;
     if (around.are_named()) {
-        std::vector<PointOfStation> facing = facing_points(before, sample);
+        directions.emplace(before, sample);
+        std::vector<PointOfStation> facing = facing_points(*directions, sample);
         if (facing.size() < sample.size()) leave_turned_points(facing, sample, agreement, primitive.fit);
         sample = std::move(facing);
     }
-    add_spread_of_stations(points, around, options, agreement, primitive);
+    add_spread_of_stations(points, around, options, directions ? &*directions : nullptr, agreement, primitive);
     leave_ray_errors(sample, options.metres_per_unit, primitive);
     keep_within(before, box, primitive.fit);
 }

@@ -1,8 +1,11 @@
 #include "pcm/place/turned_points.h"
 
+#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/shape_sums.h"
 #include "pcm/fit/station_rays.h"
+#include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
+#include "pcm/place/followed_verdict.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/tuning.h"
 #include "pcm/shapes/shape_traits.h"
@@ -38,19 +41,27 @@ Shape moved_along(Shape shape, const Shape& from, const Shape& to, const Vec3d& 
 
 }  // namespace
 
-std::vector<PointOfStation> facing_points(const Shape& shape, const std::vector<PointOfStation>& points)
+StationDirections::StationDirections(const Shape& shape, const std::vector<PointOfStation>& points) : shape_(shape)
 {
     Box3d box;
     for (const PointOfStation& p : points) box.extend(p.place);
-    if (!(box.diagonal() > 0)) return points;
-    const auto stations = rays_of(shape, points, box.centre(), box.diagonal());
-    const double least = place_tuning().facing.min_cosine;
+    if (!(box.diagonal() > 0)) return;
+    for (const auto& [station, rays] : rays_of(shape, points, box.centre(), box.diagonal()))
+        directions_.emplace(station, rays.direction);
+}
+
+bool StationDirections::can_see(const Vec3d& p, std::uint32_t station) const
+{
+    const auto found = directions_.find(station);
+    return found == directions_.end() || dot(normal_at(shape_, p), found->second) >= place_tuning().facing.min_cosine;
+}
+
+std::vector<PointOfStation> facing_points(const StationDirections& directions,
+                                          const std::vector<PointOfStation>& points)
+{
     std::vector<PointOfStation> facing;
-    for (const PointOfStation& p : points) {
-        const auto rays = stations.find(p.station);
-        if (rays == stations.end() || dot(normal_at(shape, p.place), rays->second.direction) >= least)
-            facing.push_back(p);
-    }
+    for (const PointOfStation& p : points)
+        if (directions.can_see(p.place, p.station)) facing.push_back(p);
     return facing;
 }
 
@@ -70,7 +81,15 @@ void leave_turned_points(const std::vector<PointOfStation>& points, const std::v
     fit.errors.angle = std::max(fit.errors.angle, least.angle);
     fit.errors.radius = std::max(fit.errors.radius, least.radius);
     fit.errors.second = std::max(fit.errors.second, least.second);
-    correct(moved_along(fit.shape, *from, *to, box.centre()), uncertain_way, box.centre(), fit);
+    const Shape before = fit.shape, there = moved_along(before, *from, *to, box.centre());
+    correct(there, is_proper(there) ? uncertain_way : 1, box.centre(), fit);
+    if (!is_proper(there)) fit.shape = before;
+    const auto [flat, other] = model_of(before.kind).significance(fit.shape, fit.errors);
+    const bool is_certain = is_proper(there) && std::min(flat, other) >= fit_tuning().judgement.good_significance;
+    if (fit.verdict == FitVerdict::good && !is_certain)
+        doubt(fit, FitIssue::thin_arc,
+              "some of its points cannot have been seen there by their stations, and the others leave its size "
+              "uncertain: take points farther around it");
 }
 
 }  // namespace pcm

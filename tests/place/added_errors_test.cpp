@@ -346,6 +346,27 @@ TEST_F(AddedErrors, PointsThatAreTurnedFromTheirStationAreLeftOut)
     EXPECT_EQ(with.stations->stations, 2u);
 }
 
+// Such points behind one silhouette, where the other station sees the pipe, are no sign that stations are apart.
+TEST_F(AddedErrors, PointsThatAreTurnedFromTheirStationDoNotPartTheStations)
+{
+    const pcm::Shape pipe{ShapeKind::cylinder, hall, {0, 0, 1}, 0.03, 0};
+    std::vector<StationPoint> points;
+    const auto put = [&](double angle, double r, int station) {
+        points.push_back({hall + Vec3d{r * std::cos(angle), r * std::sin(angle), dice_.between(-1, 1)}, station});
+    };
+    for (int i = 0; i < 4000; ++i)
+        put(std::asin(0.93 * dice_.between(-1, 1)) + (i % 2) * pi / 2, 0.03 + scan_noise * dice_.normal(), i % 2);
+    const auto spread = [&] {
+        Primitive primitive = fitted(pipe, {1e-4, 1e-4, 1e-4, 0});
+        primitive.fit.threshold = 4 * scan_noise;
+        add(tree(points, Says::source_id), primitive, 0);
+        return primitive.stations->spread;
+    };
+    const double without = spread();
+    for (int i = 0; i < 300; ++i) put(dice_.between(1.8, 2.4), 0.035, 0);
+    EXPECT_LT(spread(), without + 0.0001);
+}
+
 TEST_F(AddedErrors, ProgressIsThatOfFourPasses)
 {
     const auto seen = tree(ball(9000, 2, {{0.01, 0, 0}, {}}), Says::source_id);
