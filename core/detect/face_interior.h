@@ -6,7 +6,7 @@
 #pragma once
 
 #include "pcm/cloud/geometry.h"
-#include "pcm/detect/flat_hull.h"
+#include "pcm/shapes/flat_hull.h"
 #include "pcm/shapes/shape.h"
 
 #include <cstddef>

@@ -3,7 +3,6 @@
 #include "pcm/cloud/numbers.h"
 #include "pcm/detect/candidate_sums.h"
 #include "pcm/detect/face_interior.h"
-#include "pcm/detect/flat_hull.h"
 #include "pcm/detect/node_sums.h"
 #include "pcm/detect/other_kind.h"
 #include "pcm/detect/refined_shape.h"
@@ -14,6 +13,7 @@
 #include "pcm/place/one_surface.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/tuning.h"
+#include "pcm/shapes/flat_hull.h"
 #include "pcm/shapes/primitive_list.h"
 #include "pcm/system/error.h"
 
@@ -293,6 +293,12 @@ private:
             return {FitIssue::other_surface, evidence.reason() + ": detect there with a lower threshold"};
         const Departure departure = departure_of(shape, fit.threshold, points);
         if (departure.is_smooth(options_.noise)) return {FitIssue::uneven, departure.message("shape")};
+        if (shape.kind != ShapeKind::sphere) return {};
+        ShapeFit sphere = fit;
+        sphere.shape = shape;
+        if (const auto kind = other_kind(sphere, points))
+            return {FitIssue::other_surface, std::string("a ") + traits_of(*kind).name +
+                                                 " explains its points as well or better: fit that at one of them"};
         return {};
     }
 

@@ -13,6 +13,28 @@ std::vector<ShapeKind> kinds_that_bend_more(ShapeKind kind)
     return {};
 }
 
+// A sphere lies along the band of a cylinder and takes in points next to it, or along that of a torus. So only points
+// on both shapes are compared.
+std::optional<ShapeKind> kind_of_band(const ShapeFit& fit, const std::vector<Vec3d>& points)
+{
+    const FitPoints all = FitPoints::of(points);
+    for (const ShapeKind kind : {ShapeKind::cylinder, ShapeKind::torus}) {
+        ShapeFitOptions options;
+        options.kind = kind;
+        options.threshold = fit.threshold;
+        const ShapeFit other = fit_shape(all, options);
+        if (!other.has_shape()) continue;
+        const std::vector<Vec3d> of_both = points_of_both(points, fit, other);
+        if (2 * of_both.size() < points.size()) continue;
+        const FitPoints both = FitPoints::of(of_both);
+        const KindComparison compared(both, std::min(fit.noise, other.noise));
+        if (kind == ShapeKind::torus ? compared.evidence(other.shape, fit.shape) > 0
+                                     : compared.misfit(other.shape) < compared.misfit(fit.shape))
+            return kind;
+    }
+    return {};
+}
+
 // Whether its radius is so large that a scanner's errors may bend a plane as much, as for better_kind().
 bool is_wide(const ShapeFit& fit, const std::vector<Vec3d>& points, double noise)
 {
@@ -24,6 +46,7 @@ bool is_wide(const ShapeFit& fit, const std::vector<Vec3d>& points, double noise
 
 std::optional<ShapeKind> other_kind(const ShapeFit& fit, const std::vector<Vec3d>& points)
 {
+    if (fit.shape.kind == ShapeKind::sphere && fit.noise > 0) return kind_of_band(fit, points);
     const bool is_flat = traits_of(fit.shape.kind).is_flat();
     const FitPoints compared = FitPoints::of(points);
     std::vector<ShapeFit> fits{fit};

@@ -1,6 +1,6 @@
 #include "pcm/detect/outline_points.h"
 
-#include "pcm/detect/flat_hull.h"
+#include "pcm/shapes/flat_hull.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/tree/selected_nodes.h"
 

@@ -2,7 +2,7 @@
 
 #include "pcm/cloud/growing_box_tree.h"
 #include "pcm/cloud/numbers.h"
-#include "pcm/detect/flat_hull.h"
+#include "pcm/shapes/flat_hull.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/refined_shape.h"
 #include "pcm/detect/tuning.h"

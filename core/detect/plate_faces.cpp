@@ -1,6 +1,6 @@
 #include "pcm/detect/plate_faces.h"
 
-#include "pcm/detect/flat_hull.h"
+#include "pcm/shapes/flat_hull.h"
 #include "pcm/detect/refined_shape.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/two_faces.h"

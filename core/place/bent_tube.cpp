@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -16,6 +17,9 @@ namespace {
 constexpr int parameters = 9;
 enum Parameter { centre, tilt = 3, bend = 5, tube = 6, first_end = 7, last_end = 8 };
 constexpr int most_steps = 12;
+constexpr std::size_t most_at_first = 400;           // points for which the nearest minimum of each start is found
+constexpr double first_shares[] = {0.1, 0.25, 0.4};  // of the points' angle before and behind the ends, at each start
+constexpr double wider = 2;                          // farthest distances that points of a start have
 constexpr double enough_gain = 1e-4;  // share of the sum of squares; a step that gains less is the last one
 
 using Numbers = Eigen::Matrix<double, parameters, 1>;
@@ -26,8 +30,9 @@ double turned(double angle) { return angle < 0 ? angle + 2 * pi : angle; }
 
 class TubeFit {
 public:
-    TubeFit(const Shape& torus, const Vec3d& start, const std::vector<Vec3d>& points)
-        : origin_(torus.point),
+    TubeFit(const Shape& torus, const Vec3d& start, const std::vector<Vec3d>& points, double farthest)
+        : farthest_(farthest),
+          origin_(torus.point),
           axis_(torus.axis),
           u_(normalised(start - dot(start, torus.axis) * torus.axis)),
           v_(cross(axis_, u_))
@@ -79,7 +84,9 @@ public:
         Products damped = products_;
         damped.diagonal().array() += 1e-12 * products_.trace();
         const Products inverse = damped.ldlt().solve(Products::Identity());
-        const double variance = squares / static_cast<double>(points_.size());
+        result.on_tube = on_tube_;
+        result.variance = squares_on_tube_ / static_cast<double>(std::max<std::size_t>(on_tube_, 1));
+        const double variance = result.variance;
         const auto error = [&](Parameter end) {
             return products_(end, end) > 0 ? std::sqrt(variance * inverse(end, end)) : infinity;
         };
@@ -124,7 +131,7 @@ private:
     {
         const Tube tube(at);
         double squares = 0;
-        for (const Vec3d& p : points_) squares += std::pow(tube.distance(p), 2);
+        for (const Vec3d& p : points_) squares += std::pow(std::min(std::fabs(tube.distance(p)), farthest_), 2);
         return squares;
     }
 
@@ -142,21 +149,27 @@ private:
         const Tube unmoved(at);
         products_.setZero();
         pulls_.setZero();
-        double squares = 0;
+        squares_on_tube_ = 0;
+        on_tube_ = 0;
         for (const Vec3d& p : points_) {
             const double here = unmoved.distance(p);
+            if (!(std::fabs(here) <= farthest_)) continue;
             Numbers by;
             for (int j = 0; j < parameters; ++j)
                 by[j] = (moved[static_cast<std::size_t>(j)].distance(p) - here) / step[j];
             products_ += by * by.transpose();
             pulls_ += here * by;
-            squares += here * here;
+            squares_on_tube_ += here * here;
+            ++on_tube_;
         }
-        return squares;
+        return squares_of(at);
     }
 
+    const double farthest_;
     const Vec3d origin_, axis_, u_, v_;
     std::vector<Vec3d> points_;  // about the first centre, along the three axes
+    double squares_on_tube_ = 0;
+    std::size_t on_tube_ = 0;
     Products products_ = Products::Zero();
     Numbers pulls_ = Numbers::Zero();
 };
@@ -171,18 +184,32 @@ double angle_about(const Shape& torus, const Vec3d& start, const Vec3d& p)
 }
 
 std::optional<BentTube> fit_bent_tube(const Shape& torus, const Vec3d& start, double low, double high,
-                                      const std::vector<Vec3d>& points)
+                                      const std::vector<Vec3d>& points, double farthest)
 {
-    TubeFit fit(torus, start, points);
+    std::vector<Vec3d> few;
+    for (std::size_t i = 0; i < points.size(); i += 1 + points.size() / most_at_first) few.push_back(points[i]);
+    TubeFit near(torus, start, few, farthest), wide(torus, start, few, wider * farthest);
     std::optional<std::pair<double, Numbers>> best;
-    for (const double share : {0.1, 0.25, 0.4}) {
-        Numbers at;
-        at << 0, 0, 0, 0, 0, torus.radius, torus.second, low + share * (high - low), high - share * (high - low);
-        const double squares = fit.improve(at);
+    const auto take_better = [&](const Numbers& from) {
+        Numbers at = from;
+        const double squares = near.improve(at);
         if (at[first_end] < at[last_end] && (!best || squares < best->first)) best = {squares, at};
+    };
+    for (const double low_share : first_shares) {
+        for (const double high_share : first_shares) {
+            Numbers at;
+            at << 0, 0, 0, 0, 0, torus.radius, torus.second, low + low_share * (high - low),
+                high - high_share * (high - low);
+            take_better(at);
+            wide.improve(at);
+            take_better(at);
+        }
     }
     if (!best) return {};
-    return fit.tube_at(best->second, best->first);
+    TubeFit fit(torus, start, points, farthest);
+    const double squares = fit.improve(best->second);
+    if (!(best->second[first_end] < best->second[last_end])) return {};
+    return fit.tube_at(best->second, squares);
 }
 
 }  // namespace pcm

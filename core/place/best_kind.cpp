@@ -82,6 +82,15 @@ KindComparison::KindComparison(const FitPoints& points, double noise)
     for (std::size_t i = 0; i < points.size(); i += every_) box_.extend(points.source(i));
 }
 
+std::vector<Vec3d> points_of_both(const std::vector<Vec3d>& points, const ShapeFit& one, const ShapeFit& other)
+{
+    std::vector<Vec3d> both;
+    for (const Vec3d& p : points)
+        if (distance_to(one.shape, p) <= one.threshold && distance_to(other.shape, p) <= other.threshold)
+            both.push_back(p);
+    return both;
+}
+
 bool explains_better(const ShapeFit& fit, const Shape& simpler, const std::vector<Vec3d>& points)
 {
     const FitPoints compared = FitPoints::of(points);

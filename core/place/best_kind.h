@@ -49,6 +49,9 @@ private:
     Box3d box_;
 };
 
+// Those within the thresholds of both shapes, by which kinds are compared of which one takes in points of others.
+std::vector<Vec3d> points_of_both(const std::vector<Vec3d>& points, const ShapeFit& one, const ShapeFit& other);
+
 // Whether a shape explains its own points, which are `points`, better than one with fewer parameters does: the hole of
 // a wide torus is nearly a pipe.
 bool explains_better(const ShapeFit& fit, const Shape& simpler, const std::vector<Vec3d>& points);

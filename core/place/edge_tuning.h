@@ -114,6 +114,23 @@ struct PointOffTuning {
     std::size_t min_aside = 3;  // points
 };
 
+// Planes that are fitted without the border along their outline, as faces of posts: there other surfaces meet them, and
+// beams hit both (grow_shape.cpp).
+struct NarrowFaceTuning {
+    // Width of the border along the outline.
+    // Chosen: as detect.faces.border; not swept.
+    double border = 1.5;  // thresholds
+    // Minimum share of the points that are of the border.
+    // Chosen: not swept.
+    double min_border = 0.05;  // share of the points
+    // Error of the angle without the border, for the same noise, from which on it is used, too.
+    // Chosen: as detect.faces.max_growth; not swept.
+    double max_growth = 3;  // errors with it
+    // Minimum difference of the fit to points that are next to no other surface, for the errors to contain it.
+    // Chosen: not swept.
+    double min_difference = 3;  // errors of that fit
+};
+
 // Where the radius of a pipe changes (radius_step.h).
 struct RadiusStepTuning {
     // Points that are looked at.

@@ -290,11 +290,12 @@ void FollowedVerdict::doubt_bent(const FollowedPoints& followed, double noise, F
     }
 }
 
-// The rim of a flange is a band of a cylinder, and as well one of a sphere.
+// The rim of a flange is a band of a cylinder, and as well one of a sphere, which takes in a few points next to it.
 void FollowedVerdict::doubt_equal_kind(const std::vector<Vec3d>& fitted, ShapeFit& fit) const
 {
     const FollowingTuning& tuned = place_tuning().following;
-    if (model_of(fit.shape.kind).rank != 1 || fit.inliers >= tuned.min_small_points || !(fit.noise > 0)) return;
+    const bool may_be_band = fit.shape.kind == ShapeKind::sphere || fit.inliers < tuned.min_small_points;
+    if (model_of(fit.shape.kind).rank != 1 || !may_be_band || !(fit.noise > 0)) return;
     const FitPoints points = FitPoints::of(fitted);
     const KindComparison compared(points, fit.noise);
     ShapeFitOptions options = options_.fit;
@@ -304,11 +305,16 @@ void FollowedVerdict::doubt_equal_kind(const std::vector<Vec3d>& fitted, ShapeFi
         if (kind == fit.shape.kind || model_of(kind).rank != 1) continue;
         options.kind = kind;
         const ShapeFit other = fit_shape(points, options);
-        const bool is_equal = other.has_shape() && compared.misfit(other.shape) - compared.misfit(fit.shape) <
-                                                       place_tuning().kinds.min_evidence;
-        if (is_equal)
+        if (!other.has_shape()) continue;
+        const std::vector<Vec3d> of_both = points_of_both(fitted, fit, other);
+        const FitPoints both = FitPoints::of(of_both);
+        const KindComparison on_both(both, fit.noise);
+        const double evidence =
+            std::min(compared.misfit(other.shape) - compared.misfit(fit.shape),
+                     of_both.empty() ? infinity : on_both.misfit(other.shape) - on_both.misfit(fit.shape));
+        if (evidence < place_tuning().kinds.min_evidence)
             doubt(fit, FitIssue::thin_arc,
-                  std::string("a ") + traits_of(kind).name + " fits these few points as well as a " +
+                  std::string("a ") + traits_of(kind).name + " fits these points as well as a " +
                       traits_of(fit.shape.kind).name + ": take points farther around it, or fit the kind that it is");
     }
 }

@@ -10,20 +10,24 @@
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_surface.h"
 #include "pcm/select/grow.h"
+#include "pcm/shapes/flat_hull.h"
 #include "pcm/system/progress_part.h"
 #include "pcm/threads/watch.h"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 namespace pcm {
 namespace {
 
-constexpr double rounds_end = 0.7;          // share of the progress
-constexpr std::size_t most_sliced = 20000;  // points used to find a swept part
-constexpr int most_threshold_steps = 4;     // lowerings of a threshold
-constexpr int most_part_rounds = 3;         // in which a swept part settles
+constexpr double rounds_end = 0.7;           // share of the progress
+constexpr std::size_t most_sliced = 20000;   // points used to find a swept part
+constexpr std::size_t most_outlined = 4000;  // points that show the outline of a plane
+constexpr int most_middle_rounds = 3;
+constexpr int most_threshold_steps = 4;  // lowerings of a threshold
+constexpr int most_part_rounds = 8;      // in which a swept part settles
 
 class ShapeGrowth {
 public:
@@ -132,7 +136,9 @@ private:
         const bool is_enough = grown.inner_share >= tuned_.min_inner;
         if (const auto part = swept_part_of(grown.points, grown))
             return fit_swept_part(*part, is_enough ? inner : grown.points, grown);
-        if (!is_enough) return contain_edges(inner, grown);
+        const std::optional<FlatHull> face = narrow_face(grown);
+        if (!is_enough) return contain_edges(inner, face, grown);
+        if (face && fit_middle(*face, true, grown)) return;
         if (inner.size() == grown.points.size()) return;
         const RefittedShape fitted = refit(inner, before, 0.55, 0.7, true);
         if (!fitted.fit.has_shape()) return;
@@ -142,17 +148,81 @@ private:
     }
 
     // What points of other surfaces at the edges have moved the shape by, beyond what chance moves the few inner ones.
-    void contain_edges(const PointSet& inner, GrownShape& grown) const
+    void contain_edges(PointSet inner, const std::optional<FlatHull>& face, GrownShape& grown) const
     {
-        if (const auto plane = without_crossing(grown.points, grown.around, grown.fit.shape, threshold_,
-                                                options_.threads, part_of(options_.progress, 0.5, 0.52))) {
+        PointSet points = grown.points, around = grown.around;
+        const bool is_middle = face && fit_middle(*face, false, grown);
+        if (is_middle) {
+            points = inside(*face, grown.points);
+            around = inside(*face, around);
+            inner = inside(*face, inner_of(grown));
+        }
+        if (const auto plane = without_crossing(points, around, grown.fit.shape, threshold_, options_.threads,
+                                                part_of(options_.progress, 0.5, 0.52))) {
             correct(plane->shape, tuned_.crossing_error, plane->middle, grown.fit);
             reach(plane->shape, 0.52, 0.55, grown);
             grown.fit.inliers = grown.points.size();
         }
         if (inner.size() < tuned_.min_compared) return;
         const RefittedShape fitted = refit(inner, grown.fit.shape, 0.55, 0.7, true);
-        pcm::contain_edges(fitted.fit, fitted.box.centre(), grown.fit);
+        // The few inner ones of a middle differ from it by chance, too.
+        const auto is_apart = [&] {
+            return fitted.fit.has_shape() &&
+                   change_in_errors(grown.fit.shape, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) >
+                       place_tuning().narrow_faces.min_difference;
+        };
+        if (!is_middle || is_apart()) pcm::contain_edges(fitted.fit, fitted.box.centre(), grown.fit);
+    }
+
+    // The outline of a plane, where much of it is border.
+    std::optional<FlatHull> narrow_face(const GrownShape& grown) const
+    {
+        if (!traits_of(grown.fit.shape.kind).is_flat()) return {};
+        const std::vector<Vec3d> some = random_points(grown.points, most_outlined, options_.threads);
+        const FlatHull outline(some, grown.fit.shape);
+        const auto of_border =
+            std::count_if(some.begin(), some.end(), [&](const Vec3d& p) { return !is_inside(outline, p); });
+        if (!(static_cast<double>(of_border) >
+              place_tuning().narrow_faces.min_border * static_cast<double>(some.size())))
+            return {};
+        return outline;
+    }
+
+    bool is_inside(const FlatHull& outline, const Vec3d& p) const
+    {
+        return outline.gap_to(p) <= -place_tuning().narrow_faces.border * threshold_;
+    }
+
+    PointSet inside(const FlatHull& outline, const PointSet& points) const
+    {
+        return points_where(
+            points, [&](const Vec3d& p) { return is_inside(outline, p); }, options_.threads);
+    }
+
+    PointSet inner_of(const GrownShape& grown) const
+    {
+        return inner_points(grown.points, grown.around, grown.fit.shape, threshold_, options_.threads);
+    }
+
+    // Fits a face to those of its points that are not of its border, where they determine it: the first time to points
+    // that the turned face has within the threshold. `inner`: to those of them that are not at an edge.
+    bool fit_middle(const FlatHull& face, bool inner, GrownShape& grown) const
+    {
+        const ShapeFit whole = grown.fit;
+        bool is_settled = false;
+        for (int round = 0; round < most_middle_rounds && !is_settled; ++round) {
+            const PointSet middle = inside(face, inner ? inner_of(grown) : grown.points);
+            if (middle.size() < tuned_.min_compared) return round > 0;
+            const Shape before = grown.fit.shape;
+            const RefittedShape fitted = refit(middle, before, 0.5, 0.52, true);
+            const ShapeFit& fit = fitted.fit;
+            const double most = place_tuning().narrow_faces.max_growth * whole.errors.angle;
+            if (!fit.has_shape() || !(fit.errors.angle * whole.noise <= most * fit.noise)) return round > 0;
+            is_settled = change_in_errors(before, fit.shape, fit.errors, fitted.box.centre()) <= tuned_.settled_change;
+            if (!is_settled) reach(fit.shape, 0.52, 1, grown);
+            take(fitted, grown);
+        }
+        return true;
     }
 
     static void take(const RefittedShape& fitted, GrownShape& grown)
@@ -196,8 +266,9 @@ private:
     std::optional<SweptPart> swept_part_of(const PointSet& points, const GrownShape& grown) const
     {
         if (grown.fit.shape.kind != ShapeKind::torus) return {};
-        return swept_part(grown.fit.shape, threshold_,
-                          random_points(points, most_sliced, options_.threads, part_of(options_.progress, 0.5, 0.5)));
+        const ProgressFunction progress = part_of(options_.progress, 0.5, 0.5);
+        return swept_part(grown.fit.shape, threshold_, random_points(points, most_sliced, options_.threads, progress),
+                          random_points(grown.around, most_sliced, options_.threads, progress));
     }
 
     RefittedShape refit(const PointSet& points, const Shape& shape, double begin, double end, bool moves) const

@@ -30,8 +30,8 @@ std::array<double, 2> widest_gap(std::vector<double> angles)
 
 class SweepCut {
 public:
-    SweepCut(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
-        : threshold_(threshold), points_(points)
+    SweepCut(const Shape& shape, double threshold, const std::vector<Vec3d>& points, const std::vector<Vec3d>& around)
+        : threshold_(threshold), points_(points), around_(around)
     {
         part_.shape = shape;
     }
@@ -41,11 +41,9 @@ public:
         if (!set_ends()) return {};
         const std::vector<Vec3d> some = thinned();
         double squares = 0;
-        for (const Vec3d& p : some) squares += std::pow(signed_distance(part_.shape, p), 2);
-        const auto tube = fit_bent_tube(part_.shape, part_.start, low_, high_, some);
-        if (!tube) return {};
-        const double variance = tube->squares / static_cast<double>(some.size());
-        if (!(squares - tube->squares > tuned_.min_tangent_gain * variance)) return {};
+        for (const Vec3d& p : some) squares += std::pow(std::min(distance_to(part_.shape, p), threshold_), 2);
+        const auto tube = fit_bent_tube(part_.shape, part_.start, low_, high_, some, threshold_);
+        if (!tube || !(squares - tube->squares > tuned_.min_tangent_gain * tube->variance)) return {};
         part_.shape = tube->torus;
         const double from = tube->from + tuned_.end_errors * tube->from_error,
                      to = tube->to - tuned_.end_errors * tube->to_error;
@@ -61,7 +59,7 @@ public:
 private:
     bool set_ends()
     {
-        if (points_.size() < tuned_.min_swept_points) return false;
+        if (points_.size() < tuned_.min_bent_points) return false;
         std::vector<double> angles;
         const AxisFrame frame(part_.shape.axis);
         for (const Vec3d& p : points_) angles.push_back(angle_about(part_.shape, frame.u, p));
@@ -79,7 +77,7 @@ private:
     std::vector<Vec3d> thinned() const
     {
         std::vector<Vec3d> some;
-        for (std::size_t i = 0; i < points_.size(); i += 1 + points_.size() / most_swept) some.push_back(points_[i]);
+        for (std::size_t i = 0; i < around_.size(); i += 1 + around_.size() / most_swept) some.push_back(around_[i]);
         return some;
     }
 
@@ -100,7 +98,7 @@ private:
 
     const GrowthTuning& tuned_ = place_tuning().growth;
     const double threshold_;
-    const std::vector<Vec3d>& points_;
+    const std::vector<Vec3d>&points_, &around_;
     SweptPart part_;
     double low_ = 0, high_ = 0;  // first and last angle of the points
 };
@@ -113,10 +111,11 @@ bool SweptPart::has(const Vec3d& p) const
     return way >= from && way < to;
 }
 
-std::optional<SweptPart> swept_part(const Shape& shape, double threshold, const std::vector<Vec3d>& points)
+std::optional<SweptPart> swept_part(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
+                                    const std::vector<Vec3d>& around)
 {
     if (shape.kind != ShapeKind::torus) return {};
-    return SweepCut(shape, threshold, points).run();
+    return SweepCut(shape, threshold, points, around).run();
 }
 
 }  // namespace pcm

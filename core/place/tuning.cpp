@@ -87,6 +87,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.growth.crossing_error),
         PCM_TUNED(place.growth.agreement_cubes),
         PCM_TUNED(place.growth.min_swept_gap),
+        PCM_TUNED(place.growth.min_bent_points),
         PCM_TUNED(place.growth.min_swept_points),
         PCM_TUNED(place.growth.min_tangent_gain),
         PCM_TUNED(place.growth.end_errors),
@@ -124,7 +125,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
 }
 
 using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning,
-                                                       RadiusStepTuning, ThinPipeTuning>>;
+                                                       NarrowFaceTuning, RadiusStepTuning, ThinPipeTuning>>;
 ValuesOfEdges values_of_edges(PlaceTuning& place)
 {
     return {{
@@ -157,6 +158,10 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.point_off.min_off),
         PCM_TUNED(place.point_off.far_away),
         PCM_TUNED(place.point_off.min_aside),
+        PCM_TUNED(place.narrow_faces.border),
+        PCM_TUNED(place.narrow_faces.min_border),
+        PCM_TUNED(place.narrow_faces.max_growth),
+        PCM_TUNED(place.narrow_faces.min_difference),
         PCM_TUNED(place.radius_steps.points),
         PCM_TUNED(place.radius_steps.slice_points),
         PCM_TUNED(place.radius_steps.max_slices),

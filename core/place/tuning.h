@@ -240,6 +240,9 @@ struct GrowthTuning {
     // Chosen: not swept.
     double min_swept_gap = 0.35;  // radians
     // Fewer points of a torus show no ends.
+    // Chosen: elbows of 60 to 200 points on three ray-cast scenes; not swept.
+    std::size_t min_bent_points = 60;  // points
+    // Fewer points of a cone or torus are no reason to prefer it to what was found first (fit_again.h).
     // Chosen: not swept.
     std::size_t min_swept_points = 200;  // points
     // Minimum gain of straight tubes at a torus's ends. Elbows of 90 degrees have radii 3 to 25 standard deviations off
@@ -469,6 +472,7 @@ struct PlaceTuning {
     SideTuning sides;
     CornerAtPlaceTuning corners;
     PointOffTuning point_off;
+    NarrowFaceTuning narrow_faces;
     RadiusStepTuning radius_steps;
     ThinPipeTuning thin_pipes;
     StationTuning stations;

@@ -5,6 +5,8 @@
 #include "tests/place/shape_cloud.h"
 
 #include <algorithm>
+#include <cmath>
+#include <functional>
 
 namespace {
 
@@ -63,6 +65,45 @@ TEST(OtherKind, WhatIsOfItsKindIsNotOfAnother)
 {
     EXPECT_FALSE(found_for(kind_of(ShapeKind::cylinder, 0.1), ShapeKind::cylinder, 0, 1, 2));
     EXPECT_FALSE(found_for(kind_of(ShapeKind::plane, 0), ShapeKind::plane, 0, 1, 1));
+}
+
+// The kind in place of a sphere that is fitted to 600 points around the z axis: at distance `r` of angle `a` and
+// height.
+std::optional<ShapeKind> found_for_sphere(const std::function<Vec3d(double a, Dice&)>& at, std::size_t outside = 0)
+{
+    Dice dice(9);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 600; ++i) points.push_back(at(dice.between(0, 2), dice));
+    ShapeFitOptions options;
+    options.kind = ShapeKind::sphere;
+    options.threshold = kind_threshold;
+    const ShapeFit fit = fit_shape(FitPoints::of(points), options);
+    EXPECT_TRUE(fit.has_shape());
+    for (std::size_t i = 0; i < outside; ++i) {  // on the sphere, but not on the band
+        const double a = dice.between(0, 2), up = 0.6 * fit.shape.radius, r = 0.8 * fit.shape.radius;
+        points.push_back(fit.shape.point + Vec3d{r * std::cos(a), r * std::sin(a), up});
+    }
+    return other_kind(fit, points);
+}
+
+TEST(OtherKind, BandsOfCylindersAndKnucklesAreNotSpheres)
+{
+    const auto rims = [](double a, Dice& dice) {
+        const double r = 0.19 + kind_noise * dice.normal();
+        return Vec3d{r * std::cos(a), r * std::sin(a), dice.between(-0.03, 0.03)};
+    };
+    EXPECT_EQ(found_for_sphere(rims), ShapeKind::cylinder);
+    EXPECT_EQ(found_for_sphere(rims, 40), ShapeKind::cylinder) << "by the points on both";
+    const auto knuckle = [](double a, Dice& dice) {
+        const double b = dice.between(0.4, 1), r = 0.43 + (0.11 + kind_noise * dice.normal()) * std::cos(b);
+        return Vec3d{r * std::cos(a), r * std::sin(a), 0.11 * std::sin(b)};
+    };
+    EXPECT_EQ(found_for_sphere(knuckle), ShapeKind::torus);
+    EXPECT_FALSE(found_for_sphere([](double a, Dice& dice) {
+        const double h = dice.between(-0.15, 0.15), r = 0.4 + kind_noise * dice.normal();
+        const double out = std::sqrt(r * r - h * h);
+        return Vec3d{out * std::cos(a), out * std::sin(a), h};
+    })) << "a part of a ball";
 }
 
 // A floor, and a cone of which cylinders are cut out.

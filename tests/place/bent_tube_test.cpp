@@ -98,4 +98,24 @@ TEST(BentTube, AMitreIsNoBend)
     if (tube) EXPECT_LT(tube->torus.second, tube->torus.radius);
 }
 
+// Points farther than that from the tube are of something else: they do not move it.
+TEST(BentTube, IsFittedToPointsWithinADistance)
+{
+    Bend bend(pi / 2, 0.15, 0.15, 5);
+    const std::size_t own = bend.points.size();
+    for (std::size_t i = 0; i < own; i += 4) bend.points.push_back(bend.points[i] + 0.03 * bend.torus.axis);
+    const auto fit = [&](double farthest) {
+        return fit_bent_tube(bend.torus, bend.start, bend.angle_of(-0.4), bend.angle_of(pi / 2 + 0.4), bend.points,
+                             farthest);
+    };
+    const auto with = fit(infinity), without = fit(4 * tube_noise);
+    ASSERT_TRUE(with && without);
+    EXPECT_GT(length(with->torus.point - tube_middle), 0.003);
+    EXPECT_LT(length(without->torus.point - tube_middle), 0.002);
+    EXPECT_GT(without->on_tube, own - own / 100);
+    EXPECT_LT(without->on_tube, own + own / 8);
+    EXPECT_NEAR(std::sqrt(without->variance), tube_noise, 0.1 * tube_noise);
+    EXPECT_GT(without->squares, 2 * without->variance * static_cast<double>(without->on_tube));
+}
+
 }  // namespace

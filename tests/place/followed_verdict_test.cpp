@@ -289,8 +289,39 @@ TEST_F(FollowedVerdictTest, BandsThatAreOfTwoKindsAreDoubted)
     kinds_ = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
     const ShapeFit rim = of_width(0.015, 300);
     EXPECT_EQ(rim.verdict, FitVerdict::doubtful);
-    EXPECT_NE(rim.message.find("a sphere fits these few points as well"), std::string::npos) << rim.message;
+    EXPECT_NE(rim.message.find("a sphere fits these points as well"), std::string::npos) << rim.message;
     EXPECT_EQ(of_width(0.3, 300).verdict, FitVerdict::good) << of_width(0.3, 300).message;
+}
+
+// Two rims of a pair of flanges, as a sphere that has points next to them, too.
+TEST_F(FollowedVerdictTest, SpheresAlongBandsOfCylindersAreDoubted)
+{
+    Dice dice(14);
+    std::vector<SurfacePoint> points;
+    const auto put = [&](double r, double z) {
+        const double along = dice.between(0, 2);
+        points.push_back({{r * std::cos(along), r * std::sin(along), 1 + z}, {}});
+    };
+    for (int i = 0; i < 800; ++i) put(0.4 + 0.0015 * dice.normal(), (i % 2 ? 1 : -1) * dice.between(0.005, 0.03));
+    kinds_ = {ShapeKind::plane, ShapeKind::cylinder, ShapeKind::sphere};
+    ShapeFit fit;
+    fit.shape = {ShapeKind::sphere, {0, 0, 1}, {0, 0, 1}, 0.4005, 0};
+    fit.noise = 0.0015;
+    fit.threshold = 0.005;
+    const auto verdict = [&] { return judged(points, fit, 0.0015, 1, true).primitive.fit.verdict; };
+    EXPECT_EQ(verdict(), FitVerdict::doubtful);
+    // Points of the sphere far from the band, which the cylinder does not have.
+    for (int i = 0; i < 60; ++i) {
+        const double z = dice.between(0.1, 0.12);
+        put(std::sqrt(0.4005 * 0.4005 - z * z), z);
+    }
+    EXPECT_EQ(verdict(), FitVerdict::doubtful) << "by the points on both";
+    points.clear();
+    for (int i = 0; i < 800; ++i) {
+        const double z = dice.between(-0.15, 0.15);
+        put(std::sqrt(0.4005 * 0.4005 - z * z) + 0.0015 * dice.normal(), z);
+    }
+    EXPECT_EQ(verdict(), FitVerdict::good) << "a part of a ball";
 }
 
 // The straight pipe behind an elbow is followed with it, and is not a part of its torus.

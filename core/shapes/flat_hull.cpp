@@ -1,4 +1,4 @@
-#include "pcm/detect/flat_hull.h"
+#include "pcm/shapes/flat_hull.h"
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/shapes/flat_points.h"
