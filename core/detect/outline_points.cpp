@@ -1,7 +1,7 @@
 #include "pcm/detect/outline_points.h"
 
-#include "pcm/shapes/flat_hull.h"
 #include "pcm/detect/tuning.h"
+#include "pcm/shapes/flat_hull.h"
 #include "pcm/tree/selected_nodes.h"
 
 #include <algorithm>

@@ -2,11 +2,11 @@
 
 #include "pcm/cloud/growing_box_tree.h"
 #include "pcm/cloud/numbers.h"
-#include "pcm/shapes/flat_hull.h"
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/refined_shape.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/unit_parts.h"
+#include "pcm/shapes/flat_hull.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
 #include "pcm/detect/plate_faces.h"
 
-#include "pcm/shapes/flat_hull.h"
 #include "pcm/detect/refined_shape.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/two_faces.h"
+#include "pcm/shapes/flat_hull.h"
 #include "pcm/tree/selected_nodes.h"
 
 #include <array>

@@ -18,7 +18,7 @@ constexpr int parameters = 9;
 enum Parameter { centre, tilt = 3, bend = 5, tube = 6, first_end = 7, last_end = 8 };
 constexpr int most_steps = 12;
 constexpr std::size_t most_at_first = 400;           // points for which the nearest minimum of each start is found
-constexpr double first_shares[] = {0.1, 0.25, 0.4};  // of the points' angle before and behind the ends, at each start
+constexpr double first_shares[] = {0.1, 0.25, 0.4};  // shares of the points' angle outside the ends of a start
 constexpr double wider = 2;                          // farthest distances that points of a start have
 constexpr double enough_gain = 1e-4;  // share of the sum of squares; a step that gains less is the last one
 
@@ -183,7 +183,16 @@ double angle_about(const Shape& torus, const Vec3d& start, const Vec3d& p)
     return turned(std::atan2(dot(d, cross(torus.axis, u)), dot(d, u)));
 }
 
-std::optional<BentTube> fit_bent_tube(const Shape& torus, const Vec3d& start, double low, double high,
+std::vector<BendEnds> ends_between(double low, double high)
+{
+    std::vector<BendEnds> ends;
+    for (const double low_share : first_shares)
+        for (const double high_share : first_shares)
+            ends.push_back({low + low_share * (high - low), high - high_share * (high - low)});
+    return ends;
+}
+
+std::optional<BentTube> fit_bent_tube(const Shape& torus, const Vec3d& start, const std::vector<BendEnds>& ends,
                                       const std::vector<Vec3d>& points, double farthest)
 {
     std::vector<Vec3d> few;
@@ -195,15 +204,12 @@ std::optional<BentTube> fit_bent_tube(const Shape& torus, const Vec3d& start, do
         const double squares = near.improve(at);
         if (at[first_end] < at[last_end] && (!best || squares < best->first)) best = {squares, at};
     };
-    for (const double low_share : first_shares) {
-        for (const double high_share : first_shares) {
-            Numbers at;
-            at << 0, 0, 0, 0, 0, torus.radius, torus.second, low + low_share * (high - low),
-                high - high_share * (high - low);
-            take_better(at);
-            wide.improve(at);
-            take_better(at);
-        }
+    for (const BendEnds& one : ends) {
+        Numbers at;
+        at << 0, 0, 0, 0, 0, torus.radius, torus.second, one.from, one.to;
+        take_better(at);
+        wide.improve(at);
+        take_better(at);
     }
     if (!best) return {};
     TubeFit fit(torus, start, points, farthest);

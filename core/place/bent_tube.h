@@ -22,12 +22,18 @@ struct BentTube {
 // Angle of a place about the torus's axis from a direction, which is not along the axis, from 0 to 2 pi, radians.
 double angle_about(const Shape& torus, const Vec3d& start, const Vec3d& p);
 
+struct BendEnds {
+    double from = 0, to = 0;  // as angle_about()
+};
+
+// Several places of both ends between the first angle of the points and their last one.
+std::vector<BendEnds> ends_between(double low, double high);
+
 // The one with the least sum of squared distances, from a torus that is near, of which the direction `start` is in a
-// gap of the points: Gauss-Newton steps (Levenberg, Marquardt) from ends at several places between the points' first
-// angle `low` and their last one `high`. Nothing where no step helps. `points`: source coordinates, at least 20, those
-// of pipes beyond the torus among them; `farthest`: distance from which on they are of something else, source units.
-// One thread; some milliseconds for 2000 points.
-std::optional<BentTube> fit_bent_tube(const Shape& torus, const Vec3d& start, double low, double high,
+// gap of the points: Gauss-Newton steps (Levenberg, Marquardt) from each of these ends. Nothing where no step helps.
+// `points`: source coordinates, at least 20, those of pipes beyond the torus among them; `farthest`: distance from
+// which on they are of something else, source units. One thread; some ten milliseconds for 2000 points.
+std::optional<BentTube> fit_bent_tube(const Shape& torus, const Vec3d& start, const std::vector<BendEnds>& ends,
                                       const std::vector<Vec3d>& points, double farthest = infinity);
 
 }  // namespace pcm

@@ -124,11 +124,7 @@ private:
     {
         options_.progress = part_of(whole_progress_, rounds_end, 1);
         const Shape before = grown.fit.shape;
-        const NearShape near(before, around_thresholds * threshold_, options_.normal_angle,
-                             seeds_.tree().info().schema);
-        const double way = std::max(options_.step, around_thresholds * threshold_);
-        grown.around = points_next_to(grown.points, way, near, options_.limit, options_.threads,
-                                      part_of(options_.progress, 0, 0.3));
+        find_around(before, 0, 0.3, grown);
         PointSet inner = inner_points(grown.points, grown.around, before, threshold_, options_.threads,
                                       part_of(options_.progress, 0.3, 0.5));
         if (!grown.points.empty())
@@ -145,6 +141,14 @@ private:
         if (change_in_errors(before, fitted.fit.shape, fitted.fit.errors, fitted.box.centre()) > tuned_.settled_change)
             reach(fitted.fit.shape, 0.7, 1, grown);
         take(fitted, grown);
+    }
+
+    void find_around(const Shape& shape, double begin, double end, GrownShape& grown) const
+    {
+        const NearShape near(shape, around_thresholds * threshold_, options_.normal_angle, seeds_.tree().info().schema);
+        const double way = std::max(options_.step, around_thresholds * threshold_);
+        grown.around = points_next_to(grown.points, way, near, options_.limit, options_.threads,
+                                      part_of(options_.progress, begin, end));
     }
 
     // What points of other surfaces at the edges have moved the shape by, beyond what chance moves the few inner ones.
@@ -254,8 +258,9 @@ private:
             reach(fitted.fit.shape, begin + 2 * step, begin + 3 * step, grown);
             grown.fit.inliers = grown.points.size();
             if (round + 1 == most_part_rounds) return;
+            find_around(fitted.fit.shape, begin + 3 * step, begin + 3 * step, grown);
             inner = grown.points;
-            if (const auto again = swept_part_of(inner, grown))
+            if (const auto again = swept_part_of(inner, grown, &part))
                 part = *again;
             else
                 part.shape = fitted.fit.shape;
@@ -263,12 +268,13 @@ private:
     }
 
     // Without what straight pipes add to an elbow.
-    std::optional<SweptPart> swept_part_of(const PointSet& points, const GrownShape& grown) const
+    std::optional<SweptPart> swept_part_of(const PointSet& points, const GrownShape& grown,
+                                           const SweptPart* before = nullptr) const
     {
         if (grown.fit.shape.kind != ShapeKind::torus) return {};
         const ProgressFunction progress = part_of(options_.progress, 0.5, 0.5);
         return swept_part(grown.fit.shape, threshold_, random_points(points, most_sliced, options_.threads, progress),
-                          random_points(grown.around, most_sliced, options_.threads, progress));
+                          random_points(grown.around, most_sliced, options_.threads, progress), before);
     }
 
     RefittedShape refit(const PointSet& points, const Shape& shape, double begin, double end, bool moves) const

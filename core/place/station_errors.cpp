@@ -128,7 +128,7 @@ void add_known_spread(const StationSums& sums, const StationSpread& found, doubl
 
 namespace {
 
-// `directions`: of the shape before turned points were left out; null: all points count.
+// `directions`: those of the shape before turned points were left out; null: all points count.
 void add_spread_of_stations(const PointSet& points, StationsAround& around, const StationErrorOptions& options,
                             const StationDirections* directions, double& agreement, Primitive& primitive)
 {

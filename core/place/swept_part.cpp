@@ -30,8 +30,9 @@ std::array<double, 2> widest_gap(std::vector<double> angles)
 
 class SweepCut {
 public:
-    SweepCut(const Shape& shape, double threshold, const std::vector<Vec3d>& points, const std::vector<Vec3d>& around)
-        : threshold_(threshold), points_(points), around_(around)
+    SweepCut(const Shape& shape, double threshold, const std::vector<Vec3d>& points, const std::vector<Vec3d>& around,
+             const SweptPart* before)
+        : threshold_(threshold), points_(points), around_(around), before_(before)
     {
         part_.shape = shape;
     }
@@ -42,13 +43,15 @@ public:
         const std::vector<Vec3d> some = thinned();
         double squares = 0;
         for (const Vec3d& p : some) squares += std::pow(std::min(distance_to(part_.shape, p), threshold_), 2);
-        const auto tube = fit_bent_tube(part_.shape, part_.start, low_, high_, some, threshold_);
+        const auto tube = fit_bent_tube(part_.shape, part_.start, first_ends(), some, threshold_);
         if (!tube || !(squares - tube->squares > tuned_.min_tangent_gain * tube->variance)) return {};
         part_.shape = tube->torus;
         const double from = tube->from + tuned_.end_errors * tube->from_error,
                      to = tube->to - tuned_.end_errors * tube->to_error;
         part_.from = from > low_ && from < high_ ? from : -infinity;
         part_.to = to < high_ && to > low_ ? to : infinity;
+        if (std::isfinite(part_.from)) part_.first_end = tube->from - tuned_.end_errors * tube->from_error;
+        if (std::isfinite(part_.to)) part_.last_end = tube->to + tuned_.end_errors * tube->to_error;
         std::size_t own = 0;
         for (const Vec3d& p : points_) own += part_.has(p);
         if (own == points_.size()) return {};
@@ -66,12 +69,29 @@ private:
         const auto [middle, width] = widest_gap(std::move(angles));
         if (width < tuned_.min_swept_gap) return false;
         part_.start = std::cos(middle) * frame.u + std::sin(middle) * cross(frame.axis, frame.u);
+        if (before_) part_.start = before_->start;
         std::vector<double> ways;
         for (const Vec3d& p : points_) ways.push_back(angle_about(part_.shape, part_.start, p));
         const auto [low, high] = std::minmax_element(ways.begin(), ways.end());
         low_ = *low;
         high_ = *high;
         return high_ > low_;
+    }
+
+    // Those that were found before: beyond them may be another bend.
+    std::vector<BendEnds> first_ends() const
+    {
+        std::vector<BendEnds> ends = ends_between(low_, high_);
+        for (BendEnds& one : ends) {
+            if (before_ && std::isfinite(before_->from)) one.from = before_->from;
+            if (before_ && std::isfinite(before_->to)) one.to = before_->to;
+        }
+        const auto is_same = [](const BendEnds& a, const BendEnds& b) { return a.from == b.from && a.to == b.to; };
+        std::sort(ends.begin(), ends.end(), [](const BendEnds& a, const BendEnds& b) {
+            return std::make_pair(a.from, a.to) < std::make_pair(b.from, b.to);
+        });
+        ends.erase(std::unique(ends.begin(), ends.end(), is_same), ends.end());
+        return ends;
     }
 
     std::vector<Vec3d> thinned() const
@@ -99,6 +119,7 @@ private:
     const GrowthTuning& tuned_ = place_tuning().growth;
     const double threshold_;
     const std::vector<Vec3d>&points_, &around_;
+    const SweptPart* const before_;
     SweptPart part_;
     double low_ = 0, high_ = 0;  // first and last angle of the points
 };
@@ -111,11 +132,17 @@ bool SweptPart::has(const Vec3d& p) const
     return way >= from && way < to;
 }
 
+bool SweptPart::may_have(const Vec3d& p) const
+{
+    const double way = angle_about(shape, start, p);
+    return way >= first_end && way < last_end;
+}
+
 std::optional<SweptPart> swept_part(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
-                                    const std::vector<Vec3d>& around)
+                                    const std::vector<Vec3d>& around, const SweptPart* before)
 {
     if (shape.kind != ShapeKind::torus) return {};
-    return SweepCut(shape, threshold, points, around).run();
+    return SweepCut(shape, threshold, points, around, before).run();
 }
 
 }  // namespace pcm

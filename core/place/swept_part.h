@@ -4,6 +4,7 @@
 // beyond. As long as that is within the threshold its points are reached, all of them on one side of the elbow.
 #pragma once
 
+#include "pcm/cloud/numbers.h"
 #include "pcm/shapes/shape.h"
 
 #include <cstddef>
@@ -17,7 +18,10 @@ struct SweptPart {
     Shape shape;    // the sweep, fitted to the part
     Vec3d start{};  // direction of the middle of the gap that the torus leaves
     double from = 0, to = 0;
+    double first_end = -infinity, last_end = infinity;  // where the tubes begin at the farthest
     bool has(const Vec3d& p) const;
+    bool may_have(
+        const Vec3d& p) const;  // between the latter, which are as far outside the ends found as the former within
 };
 
 // The part of a torus between the straight tubes that continue it; nothing where these explain the points no better
@@ -25,8 +29,9 @@ struct SweptPart {
 // a bent tube that is fitted to all points around (bent_tube.h), moved inwards by a few of their errors; the shape is
 // that of the points between them. `points`: on the shape, source coordinates, spread evenly; `around`: these and
 // others next to the shape, as those of the pipes where they have left it: without them the torus bends along the
-// pipes; `threshold`: as in RefineOptions, source units. One thread; some tens of milliseconds.
+// pipes; `before`: the part as it was found with another shape, from whose ends these are found; `threshold`: as in
+// RefineOptions, source units. One thread; some tens of milliseconds.
 std::optional<SweptPart> swept_part(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
-                                    const std::vector<Vec3d>& around);
+                                    const std::vector<Vec3d>& around, const SweptPart* before = nullptr);
 
 }  // namespace pcm

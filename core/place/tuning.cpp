@@ -124,8 +124,8 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
     }};
 }
 
-using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning,
-                                                       NarrowFaceTuning, RadiusStepTuning, ThinPipeTuning>>;
+using ValuesOfEdges =
+    std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning, NarrowFaceTuning>>;
 ValuesOfEdges values_of_edges(PlaceTuning& place)
 {
     return {{
@@ -162,32 +162,26 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.narrow_faces.min_border),
         PCM_TUNED(place.narrow_faces.max_growth),
         PCM_TUNED(place.narrow_faces.min_difference),
-        PCM_TUNED(place.radius_steps.points),
-        PCM_TUNED(place.radius_steps.slice_points),
-        PCM_TUNED(place.radius_steps.max_slices),
-        PCM_TUNED(place.radius_steps.min_spreads),
-        PCM_TUNED(place.radius_steps.min_radii),
-        PCM_TUNED(place.radius_steps.min_significance),
-        PCM_TUNED(place.radius_steps.min_share),
-        PCM_TUNED(place.radius_steps.min_agreement),
-        PCM_TUNED(place.thin_pipes.points),
-        PCM_TUNED(place.thin_pipes.step_growth),
-        PCM_TUNED(place.thin_pipes.min_elongation),
-        PCM_TUNED(place.thin_pipes.reach),
-        PCM_TUNED(place.thin_pipes.max_radius),
-        PCM_TUNED(place.thin_pipes.sizes),
-        PCM_TUNED(place.thin_pipes.min_radius),
-        PCM_TUNED(place.thin_pipes.circle_share),
-        PCM_TUNED(place.thin_pipes.max_threshold),
-        PCM_TUNED(place.thin_pipes.beside),
-        PCM_TUNED(place.thin_pipes.beside_radii),
-        PCM_TUNED(place.thin_pipes.max_beside),
-        PCM_TUNED(place.thin_pipes.min_piece),
-        PCM_TUNED(place.thin_pipes.min_points),
-        PCM_TUNED(place.thin_pipes.min_circle),
-        PCM_TUNED(place.thin_pipes.max_change),
-        PCM_TUNED(place.thin_pipes.min_noise),
-        PCM_TUNED(place.thin_pipes.max_noise),
+    }};
+}
+
+using ValuesOfPipes = std::array<TunedValue, values_of<RadiusStepTuning, ThinPipeTuning>>;
+ValuesOfPipes values_of_pipes(PlaceTuning& place)
+{
+    return {{
+        PCM_TUNED(place.radius_steps.points),       PCM_TUNED(place.radius_steps.slice_points),
+        PCM_TUNED(place.radius_steps.max_slices),   PCM_TUNED(place.radius_steps.min_spreads),
+        PCM_TUNED(place.radius_steps.min_radii),    PCM_TUNED(place.radius_steps.min_significance),
+        PCM_TUNED(place.radius_steps.min_share),    PCM_TUNED(place.radius_steps.min_agreement),
+        PCM_TUNED(place.thin_pipes.points),         PCM_TUNED(place.thin_pipes.step_growth),
+        PCM_TUNED(place.thin_pipes.min_elongation), PCM_TUNED(place.thin_pipes.reach),
+        PCM_TUNED(place.thin_pipes.max_radius),     PCM_TUNED(place.thin_pipes.sizes),
+        PCM_TUNED(place.thin_pipes.min_radius),     PCM_TUNED(place.thin_pipes.circle_share),
+        PCM_TUNED(place.thin_pipes.max_threshold),  PCM_TUNED(place.thin_pipes.beside),
+        PCM_TUNED(place.thin_pipes.beside_radii),   PCM_TUNED(place.thin_pipes.max_beside),
+        PCM_TUNED(place.thin_pipes.min_piece),      PCM_TUNED(place.thin_pipes.min_points),
+        PCM_TUNED(place.thin_pipes.min_circle),     PCM_TUNED(place.thin_pipes.max_change),
+        PCM_TUNED(place.thin_pipes.min_noise),      PCM_TUNED(place.thin_pipes.max_noise),
     }};
 }
 
@@ -221,7 +215,7 @@ ValuesOfStations values_of_stations(PlaceTuning& place)
 }
 
 static_assert(std::tuple_size_v<ValuesAtPlace> + std::tuple_size_v<ValuesOfGrowth> + std::tuple_size_v<ValuesOfEdges> +
-                  std::tuple_size_v<ValuesOfStations> ==
+                  std::tuple_size_v<ValuesOfPipes> + std::tuple_size_v<ValuesOfStations> ==
               values_of<PlaceTuning>);
 
 }  // namespace
@@ -234,6 +228,7 @@ std::vector<TunedValue> place_tuned_values()
     for (const TunedValue& value : values_at_place(place_values)) all.push_back(value);
     for (const TunedValue& value : values_of_growth(place_values)) all.push_back(value);
     for (const TunedValue& value : values_of_edges(place_values)) all.push_back(value);
+    for (const TunedValue& value : values_of_pipes(place_values)) all.push_back(value);
     for (const TunedValue& value : values_of_stations(place_values)) all.push_back(value);
     return all;
 }

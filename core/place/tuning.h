@@ -242,7 +242,7 @@ struct GrowthTuning {
     // Fewer points of a torus show no ends.
     // Chosen: elbows of 60 to 200 points on three ray-cast scenes; not swept.
     std::size_t min_bent_points = 60;  // points
-    // Fewer points of a cone or torus are no reason to prefer it to what was found first (fit_again.h).
+    // Minimum number of points of a cone or torus that is preferred to what was found first (fit_again.h).
     // Chosen: not swept.
     std::size_t min_swept_points = 200;  // points
     // Minimum gain of straight tubes at a torus's ends. Elbows of 90 degrees have radii 3 to 25 standard deviations off

@@ -36,8 +36,8 @@ std::vector<PointOfStation> facing_points(const StationDirections& directions,
 
 // Moves the shape of `fit` by what its fit to `points` would be moved by without the others of `all`, a sample of its
 // points. Its errors become no less than those of `points`, enlarged by `alike` because neighbours share errors, and
-// contain half of that way. Doubts a good fit whose size is then uncertain; where that is no shape, as of a radius
-// below 0, the fit keeps its own, and its errors contain all of the way. `points`: a part of `all`.
+// contain half of that way. Doubts a good fit whose size is then uncertain; where it would be moved to a radius below
+// 0, or the like, it keeps its shape, and its errors contain all of the way. `points`: a part of `all`.
 void leave_turned_points(const std::vector<PointOfStation>& points, const std::vector<PointOfStation>& all,
                          double alike, ShapeFit& fit);
 

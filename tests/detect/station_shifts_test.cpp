@@ -100,7 +100,8 @@ TEST_F(StationShiftsTest, CorrectedPointsHaveTheNoiseOfOneStation)
         EXPECT_GT(plane.points.size(), 300u);
         EXPECT_GT(plane.rms, 1.4 * scan_noise);
         const std::vector<Vec3d> there = places_of(planes.shifts().corrected(plane.points));
-        EXPECT_NEAR(rms_distance(refined_shape(there, plane.shape, 0.008).value_or(plane.shape), there), scan_noise, 0.0002);
+        EXPECT_NEAR(rms_distance(refined_shape(there, plane.shape, 0.008).value_or(plane.shape), there), scan_noise,
+                    0.0002);
     }
     for (NodeId node = 0; node < tree_->nodes().size(); ++node) {
         const std::vector<Vec3d> all = planes.shifts().of_points(*tree_, node);

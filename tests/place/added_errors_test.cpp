@@ -346,7 +346,7 @@ TEST_F(AddedErrors, PointsThatAreTurnedFromTheirStationAreLeftOut)
     EXPECT_EQ(with.stations->stations, 2u);
 }
 
-// Such points behind one silhouette, where the other station sees the pipe, are no sign that stations are apart.
+// Such points behind one silhouette, where the other station sees the pipe, do not show that stations are apart.
 TEST_F(AddedErrors, PointsThatAreTurnedFromTheirStationDoNotPartTheStations)
 {
     const pcm::Shape pipe{ShapeKind::cylinder, hall, {0, 0, 1}, 0.03, 0};

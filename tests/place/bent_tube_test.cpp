@@ -64,7 +64,8 @@ TEST(BentTube, EndsAndRadiiAreThoseOfTheBend)
         pcm::Shape wide = bend.torus;
         wide.radius = 0.3;
         wide.point = tube_middle - 0.07 * (std::cos(angle / 2) * bend.u + std::sin(angle / 2) * bend.v);
-        const auto tube = fit_bent_tube(wide, bend.start, bend.angle_of(-0.3), bend.angle_of(angle + 0.4), bend.points);
+        const auto tube =
+            fit_bent_tube(wide, bend.start, ends_between(bend.angle_of(-0.3), bend.angle_of(angle + 0.4)), bend.points);
         ASSERT_TRUE(tube) << angle;
         EXPECT_NEAR(tube->torus.radius, 0.229, 0.003) << angle;
         EXPECT_NEAR(tube->torus.second, 0.084, 0.0002);
@@ -80,7 +81,8 @@ TEST(BentTube, EndsAndRadiiAreThoseOfTheBend)
 TEST(BentTube, WhereNoTubeLeavesTheBendThereIsNoEnd)
 {
     const Bend bend(pi / 2, 0.15, 0, 3);
-    const auto tube = fit_bent_tube(bend.torus, bend.start, bend.angle_of(-0.4), bend.angle_of(pi / 2), bend.points);
+    const auto tube =
+        fit_bent_tube(bend.torus, bend.start, ends_between(bend.angle_of(-0.4), bend.angle_of(pi / 2)), bend.points);
     ASSERT_TRUE(tube);
     EXPECT_LT(std::fabs(tube->from - bend.angle_of(0)), 4 * tube->from_error);
     EXPECT_TRUE(tube->to_error > 0.02 || tube->to > bend.angle_of(pi / 2) - 0.05) << tube->to << " " << tube->to_error;
@@ -93,8 +95,8 @@ TEST(BentTube, AMitreIsNoBend)
     pcm::Shape wide = mitre.torus;
     wide.radius = 0.12;
     wide.point = tube_middle - 0.08 * (std::cos(pi / 4) * mitre.u + std::sin(pi / 4) * mitre.v);
-    const auto tube =
-        fit_bent_tube(wide, mitre.start, mitre.angle_of(-0.8), mitre.angle_of(pi / 2 + 0.8), mitre.points);
+    const auto tube = fit_bent_tube(wide, mitre.start, ends_between(mitre.angle_of(-0.8), mitre.angle_of(pi / 2 + 0.8)),
+                                    mitre.points);
     if (tube) EXPECT_LT(tube->torus.second, tube->torus.radius);
 }
 
@@ -105,8 +107,8 @@ TEST(BentTube, IsFittedToPointsWithinADistance)
     const std::size_t own = bend.points.size();
     for (std::size_t i = 0; i < own; i += 4) bend.points.push_back(bend.points[i] + 0.03 * bend.torus.axis);
     const auto fit = [&](double farthest) {
-        return fit_bent_tube(bend.torus, bend.start, bend.angle_of(-0.4), bend.angle_of(pi / 2 + 0.4), bend.points,
-                             farthest);
+        return fit_bent_tube(bend.torus, bend.start, ends_between(bend.angle_of(-0.4), bend.angle_of(pi / 2 + 0.4)),
+                             bend.points, farthest);
     };
     const auto with = fit(infinity), without = fit(4 * tube_noise);
     ASSERT_TRUE(with && without);

@@ -2,6 +2,7 @@
 #include "pcm/place/swept_part.h"
 
 #include "pcm/fit/shape_fit.h"
+#include "pcm/place/bent_tube.h"
 #include "pcm/place/grow_shape.h"
 #include "tests/place/shape_cloud.h"
 
@@ -155,7 +156,7 @@ TEST(SweptPart, TheElbowHasSettled)
     EXPECT_LT(std::fabs(sum / seeds), 3 / std::sqrt(double(seeds)));
 }
 
-// Of few points none shows by itself where the pipes leave the torus; those that have left it do.
+// Few points on the torus do not show where the pipes leave it; those that have left it do.
 TEST(SweptPart, AnElbowOfFewPointsEndsThereToo)
 {
     const auto [u, v] = across(bend().axis);
@@ -172,6 +173,31 @@ TEST(SweptPart, AnElbowOfFewPointsEndsThereToo)
         squares += off * off / seeds;
     }
     EXPECT_LT(squares, 2.5);
+}
+
+// A second elbow next to it, to the same side: one wide bend lies along both. From the ends of the first one alone its
+// own are found again.
+TEST(SweptPart, TheEndsThatWereFoundAreFoundAgain)
+{
+    Dice dice(8);
+    std::vector<SurfacePoint> all = elbow(0.06, dice, 1500);
+    const auto [u, v] = across(bend().axis);
+    const std::size_t own = all.size();
+    for (std::size_t i = 0; i < own; ++i) {  // turned by half a turn about the middle of the pipe between them
+        const Vec3d d = all[i].position - map;
+        const double x = dot(d, u), y = dot(d, v), h = dot(d, bend().axis);
+        all.push_back({map + x * u + (-0.12 - y) * v + h * bend().axis, {}});
+    }
+    SweptPart before;
+    before.start = normalised(-1 * u - v);
+    before.from = angle_about(bend(), before.start, map + u);
+    before.to = angle_about(bend(), before.start, map + v);
+    const std::vector<Vec3d> on = near(bend(), all), around = near(bend(), all, around_thresholds * threshold);
+    const auto part = swept_part(bend(), threshold, on, around, &before);
+    ASSERT_TRUE(part);
+    EXPECT_NEAR(part->shape.radius, 0.457, 0.004);
+    EXPECT_NEAR(part->from, before.from, 0.1);
+    EXPECT_GT(dot(part->start, before.start), 0.999) << "angles are counted as before";
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ TEST(TurnedPoints, WhereTheOthersMakeNoShapeItStaysAndIsDoubtful)
     EXPECT_NE(fit.message.find("cannot have been seen there by their stations"), std::string::npos);
 }
 
-// Of a narrow strip of them nobody knows the radius.
+// A narrow strip of them does not show the radius.
 TEST(TurnedPoints, WhereTheOthersLeaveTheSizeUncertainItIsDoubtful)
 {
     Dice dice(5);
