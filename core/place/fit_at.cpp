@@ -16,6 +16,7 @@
 #include "pcm/place/other_answers.h"
 #include "pcm/place/own_points.h"
 #include "pcm/place/point_off.h"
+#include "pcm/place/refit.h"
 #include "pcm/place/station_errors.h"
 #include "pcm/place/stations_around.h"
 #include "pcm/place/tuning.h"
@@ -54,6 +55,11 @@ public:
         if (options_.grow && options_.fit.threshold == 0)
             doubt_small(result, metres_per_unit(tree_->info().metadata), options_.threads);
         compare_stations(result);
+        // Errors that neighbours share, of edges and of rays are added after the fit was judged.
+        if (ShapeFit& fit = result.primitive.fit; fit.verdict == FitVerdict::good && !is_size_certain(fit))
+            doubt(fit, FitIssue::thin_arc,
+                  "the points cover too little of the shape for the errors that they share, so its size is uncertain: "
+                  "take points farther around it");
         if (places_.size() == 1 && !(options_.fit.threshold > 0))
             doubt_point_aside(cloud_, places_.front(), limit_, result);
         find_bounds(result, part_of(options_.progress, 0.95, 1));

@@ -181,6 +181,12 @@ void contain(double by, double chance, double& error)
 
 }  // namespace
 
+bool is_size_certain(const ShapeFit& fit)
+{
+    const auto [flat, other] = model_of(fit.shape.kind).significance(fit.shape, fit.errors);
+    return std::min(flat, other) >= fit_tuning().judgement.good_significance;
+}
+
 void contain_edges(const ShapeFit& inner, const Vec3d& middle, ShapeFit& fit)
 {
     if (!inner.has_shape()) return doubt_edges(fit);
@@ -189,8 +195,7 @@ void contain_edges(const ShapeFit& inner, const Vec3d& middle, ShapeFit& fit)
     contain(moved.angle, inner.errors.angle, fit.errors.angle);
     contain(moved.radius, inner.errors.radius, fit.errors.radius);
     contain(moved.second, inner.errors.second, fit.errors.second);
-    const auto [flat, other] = model_of(fit.shape.kind).significance(fit.shape, fit.errors);
-    if (!(std::min(flat, other) >= fit_tuning().judgement.good_significance)) doubt_edges(fit);
+    if (!is_size_certain(fit)) doubt_edges(fit);
 }
 
 void correct(const Shape& corrected, double uncertain, const Vec3d& middle, ShapeFit& fit)

@@ -36,6 +36,10 @@ RefittedShape refit_shape(const PointSet& points, const Shape& start, const Refi
 // How far two shapes of one kind are apart near a place, by their numbers: planes along the normal, axes across them.
 ShapeErrors difference_of(const Shape& from, const Shape& to, const Vec3d& middle);
 
+// Whether the errors leave each of the sizes as certain as a good fit's (fit.judgement.good_significance). True for
+// planes.
+bool is_size_certain(const ShapeFit& fit);
+
 // What points at the edges of a shape, where other surfaces meet it, have moved its fit by, beyond what chance moves
 // the fit of the inner points alone: becomes a part of the fit's errors. Doubts a good fit whose size is then
 // uncertain, and one whose inner points determine no shape. `middle`: near the points.

@@ -1,6 +1,5 @@
 #include "pcm/place/station_errors.h"
 
-#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/ray_errors.h"
 #include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
@@ -50,9 +49,7 @@ ShapeErrors errors_of_unknown_stations(const ShapeFit& fit, const StationMoves& 
 
 void doubt_uncertain_size(ShapeFit& fit)
 {
-    if (fit.verdict != FitVerdict::good) return;
-    const auto [flat, other] = model_of(fit.shape.kind).significance(fit.shape, fit.errors);
-    if (std::min(flat, other) >= fit_tuning().judgement.good_significance) return;
+    if (fit.verdict != FitVerdict::good || is_size_certain(fit)) return;
     fit.verdict = FitVerdict::doubtful;
     fit.issue = FitIssue::thin_arc;
     fit.message =

@@ -1,9 +1,7 @@
 #include "pcm/place/turned_points.h"
 
-#include "pcm/fit/models/shape_model.h"
 #include "pcm/fit/shape_sums.h"
 #include "pcm/fit/station_rays.h"
-#include "pcm/fit/tuning.h"
 #include "pcm/place/error_agreement.h"
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/refit.h"
@@ -84,9 +82,7 @@ void leave_turned_points(const std::vector<PointOfStation>& points, const std::v
     const Shape before = fit.shape, there = moved_along(before, *from, *to, box.centre());
     correct(there, is_proper(there) ? uncertain_way : 1, box.centre(), fit);
     if (!is_proper(there)) fit.shape = before;
-    const auto [flat, other] = model_of(before.kind).significance(fit.shape, fit.errors);
-    const bool is_certain = is_proper(there) && std::min(flat, other) >= fit_tuning().judgement.good_significance;
-    if (fit.verdict == FitVerdict::good && !is_certain)
+    if (fit.verdict == FitVerdict::good && !(is_proper(there) && is_size_certain(fit)))
         doubt(fit, FitIssue::thin_arc,
               "some of its points cannot have been seen there by their stations, and the others leave its size "
               "uncertain: take points farther around it");
