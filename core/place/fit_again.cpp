@@ -34,7 +34,7 @@ FittedPrimitive or_elbow(FittedPrimitive found, const Vec3d& place, const Vec3d&
     FittedPrimitive elbow = fit(on_bend, kinds, {});
     const ShapeFit& torus = elbow.primitive.fit;
     const bool has_place =
-        elbow.part && elbow.part->may_have(place) && distance_to(torus.shape, place) <= farthest_place(torus);
+        elbow.part && elbow.part->has(place) && distance_to(torus.shape, place) <= farthest_place(torus);
     if (!is_good(elbow) || torus.shape.kind != ShapeKind::torus || !has_place) return found;
     elbow.notes.push_back(
         "the place lies next to where the pipe begins to bend: the elbow was fitted farther along it");

@@ -50,8 +50,6 @@ public:
                      to = tube->to - tuned_.end_errors * tube->to_error;
         part_.from = from > low_ && from < high_ ? from : -infinity;
         part_.to = to < high_ && to > low_ ? to : infinity;
-        if (std::isfinite(part_.from)) part_.first_end = tube->from - tuned_.end_errors * tube->from_error;
-        if (std::isfinite(part_.to)) part_.last_end = tube->to + tuned_.end_errors * tube->to_error;
         std::size_t own = 0;
         for (const Vec3d& p : points_) own += part_.has(p);
         if (own == points_.size()) return {};
@@ -130,12 +128,6 @@ bool SweptPart::has(const Vec3d& p) const
 {
     const double way = angle_about(shape, start, p);
     return way >= from && way < to;
-}
-
-bool SweptPart::may_have(const Vec3d& p) const
-{
-    const double way = angle_about(shape, start, p);
-    return way >= first_end && way < last_end;
 }
 
 std::optional<SweptPart> swept_part(const Shape& shape, double threshold, const std::vector<Vec3d>& points,

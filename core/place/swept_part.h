@@ -4,7 +4,6 @@
 // beyond. As long as that is within the threshold its points are reached, all of them on one side of the elbow.
 #pragma once
 
-#include "pcm/cloud/numbers.h"
 #include "pcm/shapes/shape.h"
 
 #include <cstddef>
@@ -18,10 +17,7 @@ struct SweptPart {
     Shape shape;    // the sweep, fitted to the part
     Vec3d start{};  // direction of the middle of the gap that the torus leaves
     double from = 0, to = 0;
-    double first_end = -infinity, last_end = infinity;  // where the tubes begin at the farthest
     bool has(const Vec3d& p) const;
-    bool may_have(
-        const Vec3d& p) const;  // between the latter, which are as far outside the ends found as the former within
 };
 
 // The part of a torus between the straight tubes that continue it; nothing where these explain the points no better
