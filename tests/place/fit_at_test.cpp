@@ -354,32 +354,4 @@ TEST(AutomaticStep, PassesTheGapsBetweenScanLines)
     EXPECT_EQ(automatic_step({{1, 2, 3}, {1, 2, 3}, {1, 2, 3}}), 0);
 }
 
-// The errors that neighbours share are found when the shape has been judged, and leave the radius uncertain by a fifth.
-TEST(FitAtWaves, AnUncertainRadiusIsDoubtful)
-{
-    constexpr double radius = 120;
-    const auto fit = [&](double waves) {
-        Dice dice(17);
-        std::vector<SurfacePoint> points;
-        for (int i = 0; i < 15000; ++i) {
-            const double x = dice.between(-2, 2), y = dice.between(-2, 2);
-            const double wave = waves * std::sin(7 * x) * std::sin(7 * y);
-            points.push_back({map + Vec3d{x, y, x * x / (2 * radius) + wave + sigma * dice.normal()}, {}});
-        }
-        TemporaryFolder folder;
-        build_surface_tree(folder.path(), points);
-        FitAtOptions options;
-        options.fit.kind = ShapeKind::cylinder;
-        options.fit.threshold = 0.1;
-        options.count = 2000;
-        return fit_at(*PointCloud::open(folder.path() / "surface.pct"), {map}, {}, options).primitive.fit;
-    };
-    const ShapeFit even = fit(0), wavy = fit(0.02);
-    EXPECT_EQ(even.verdict, FitVerdict::good) << even.message;
-    EXPECT_GT(wavy.errors.radius, wavy.shape.radius / 10);
-    EXPECT_EQ(wavy.verdict, FitVerdict::doubtful);
-    EXPECT_EQ(wavy.issue, FitIssue::thin_arc);
-    EXPECT_NE(wavy.message.find("errors that they share"), std::string::npos) << wavy.message;
-}
-
 }  // namespace

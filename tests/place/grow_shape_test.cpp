@@ -377,4 +377,19 @@ TEST(CoverPoints, OfManyPointsTheCoarseAndTheOutermostAreGiven)
     EXPECT_TRUE(cover_points(PointSet(tree), pipe).empty());
 }
 
+TEST(Refit, ASizeIsCertainFromTenErrorsOn)
+{
+    ShapeFit fit;
+    fit.shape.kind = ShapeKind::torus;
+    fit.shape.radius = 104;
+    fit.shape.second = 0.0445;
+    fit.errors.second = 0.0018;
+    fit.errors.radius = 10;
+    EXPECT_TRUE(is_size_certain(fit));
+    fit.errors.radius = 21;
+    EXPECT_FALSE(is_size_certain(fit)) << "a lamp post";
+    fit.shape.kind = ShapeKind::plane;
+    EXPECT_TRUE(is_size_certain(fit));
+}
+
 }  // namespace
