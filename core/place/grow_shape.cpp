@@ -208,8 +208,8 @@ private:
         return inner_points(grown.points, grown.around, grown.fit.shape, threshold_, options_.threads);
     }
 
-    // Fits a face to those of its points that are not of its border, where they determine it: the first time to points
-    // that the turned face has within the threshold. `inner`: to those of them that are not at an edge.
+    // Fits a face to its points without those of its border, where the rest determines it. Repeated, as the face was
+    // turned when its points were found. `inner`: whether points at edges within the outline are left out, too.
     bool fit_middle(const FlatHull& face, bool inner, GrownShape& grown) const
     {
         const ShapeFit whole = grown.fit;

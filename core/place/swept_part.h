@@ -23,10 +23,10 @@ struct SweptPart {
 // The part of a torus between the straight tubes that continue it; nothing where these explain the points no better
 // than the torus alone, where less than a tenth of the points would be left, and for other kinds. The ends are those of
 // a bent tube that is fitted to all points around (bent_tube.h), moved inwards by a few of their errors; the shape is
-// that of the points between them. `points`: on the shape, source coordinates, spread evenly; `around`: these and
-// others next to the shape, as those of the pipes where they have left it: without them the torus bends along the
-// pipes; `before`: the part as it was found with another shape, from whose ends these are found; `threshold`: as in
-// RefineOptions, source units. One thread; some tens of milliseconds.
+// that of the points between them. `points`: on the shape, source coordinates, spread evenly;
+// `around`: the points next to the shape as well, such as those of the pipes where they have left it; `before`: the
+// part as it was found with another shape, from whose ends the search begins; `threshold`: as in RefineOptions, source
+// units. One thread; some tens of milliseconds.
 std::optional<SweptPart> swept_part(const Shape& shape, double threshold, const std::vector<Vec3d>& points,
                                     const std::vector<Vec3d>& around, const SweptPart* before = nullptr);
 

@@ -183,7 +183,7 @@ TEST(SweptPart, TheEndsThatWereFoundAreFoundAgain)
     std::vector<SurfacePoint> all = elbow(0.06, dice, 1500);
     const auto [u, v] = across(bend().axis);
     const std::size_t own = all.size();
-    for (std::size_t i = 0; i < own; ++i) {  // turned by half a turn about the middle of the pipe between them
+    for (std::size_t i = 0; i < own; ++i) {  // mirrored at the middle of the pipe between them
         const Vec3d d = all[i].position - map;
         const double x = dot(d, u), y = dot(d, v), h = dot(d, bend().axis);
         all.push_back({map + x * u + (-0.12 - y) * v + h * bend().axis, {}});
