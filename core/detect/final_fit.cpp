@@ -223,7 +223,7 @@ private:
             primitive.fit.message =
                 "the cloud's surface continues smoothly beyond the threshold: this may be a piece of something bent";
         }
-        if (primitive.fit.verdict == FitVerdict::good && candidate.of_strip)
+        if (candidate.of_strip)
             doubt(primitive.fit, FitIssue::other_surface,
                   "it was found as the bend of a narrow strip, as the edges of posts and cones have, too: "
                   "compare it with a section");

@@ -179,7 +179,7 @@ private:
                 others += static_cast<double>(points.points * step_of(pair.first));
         const double most = detect_tuning().sharing.max_others * static_cast<double>(primitives_[curved].points);
         ShapeFit& fit = primitives_[curved].fit;
-        if (fit.verdict == FitVerdict::good && others > most)
+        if (others > most)
             doubt(fit, FitIssue::other_surface,
                   "planes have more of the points on it than it has: it may be a part of a post or a beam, so compare "
                   "it with a section");

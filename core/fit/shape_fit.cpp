@@ -126,14 +126,6 @@ void try_other_axes(const ShapeModel& model, const WorkingPoints& working, const
     }
 }
 
-void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
-{
-    if (fit.verdict != FitVerdict::good) return;
-    fit.verdict = FitVerdict::doubtful;
-    fit.issue = issue;
-    fit.message = message;
-}
-
 // Errors grow where those of neighbours are correlated.
 void judge_scatter(const ShapeModel& model, const PolishedPatch& polished, const WorkingPoints& working,
                    const UsedBand& used, ShapeFit& fit)

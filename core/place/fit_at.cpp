@@ -56,7 +56,7 @@ public:
             doubt_small(result, metres_per_unit(tree_->info().metadata), options_.threads);
         compare_stations(result);
         // Errors that neighbours share, of edges and of rays are added after the fit was judged.
-        if (ShapeFit& fit = result.primitive.fit; fit.verdict == FitVerdict::good && !is_size_certain(fit))
+        if (ShapeFit& fit = result.primitive.fit; !is_size_certain(fit))
             doubt(fit, FitIssue::thin_arc,
                   "the points cover too little of the shape for the errors that they share, so its size is uncertain: "
                   "take points farther around it");
@@ -86,6 +86,7 @@ private:
         options.registration = registration_of(options_, *tree_);
         options.metres_per_unit = metres_per_unit(tree_->info().metadata);
         options.threads = options_.threads;
+        options.doubt_noise = !(options_.fit.threshold > 0);
         options.progress = part_of(options_.progress, 0.9, 0.95);
         add_station_errors(own_points(result, options_.threads, part_of(options_.progress, 0.9, 0.9)), around_, options,
                            result.agreement, result.primitive);
@@ -113,10 +114,9 @@ private:
         }
         FittedPrimitive result = std::move(*at_places_);
         result.left_surface = "the time limit of " + brief(options_.fit.seconds) + " s was over";
-        if (ShapeFit& fit = result.primitive.fit; fit.verdict == FitVerdict::good)
-            doubt(fit, FitIssue::no_consensus,
-                  result.left_surface +
-                      " before it was followed through the cloud: these are the points around the place alone");
+        doubt(result.primitive.fit, FitIssue::no_consensus,
+              result.left_surface +
+                  " before it was followed through the cloud: these are the points around the place alone");
         return result;
     }
 
@@ -258,13 +258,13 @@ private:
             local.fit.is_inlier[i] = is_on ? 1 : 0;
             local.fit.inliers += is_on ? 1 : 0;
         }
-        if (local.fit.inliers == 0) return doubt_kind(first.other_doubt, result.primitive.fit);
+        if (local.fit.inliers == 0) return doubt(result.primitive.fit, FitIssue::other_surface, first.other_doubt);
         local.next_kind = std::string("next best kind: ") + traits_of(result.primitive.fit.shape.kind).name +
                           ", noise " + brief(result.primitive.fit.noise);
         const double enough = std::max(tuned_.max_other_agreement, tuned_.less_agreement * facts_.agreement);
         FittedPrimitive other = followed(std::move(local), way, 0.9, 1).found;
         if (other.primitive.fit.verdict != FitVerdict::good)
-            doubt_kind(first.other_doubt, result.primitive.fit);
+            doubt(result.primitive.fit, FitIssue::other_surface, first.other_doubt);
         else if (facts_.agreement <= enough)
             result = std::move(other);
     }

@@ -108,7 +108,7 @@ private:
         FittedPrimitive followed{result};
         take_grown(std::move(grown), followed);
         if (is_narrow) {
-            if (followed_.other_kind) doubt_kind(followed_.other_doubt, followed.primitive.fit);
+            if (followed_.other_kind) doubt(followed.primitive.fit, FitIssue::other_surface, followed_.other_doubt);
             doubt_few_points(followed);
         }
         const ShapeFit& fit = followed.primitive.fit;

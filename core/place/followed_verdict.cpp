@@ -58,24 +58,10 @@ std::optional<Vec3d> place_along(const NearBend& bend, const Vec3d& place, const
 
 }  // namespace
 
-void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
-{
-    fit.verdict = FitVerdict::doubtful;
-    fit.issue = issue;
-    fit.message = message;
-}
-
-void doubt_kind(const std::string& why, ShapeFit& fit)
-{
-    if (fit.verdict == FitVerdict::good) doubt(fit, FitIssue::other_surface, why);
-}
-
 void come_back(const std::string& why, FitIssue issue, FittedPrimitive& result)
 {
     result.left_surface = why;
-    ShapeFit& fit = result.primitive.fit;
-    if (fit.verdict != FitVerdict::good) return;
-    doubt(fit, issue,
+    doubt(result.primitive.fit, issue,
           "followed through the cloud it left the surface (" + why + "): these are the points around the place alone");
 }
 
@@ -122,7 +108,9 @@ void FollowedVerdict::name_departure(const FollowedPoints& followed, const std::
 void FollowedVerdict::doubt_uneven(const Departure& departure, FittedPrimitive& result)
 {
     result.departure = departure;
-    doubt(result.primitive.fit, FitIssue::uneven, departure.message(traits_of(result.primitive.fit.shape.kind).name));
+    ShapeFit& fit = result.primitive.fit;
+    fit.verdict = FitVerdict::good;  // what it was doubted for is explained by that
+    doubt(fit, FitIssue::uneven, departure.message(traits_of(fit.shape.kind).name));
 }
 
 void FollowedVerdict::judge_noise(const FollowedPoints& followed, const std::vector<Vec3d>& around,

@@ -16,8 +16,6 @@
 
 namespace pcm {
 
-void doubt(ShapeFit& fit, FitIssue issue, const std::string& message);
-void doubt_kind(const std::string& why, ShapeFit& fit);  // a good fit
 // The shape that it was before it was followed, which it has left.
 void come_back(const std::string& why, FitIssue issue, FittedPrimitive& result);
 

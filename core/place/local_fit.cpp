@@ -206,9 +206,7 @@ private:
     void doubt_several_surfaces(LocalFit& found) const
     {
         if (found.fit.verdict != FitVerdict::good || is_of_one_surface(found.fit, found.near)) return;
-        found.fit.verdict = FitVerdict::doubtful;
-        found.fit.issue = FitIssue::other_surface;
-        found.fit.message = evidence_of(found.fit, found.near).message();
+        doubt(found.fit, FitIssue::other_surface, evidence_of(found.fit, found.near).message());
     }
 
     // Where another surface has more points around the place; returns how many of the nearest points were taken.

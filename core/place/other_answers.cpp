@@ -30,7 +30,6 @@ bool is_followed(const FittedPrimitive& thin, double most_noise)
 
 void doubt_narrow(ShapeFit& fit)
 {
-    if (fit.verdict != FitVerdict::good) return;
     doubt(fit, FitIssue::thin_arc,
           "the face at the place is hardly wider than its noise, so points of the faces next to it may have moved it");
 }

@@ -165,12 +165,9 @@ namespace {
 
 void doubt_edges(ShapeFit& fit)
 {
-    if (fit.verdict != FitVerdict::good) return;
-    fit.verdict = FitVerdict::doubtful;
-    fit.issue = FitIssue::thin_arc;
-    fit.message =
-        "most of its points lie next to other surfaces, and the others leave its size uncertain: take points "
-        "farther around it";
+    doubt(fit, FitIssue::thin_arc,
+          "most of its points lie next to other surfaces, and the others leave its size uncertain: take points "
+          "farther around it");
 }
 
 // `by`: what the number has changed by.

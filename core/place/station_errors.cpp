@@ -9,6 +9,7 @@
 #include "pcm/place/tuning.h"
 #include "pcm/place/turned_points.h"
 #include "pcm/system/progress_part.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -49,13 +50,20 @@ ShapeErrors errors_of_unknown_stations(const ShapeFit& fit, const StationMoves& 
 
 void doubt_uncertain_size(ShapeFit& fit)
 {
-    if (fit.verdict != FitVerdict::good || is_size_certain(fit)) return;
-    fit.verdict = FitVerdict::doubtful;
-    fit.issue = FitIssue::thin_arc;
-    fit.message =
-        "the points cover too little of the shape for how far stations are apart, so its size is uncertain: take "
-        "points "
-        "farther around it";
+    if (is_size_certain(fit)) return;
+    doubt(fit, FitIssue::thin_arc,
+          "the points cover too little of the shape for how far stations are apart, so its size is uncertain: take "
+          "points farther around it");
+}
+
+// Planes may be rough.
+void doubt_noise(double noise, double smooth, ShapeFit& fit)
+{
+    const bool is_flat = traits_of(fit.shape.kind).is_flat();
+    if (is_flat || !(smooth > 0) || !(noise > place_tuning().following.max_noise_within * smooth)) return;
+    doubt(fit, FitIssue::other_surface,
+          "points of one station leave it by " + brief(noise) + ", those of smooth surfaces around by " +
+              brief(smooth) + ": it may hold several surfaces, so take a smaller neighbourhood, or give a threshold");
 }
 
 // Agreement of neighbours that is left when the stations' shifts are removed.
@@ -142,6 +150,7 @@ void add_spread_of_stations(const PointSet& points, StationsAround& around, cons
                                        });
     facts.stations = static_cast<std::uint32_t>(sums.stations());
     if (!sums.is_determined()) return;
+    if (options.doubt_noise) doubt_noise(sums.noise_within(), around.survey().noise(), primitive.fit);
     if (facts.stations > StationEvidence::most_stations) return add_unknown_spread(reach, primitive);
     StationEvidence own;
     double within = agreement;

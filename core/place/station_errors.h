@@ -28,6 +28,8 @@ struct StationErrorOptions {
     unsigned threads = 0;     // 0: one per processor
     ProgressFunction progress;
     double metres_per_unit = 1;  // metres per source unit, for the width of a scanner's beam (beam_width.h)
+    // Doubt a good curved fit that the points of one station leave by more than smooth surfaces around explain.
+    bool doubt_noise = false;
 };
 
 // Takes the bias of errors along the rays and of the beam's width from the shape (ray_errors.h), and changes its

@@ -111,6 +111,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.max_unknown_noise),
         PCM_TUNED(place.following.max_smooth_noise),
         PCM_TUNED(place.following.max_curved_noise),
+        PCM_TUNED(place.following.max_noise_within),
         PCM_TUNED(place.following.max_strip_turn),
         PCM_TUNED(place.following.min_inner_share),
         PCM_TUNED(place.following.max_noise_share),

@@ -82,7 +82,7 @@ void leave_turned_points(const std::vector<PointOfStation>& points, const std::v
     const Shape before = fit.shape, there = moved_along(before, *from, *to, box.centre());
     correct(there, is_proper(there) ? uncertain_way : 1, box.centre(), fit);
     if (!is_proper(there)) fit.shape = before;
-    if (fit.verdict == FitVerdict::good && !(is_proper(there) && is_size_certain(fit)))
+    if (!(is_proper(there) && is_size_certain(fit)))
         doubt(fit, FitIssue::thin_arc,
               "some of its points cannot have been seen there by their stations, and the others leave its size "
               "uncertain: take points farther around it");

@@ -18,4 +18,12 @@ const char* name_of(FitVerdict verdict)
     return names[static_cast<std::size_t>(verdict)];
 }
 
+void doubt(ShapeFit& fit, FitIssue issue, const std::string& message)
+{
+    if (fit.verdict != FitVerdict::good) return;
+    fit.verdict = FitVerdict::doubtful;
+    fit.issue = issue;
+    fit.message = message;
+}
+
 }  // namespace pcm

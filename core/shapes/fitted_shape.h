@@ -63,4 +63,6 @@ struct ShapeFit {
     bool has_shape() const { return verdict != FitVerdict::refused; }
 };
 
+void doubt(ShapeFit& fit, FitIssue issue, const std::string& message);  // a good fit; others keep their verdict
+
 }  // namespace pcm

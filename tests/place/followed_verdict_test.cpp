@@ -64,6 +64,7 @@ protected:
         fit.shape.axis = {0, 1, 0};
         fit.noise = 0.003;
         fit.threshold = 0.009;
+        fit.verdict = FitVerdict::good;
         if (before != FitIssue::none) doubt(fit, before, "as it was");
         return judged(points, fit, noise, 1, true);
     }

@@ -27,7 +27,8 @@ protected:
         ball_.point = hall + Vec3d{-2, 0, 1};
         ball_.radius = 0.25;
     }
-    std::shared_ptr<PointCloud> cloud(double spread, std::uint64_t seed, Says says, bool walls = true)
+    std::shared_ptr<PointCloud> cloud(double spread, std::uint64_t seed, Says says, bool walls = true,
+                                      double pipe_noise = scan_noise)
     {
         Dice dice(seed);
         std::vector<Vec3d> shifts;
@@ -40,7 +41,9 @@ protected:
         for (int i = 0; i < 9000; ++i) {
             const double a = dice.between(0, 2 * pi);
             const Vec3d n{std::cos(a), std::sin(a), 0};
-            put(pipe_.point + Vec3d{0, 0, dice.between(-0.6, 0.6)} + pipe_.radius * n, n,
+            const double rough = pipe_noise * pipe_noise - scan_noise * scan_noise;
+            const double off = rough > 0 ? std::sqrt(rough) * dice.normal() : 0;
+            put(pipe_.point + Vec3d{0, 0, dice.between(-0.6, 0.6)} + (pipe_.radius + off) * n, n,
                 std::min(2, static_cast<int>(a / (2 * pi) * 3)));
         }
         // One station sees the ball.
@@ -75,6 +78,23 @@ protected:
     pcm::Shape pipe_, ball_;
     TemporaryFolder folder_;
 };
+
+// What shifts of the stations would explain, the noise of each of them by itself does not.
+TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(PointsOfOneStationThatLeaveAPipeAreDoubted))
+{
+    const auto judged = [&](double noise, double threshold) {
+        FitAtOptions options;
+        options.fit.kind = pipe_.kind;
+        options.fit.threshold = threshold;
+        const auto there = cloud(0.003, 31, Says::source_id, true, noise);
+        return fit_at(*there, {pipe_.point + Vec3d{-pipe_.radius, 0, 0}}, {}, options).primitive.fit;
+    };
+    const ShapeFit smooth = judged(1.8 * scan_noise, 0), rough = judged(2.8 * scan_noise, 0);
+    EXPECT_EQ(smooth.verdict, FitVerdict::good) << smooth.message;
+    EXPECT_EQ(rough.verdict, FitVerdict::doubtful);
+    EXPECT_NE(rough.message.find("points of one station leave it by 0.004"), std::string::npos) << rough.message;
+    EXPECT_EQ(judged(2.8 * scan_noise, 0.015).verdict, FitVerdict::good) << "a given threshold says what lies on it";
+}
 
 // Minutes there; the code is that of the next tests.
 TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(RadiiAndPositionsLieWithinThreeDeviations))
