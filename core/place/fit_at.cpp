@@ -12,6 +12,7 @@
 #include "pcm/place/fit_at_arguments.h"
 #include "pcm/place/follow_local.h"
 #include "pcm/place/followed_verdict.h"
+#include "pcm/place/nearest_answer.h"
 #include "pcm/place/one_surface.h"
 #include "pcm/place/other_answers.h"
 #include "pcm/place/own_points.h"
@@ -105,7 +106,7 @@ private:
         const bool is_limited = options_.grow && options_.fit.seconds > 0;
         progress_in_time_ = is_limited ? whole : options_.progress;
         try {
-            FittedPrimitive best = or_part(or_again(or_other(or_side(best_of_thresholds()))));
+            FittedPrimitive best = or_small(or_part(or_again(or_other(or_side(best_of_thresholds())))));
             if (places_.size() == 1 && !is_again_ && !(options_.fit.threshold > 0))
                 doubt_point_off(cloud_, places_.front(), limit_, best);
             return best;
@@ -145,13 +146,18 @@ private:
             if (part) options.limit.clips.push_back(*part);
             options.kinds = kinds;
             if (!kinds.empty()) options.fit.kind = kinds.front();
-            options.progress = part_of(progress_in_time_, 0.9, 1);
-            options.found_at_place = {};
-            const std::vector<Vec3d> places{place};
-            PlacedFit fit(cloud_, places, options);
-            fit.is_again_ = true;
-            return fit.best_in_time();
+            return answer_again(place, std::move(options));
         };
+    }
+
+    FittedPrimitive answer_again(const Vec3d& place, FitAtOptions options) const
+    {
+        options.progress = part_of(progress_in_time_, 0.9, 1);
+        options.found_at_place = {};
+        const std::vector<Vec3d> places{place};
+        PlacedFit fit(cloud_, places, options);
+        fit.is_again_ = true;
+        return fit.best_in_time();
     }
 
     // Errors of a cylinder that neighbours share may be those of a reducer.
@@ -161,6 +167,30 @@ private:
         if (!(found.agreement > place_tuning().radius_steps.min_agreement)) return found;
         const double spread = around_.spread(registration_of(options_, *tree_));
         return or_one_radius(std::move(found), places_.front(), spread, fit_again(), options_.threads);
+    }
+
+    bool is_chosen() const { return options_.radius > 0 || options_.count > 0 || options_.fit.threshold > 0; }
+
+    // The shape of the points next to the place alone, where this answer is not good.
+    FittedPrimitive or_small(FittedPrimitive found)
+    {
+        if (is_again_ || !options_.grow || is_chosen() || places_.size() != 1) return found;
+        if (found.primitive.fit.verdict == FitVerdict::good) return found;
+        NearOptions nearest;
+        nearest.places = true;
+        nearest.count = place_tuning().near_place.points;
+        nearest.limit = limit_;
+        const NearPoints near = points_near(cloud_, places_.front(), nearest);
+        double noise = around_.survey().noise();
+        if (!(noise > 0)) noise = automatic_threshold(near.points) / fit_tuning().thresholds.inlier_noises;
+        const FitOfNearest fit = [&](std::size_t count, bool grow) {
+            FitAtOptions options = options_;
+            options.limit = limit_;
+            options.count = count;
+            options.grow = grow;
+            return answer_again(places_.front(), std::move(options));
+        };
+        return or_nearest(std::move(found), places_.front(), near, noise, fit);
     }
 
     // At another place, or for other kinds, where this answer is not good.

@@ -125,8 +125,8 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
     }};
 }
 
-using ValuesOfEdges =
-    std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning, NarrowFaceTuning>>;
+using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning,
+                                                       NarrowFaceTuning, NearPlaceTuning>>;
 ValuesOfEdges values_of_edges(PlaceTuning& place)
 {
     return {{
@@ -163,6 +163,14 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.narrow_faces.min_border),
         PCM_TUNED(place.narrow_faces.max_growth),
         PCM_TUNED(place.narrow_faces.min_difference),
+        PCM_TUNED(place.near_place.smallest),
+        PCM_TUNED(place.near_place.widening),
+        PCM_TUNED(place.near_place.sizes),
+        PCM_TUNED(place.near_place.smallest_ball),
+        PCM_TUNED(place.near_place.points),
+        PCM_TUNED(place.near_place.min_gain),
+        PCM_TUNED(place.near_place.max_loss),
+        PCM_TUNED(place.near_place.max_off),
     }};
 }
 

@@ -478,6 +478,7 @@ struct PlaceTuning {
     CornerAtPlaceTuning corners;
     PointOffTuning point_off;
     NarrowFaceTuning narrow_faces;
+    NearPlaceTuning near_place;
     RadiusStepTuning radius_steps;
     ThinPipeTuning thin_pipes;
     StationTuning stations;

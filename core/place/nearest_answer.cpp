@@ -1,0 +1,77 @@
+#include "pcm/place/nearest_answer.h"
+
+#include "pcm/cloud/numbers.h"
+#include "pcm/fit/models/shape_model.h"
+#include "pcm/place/followed_verdict.h"
+#include "pcm/place/refit.h"
+#include "pcm/place/tuning.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+namespace pcm {
+
+NearLikelihood::NearLikelihood(const Vec3d& place, std::vector<Vec3d> points, double noise)
+    : place_(place), points_(std::move(points)), noise_(noise)
+{
+}
+
+double NearLikelihood::of(const Shape& shape) const
+{
+    const double numbers = static_cast<double>(model_of(shape.kind).parameters());
+    std::vector<double> peaks;  // density of each point's distance from the shape, relative to its peak
+    for (const Vec3d& p : points_) {
+        const double noises = distance_to(shape, p) / noise_;
+        peaks.push_back(std::exp(-noises * noises / 2));
+    }
+    double sum = 0;
+    std::size_t ball = place_tuning().near_place.smallest_ball;
+    while (ball > 0 && ball <= points_.size()) {
+        const double width = 2 * length(points_[ball - 1] - place_);
+        double all = 0;
+        for (std::size_t i = 0; i < ball; ++i) all += std::log1p(peaks[i] * width / (noise_ * std::sqrt(2 * pi)));
+        const auto count = static_cast<double>(ball);
+        sum += (all - numbers * std::log(count) / 2) / count;
+        ball *= 2;
+    }
+    return sum;
+}
+
+FittedPrimitive or_nearest(FittedPrimitive found, const Vec3d& place, const NearPoints& near, double noise,
+                           const FitOfNearest& fit)
+{
+    if (found.primitive.fit.verdict == FitVerdict::good || !(noise > 0)) return found;
+    const NearPlaceTuning& tuned = place_tuning().near_place;
+    const NearLikelihood likelihood(place, near.points.sources(), noise);
+    const Vec3d picked = near.ids.empty() ? place : near.points.source(0);
+    const auto of = [&](const FittedPrimitive& answer) {
+        const ShapeFit& it = answer.primitive.fit;
+        return it.has_shape() ? likelihood.of(it.shape) : -infinity;
+    };
+    const auto has_place = [&](const FittedPrimitive& answer) {
+        return distance_to(answer.primitive.fit.shape, picked) <= tuned.max_off * noise;
+    };
+    double most = of(found) + tuned.min_gain;
+    std::size_t best_count = 0;
+    std::optional<FittedPrimitive> best;
+    for (std::size_t k = 0; k < tuned.sizes; ++k) {
+        const auto count = static_cast<std::size_t>(
+            std::lround(static_cast<double>(tuned.smallest) * std::pow(tuned.widening, static_cast<double>(k))));
+        FittedPrimitive answer = fit(count, false);
+        const double gain = of(answer);
+        if (!(gain > most) || !has_place(answer) || !is_size_certain(answer.primitive.fit)) continue;
+        most = gain;
+        best_count = count;
+        best = std::move(answer);
+    }
+    if (!best) return found;
+    FittedPrimitive followed = fit(best_count, true);
+    const bool is_followed = of(followed) >= most - tuned.max_loss && has_place(followed);
+    if (is_followed && followed.points.size() >= best->points.size()) return followed;
+    come_back("the shape of all its points explains those next to the place worse", FitIssue::no_consensus, *best);
+    return std::move(*best);
+}
+
+}  // namespace pcm

@@ -1,0 +1,225 @@
+// The answer by the points next to the place alone.
+#include "pcm/place/nearest_answer.h"
+
+#include "pcm/place/fit_at.h"
+#include "tests/place/shape_cloud.h"
+#include "tests/sanitizers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace {
+
+using namespace pcm;
+using namespace pcm::test;
+
+constexpr double nearest_noise = 0.001;
+constexpr Vec3d knob_middle{456780, 5432100, 120};
+
+pcm::Shape knob(double radius = 0.04)
+{
+    pcm::Shape shape;
+    shape.kind = ShapeKind::sphere;
+    shape.point = knob_middle;
+    shape.radius = radius;
+    return shape;
+}
+
+pcm::Shape plane_at(double x)
+{
+    pcm::Shape shape;
+    shape.kind = ShapeKind::plane;
+    shape.point = knob_middle + Vec3d{x, 0, 0};
+    shape.axis = {1, 0, 0};
+    return shape;
+}
+
+// Points on the knob's side of greater x, the nearest to its outermost point first.
+std::vector<Vec3d> knob_points(std::size_t count, std::uint64_t seed)
+{
+    Dice dice(seed);
+    std::vector<Vec3d> points;
+    while (points.size() < count) {
+        const Vec3d n = dice.direction();
+        if (n[0] > 0.2) points.push_back(knob_middle + (0.04 + nearest_noise * dice.normal()) * n);
+    }
+    const Vec3d place = knob_middle + Vec3d{0.04, 0, 0};
+    std::sort(points.begin(), points.end(),
+              [&](const Vec3d& a, const Vec3d& b) { return length(a - place) < length(b - place); });
+    return points;
+}
+
+// The sum over balls of 12, 24, 48, 96 points, point by point.
+TEST(NearLikelihood, IsThatOfAMixtureOfTheShapeAndOfPointsAnywhere)
+{
+    const Vec3d place = knob_middle + Vec3d{0.04, 0, 0};
+    const std::vector<Vec3d> points = knob_points(100, 5);
+    const NearLikelihood likelihood(place, points, nearest_noise);
+    for (const auto& [shape, numbers] : {std::pair(knob(), 4), std::pair(plane_at(0.03), 3)}) {
+        double sum = 0;
+        for (const int ball : {12, 24, 48, 96}) {
+            const double radius = length(points[static_cast<std::size_t>(ball - 1)] - place);
+            double ratio = 0;
+            for (int i = 0; i < ball; ++i) {
+                const double d = distance_to(shape, points[static_cast<std::size_t>(i)]);
+                const double of_shape =
+                    std::exp(-d * d / (2 * nearest_noise * nearest_noise)) / (nearest_noise * std::sqrt(2 * pi));
+                const double anywhere = 1 / (2 * radius);
+                ratio += std::log((of_shape / 2 + anywhere / 2) / (anywhere / 2));
+            }
+            sum += (ratio - numbers * std::log(ball) / 2) / ball;
+        }
+        EXPECT_NEAR(likelihood.of(shape), sum, 1e-9);
+    }
+    EXPECT_GT(likelihood.of(knob()), likelihood.of(plane_at(0.03)) + 1);
+    EXPECT_GT(likelihood.of(knob()), likelihood.of(knob(0.043)) + 1);
+}
+
+// Fits whose answers are given, by the number of points; those that are followed have more points.
+class NearestAnswerTest : public testing::Test {
+protected:
+    void SetUp() override
+    {
+        for (const Vec3d& p : knob_points(100, 6)) {
+            near_.points.add(p);
+            near_.ids.push_back({});
+        }
+        std::vector<SurfacePoint> points;
+        for (const Vec3d& p : knob_points(300, 7)) points.push_back({p, {}});
+        tree_ = build_surface_tree(folder_.path(), points);
+    }
+    FittedPrimitive answer(const pcm::Shape& shape, FitVerdict verdict, double share = 1) const
+    {
+        const double end = knob_middle[1] + 0.04 * (2 * share - 1);
+        FittedPrimitive found{
+            {}, set_where(tree_, [&](const Vec3d& p) { return p[1] < end; }), {}, {}, {}, 0, 0, false, 1, {}, {}, {},
+            {}};
+        found.primitive.fit.shape = shape;
+        found.primitive.fit.verdict = verdict;
+        found.primitive.fit.errors.radius = error_ * shape.radius;
+        return found;
+    }
+    FittedPrimitive asked(FittedPrimitive found, double noise = nearest_noise)
+    {
+        asked_.clear();
+        return or_nearest(std::move(found), knob_middle + Vec3d{0.04, 0, 0}, near_, noise,
+                          [&](std::size_t count, bool grow) {
+                              asked_.emplace_back(count, grow);
+                              return grow ? answer(followed_, FitVerdict::good, share_)
+                                          : answer(of_count_.at(count), FitVerdict::good, 0.5);
+                          });
+    }
+    using Asked = std::vector<std::pair<std::size_t, bool>>;
+    TemporaryFolder folder_;
+    std::shared_ptr<const Tree> tree_;
+    NearPoints near_;
+    double error_ = 0.01, share_ = 1;
+    std::map<std::size_t, pcm::Shape> of_count_{{16, plane_at(0.038)}, {40, knob(0.0405)}, {100, plane_at(0.02)}};
+    pcm::Shape followed_ = knob();
+    Asked asked_;
+    FittedPrimitive doubtful() const { return answer(plane_at(0.03), FitVerdict::doubtful); }
+};
+
+TEST_F(NearestAnswerTest, TheShapeThatExplainsTheNearestPointsBestIsFollowed)
+{
+    const FittedPrimitive found = asked(doubtful());
+    EXPECT_EQ(asked_, (Asked{{16, false}, {40, false}, {100, false}, {40, true}}));
+    EXPECT_EQ(found.primitive.fit.shape.radius, 0.04);
+    EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::good);
+    EXPECT_GT(found.points.size(), 250u);
+}
+
+TEST_F(NearestAnswerTest, AGoodAnswerAndOneWithoutKnownNoiseStay)
+{
+    EXPECT_EQ(asked(answer(plane_at(0.03), FitVerdict::good)).primitive.fit.shape.kind, ShapeKind::plane);
+    EXPECT_TRUE(asked_.empty());
+    EXPECT_EQ(asked(doubtful(), 0).primitive.fit.shape.kind, ShapeKind::plane);
+    EXPECT_TRUE(asked_.empty());
+    EXPECT_EQ(asked(answer({}, FitVerdict::refused)).primitive.fit.shape.kind, ShapeKind::sphere);
+}
+
+TEST_F(NearestAnswerTest, AnAnswerThatExplainsThemNearlyAsWellStays)
+{
+    const FittedPrimitive found = asked(answer(knob(0.0407), FitVerdict::doubtful));
+    EXPECT_EQ(found.primitive.fit.shape.radius, 0.0407);
+    EXPECT_EQ(asked_.size(), 3u);
+}
+
+TEST_F(NearestAnswerTest, ShapesOfUncertainSizeOrWithoutThePlaceDoNotCount)
+{
+    of_count_ = {{16, plane_at(0.02)}, {40, knob(0.0405)}, {100, plane_at(0.02)}};
+    asked(doubtful());
+    EXPECT_EQ(asked_.size(), 4u);
+    error_ = 0.2;
+    EXPECT_EQ(asked(doubtful()).primitive.fit.shape.kind, ShapeKind::plane);
+    EXPECT_EQ(asked_.size(), 3u);
+    error_ = 0.01;
+    const NearPoints all = std::exchange(near_, {});
+    near_.points.add(knob_middle + Vec3d{0.0455, 0, 0});
+    for (const Vec3d& p : all.points.sources()) near_.points.add(p);
+    near_.ids.resize(101);
+    asked(doubtful());
+    EXPECT_EQ(asked_.size(), 3u) << "the picked point is 5 noises off the knob";
+}
+
+// What it becomes where it is followed explains the nearest points worse, or has fewer points.
+TEST_F(NearestAnswerTest, WhereItCannotBeFollowedItIsAnsweredAsDoubtful)
+{
+    followed_ = knob(0.046);
+    FittedPrimitive found = asked(doubtful());
+    EXPECT_EQ(found.primitive.fit.shape.radius, 0.0405);
+    EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_NE(found.primitive.fit.message.find("explains those next to the place worse"), std::string::npos);
+    followed_ = knob();
+    share_ = 0.3;
+    found = asked(doubtful());
+    EXPECT_EQ(found.primitive.fit.shape.radius, 0.0405);
+    EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
+}
+
+// A knob of 80 mm on its stem, 70 mm before a plate, seen from one side: some 100 points next to as many others.
+TEST(NearestAnswer, PCM_NOT_UNDER_SANITIZERS(AKnobBetweenOtherPartsIsAnsweredAsItsSphere))
+{
+    int within = 0;
+    for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+        Dice dice(seed);
+        std::vector<SurfacePoint> points;
+        const auto put = [&](const Vec3d& p, const Vec3d& n) {
+            points.push_back({knob_middle + p + 0.0015 * dice.normal() * n, n});
+        };
+        constexpr double density = 1 / (0.009 * 0.009);
+        for (int i = 0; i < static_cast<int>(2 * pi * 0.04 * 0.04 * density); ++i) {
+            Vec3d n = dice.direction();
+            n[0] = std::fabs(n[0]);
+            put(0.04 * n, n);
+        }
+        for (int i = 0; i < static_cast<int>(pi * 0.015 * 0.3 * density); ++i) {
+            const double a = dice.between(-pi / 2, pi / 2);
+            const Vec3d n{std::cos(a), std::sin(a), 0};
+            put(0.015 * n + Vec3d{0, 0, dice.between(-0.34, -0.037)}, n);
+        }
+        for (int i = 0; i < static_cast<int>(0.5 * 0.5 * density); ++i)
+            put({-0.11, dice.between(-0.25, 0.25), dice.between(-0.35, 0.15)}, {1, 0, 0});
+        for (int i = 0; i < static_cast<int>(0.1 * 0.3 * density); ++i)
+            put({dice.between(-0.03, 0.05), dice.between(0.045, 0.05), dice.between(-0.2, 0.1)}, {0, -1, 0});
+        TemporaryFolder folder;
+        build_surface_tree(folder.path(), points);
+        const auto cloud = PointCloud::open(folder / "surface.pct");
+        FitAtOptions options;
+        options.kinds = any_kind().kinds;
+        const Vec3d n = normalised(Vec3d{1, 0.1 * static_cast<double>(seed) - 0.4, 0.1});
+        const FittedPrimitive found = fit_at(*cloud, {knob_middle + 0.04 * n}, {}, options);
+        const ShapeFit& fit = found.primitive.fit;
+        ASSERT_EQ(fit.shape.kind, ShapeKind::sphere) << seed;
+        EXPECT_NEAR(fit.shape.radius, 0.04, 0.0015) << seed << ": " << fit.message;
+        EXPECT_LT(fit.errors.radius, 0.004) << seed;
+        within += std::fabs(fit.shape.radius - 0.04) < 3 * fit.errors.radius;
+    }
+    EXPECT_EQ(within, 6);
+}
+
+}  // namespace
