@@ -188,6 +188,10 @@ struct NearPlaceTuning {
     // Maximum distance of the point next to the place.
     // Chosen: with 3 two fewer right answers are lost, all of them next to edges, than without; with 2 as many.
     double max_off = 3;  // standard deviations of the noise
+    // Maximum loss of a cylinder on a sphere: ten rims of flanges have up to 0.77, knobs, bodies of valves and heads
+    // 0.72 to 12, and the others of 16 of them 1 and more.
+    // Chosen: by those; not swept.
+    double max_band_loss = 0.65;  // NearLikelihood
 };
 
 // A pipe that is thin relative to the distance of points (thin_pipe.h).

@@ -190,7 +190,9 @@ private:
             options.grow = grow;
             return answer_again(places_.front(), std::move(options));
         };
-        return or_nearest(std::move(found), places_.front(), near, noise, fit);
+        found = or_nearest(std::move(found), places_.front(), near, noise, fit);
+        if (!local_options().may_choose(ShapeKind::cylinder)) return found;
+        return or_band(std::move(found), places_.front(), near, noise, fit_again());
     }
 
     // At another place, or for other kinds, where this answer is not good.

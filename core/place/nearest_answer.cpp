@@ -5,6 +5,7 @@
 #include "pcm/place/followed_verdict.h"
 #include "pcm/place/refit.h"
 #include "pcm/place/tuning.h"
+#include "pcm/system/text.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,12 +21,24 @@ NearLikelihood::NearLikelihood(const Vec3d& place, std::vector<Vec3d> points, do
 
 double NearLikelihood::of(const Shape& shape) const
 {
-    const double numbers = static_cast<double>(model_of(shape.kind).parameters());
-    std::vector<double> peaks;  // density of each point's distance from the shape, relative to its peak
-    for (const Vec3d& p : points_) {
-        const double noises = distance_to(shape, p) / noise_;
-        peaks.push_back(std::exp(-noises * noises / 2));
-    }
+    std::vector<double> distances;
+    for (const Vec3d& p : points_) distances.push_back(distance_to(shape, p));
+    return of(distances, static_cast<double>(model_of(shape.kind).parameters()));
+}
+
+double NearLikelihood::of(const Corner& corner) const
+{
+    if (!corner.edge) return of(corner.widest);
+    std::vector<double> distances;
+    for (const Vec3d& p : points_)
+        distances.push_back(std::max(signed_distance(corner.widest, p), signed_distance(*corner.edge, p)));
+    return of(distances, 2 * static_cast<double>(model_of(ShapeKind::plane).parameters()));
+}
+
+double NearLikelihood::of(const std::vector<double>& distances, double numbers) const
+{
+    std::vector<double> peaks;  // density of each point's distance, relative to its peak
+    for (const double d : distances) peaks.push_back(std::exp(-d * d / (2 * noise_ * noise_)));
     double sum = 0;
     std::size_t ball = place_tuning().near_place.smallest_ball;
     while (ball > 0 && ball <= points_.size()) {
@@ -53,6 +66,8 @@ FittedPrimitive or_nearest(FittedPrimitive found, const Vec3d& place, const Near
     const auto has_place = [&](const FittedPrimitive& answer) {
         return distance_to(answer.primitive.fit.shape, picked) <= tuned.max_off * noise;
     };
+    const auto corner = corner_at(place, near.points, noise, {});
+    const double of_corner = corner ? likelihood.of(*corner) : -infinity;
     double most = of(found) + tuned.min_gain;
     std::size_t best_count = 0;
     std::optional<FittedPrimitive> best;
@@ -62,6 +77,7 @@ FittedPrimitive or_nearest(FittedPrimitive found, const Vec3d& place, const Near
         FittedPrimitive answer = fit(count, false);
         const double gain = of(answer);
         if (!(gain > most) || !has_place(answer) || !is_size_certain(answer.primitive.fit)) continue;
+        if (gain <= of_corner && !traits_of(answer.primitive.fit.shape.kind).is_flat()) continue;
         most = gain;
         best_count = count;
         best = std::move(answer);
@@ -72,6 +88,23 @@ FittedPrimitive or_nearest(FittedPrimitive found, const Vec3d& place, const Near
     if (is_followed && followed.points.size() >= best->points.size()) return followed;
     come_back("the shape of all its points explains those next to the place worse", FitIssue::no_consensus, *best);
     return std::move(*best);
+}
+
+FittedPrimitive or_band(FittedPrimitive found, const Vec3d& place, const NearPoints& near, double noise,
+                        const FitAgain& fit)
+{
+    const ShapeFit& sphere = found.primitive.fit;
+    if (sphere.verdict != FitVerdict::doubtful || sphere.shape.kind != ShapeKind::sphere || !(noise > 0)) return found;
+    const NearLikelihood likelihood(place, near.points.sources(), noise);
+    FittedPrimitive other = fit(place, {ShapeKind::cylinder}, {});
+    ShapeFit& cylinder = other.primitive.fit;
+    if (!cylinder.has_shape()) return found;
+    const double least = likelihood.of(sphere.shape) - place_tuning().near_place.max_band_loss;
+    if (!(likelihood.of(cylinder.shape) >= least)) return found;
+    doubt(cylinder, FitIssue::thin_arc,
+          "a sphere of radius " + brief(sphere.shape.radius) +
+              " explains the points next to the place as well: they are a band of either, as the rim of a flange is");
+    return other;
 }
 
 }  // namespace pcm

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <map>
 #include <memory>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -121,6 +123,7 @@ protected:
     std::map<std::size_t, pcm::Shape> of_count_{{16, plane_at(0.038)}, {40, knob(0.0405)}, {100, plane_at(0.02)}};
     pcm::Shape followed_ = knob();
     Asked asked_;
+    std::string message_;
     FittedPrimitive doubtful() const { return answer(plane_at(0.03), FitVerdict::doubtful); }
 };
 
@@ -179,6 +182,90 @@ TEST_F(NearestAnswerTest, WhereItCannotBeFollowedItIsAnsweredAsDoubtful)
     found = asked(doubtful());
     EXPECT_EQ(found.primitive.fit.shape.radius, 0.0405);
     EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
+}
+
+// The edge of two faces, seen from outside: a thin pipe along it explains the nearest points better than either face.
+TEST_F(NearestAnswerTest, CurvedShapesAreComparedWithTheCornerOfTwoFaces)
+{
+    Dice dice(8);
+    std::vector<Vec3d> points;
+    for (int i = 0; i < 100; ++i) {
+        const double along = dice.between(-0.06, 0.06), out = dice.between(0, 0.06),
+                     off = nearest_noise * dice.normal();
+        points.push_back(knob_middle + (i % 2 ? Vec3d{off, -out, along} : Vec3d{-out, off, along}));
+    }
+    std::sort(points.begin(), points.end(),
+              [](const Vec3d& a, const Vec3d& b) { return length(a - knob_middle) < length(b - knob_middle); });
+    Corner corner;
+    corner.widest = plane_at(0);
+    EXPECT_EQ(NearLikelihood(knob_middle, points, nearest_noise).of(corner),
+              NearLikelihood(knob_middle, points, nearest_noise).of(plane_at(0)));
+    corner.edge = plane_at(0);
+    corner.edge->axis = {0, 1, 0};
+    pcm::Shape pipe;
+    pipe.kind = ShapeKind::cylinder;
+    pipe.point = knob_middle - Vec3d{0.01, 0.01, 0};
+    pipe.axis = {0, 0, 1};
+    pipe.radius = 0.01;
+    const NearLikelihood likelihood(knob_middle, points, nearest_noise);
+    EXPECT_GT(likelihood.of(corner), likelihood.of(pipe) + 2);
+    EXPECT_GT(likelihood.of(pipe), likelihood.of(plane_at(-0.01)) + 1);
+
+    near_ = {};
+    for (const Vec3d& p : points) near_.points.add(p);
+    near_.ids.resize(100);
+    for (auto& [count, shape] : of_count_) shape = pipe;
+    error_ = 0.01;
+    EXPECT_EQ(asked(answer(plane_at(-0.01), FitVerdict::doubtful)).primitive.fit.shape.kind, ShapeKind::plane);
+    EXPECT_EQ(asked_.size(), 3u);
+    for (auto& [count, shape] : of_count_) shape = plane_at(0);
+    followed_ = plane_at(0);
+    EXPECT_EQ(asked(answer(plane_at(-0.01), FitVerdict::doubtful)).primitive.fit.shape.point, knob_middle);
+}
+
+// The rim of a flange, 12 mm wide, is of a sphere as probably as of a cylinder, a knob of the sphere alone.
+TEST_F(NearestAnswerTest, ABandIsOfACylinder)
+{
+    pcm::Shape ring;
+    ring.kind = ShapeKind::cylinder;
+    ring.point = knob_middle;
+    ring.axis = {0, 0, 1};
+    ring.radius = 0.1;
+    const pcm::Shape ball = knob(0.1);
+    const Vec3d place = knob_middle + Vec3d{0.1, 0, 0};
+    const auto kind_on = [&](double width, const FittedPrimitive& found, FitVerdict of_ring) {
+        Dice dice(9);
+        std::vector<Vec3d> points;
+        for (int i = 0; i < 100; ++i) {
+            const double a = dice.between(-0.7, 0.7), z = dice.between(-width / 2, width / 2);
+            const double r = std::sqrt(0.01 - z * z) + nearest_noise * dice.normal();
+            points.push_back(knob_middle + Vec3d{r * std::cos(a), r * std::sin(a), z});
+        }
+        std::sort(points.begin(), points.end(),
+                  [&](const Vec3d& a, const Vec3d& b) { return length(a - place) < length(b - place); });
+        near_ = {};
+        for (const Vec3d& p : points) near_.points.add(p);
+        const FittedPrimitive band =
+            or_band(found, place, near_, nearest_noise,
+                    [&](const Vec3d& at, const std::vector<ShapeKind>& kinds, const std::optional<Clip>& part) {
+                        EXPECT_EQ(at, place);
+                        EXPECT_EQ(kinds, std::vector<ShapeKind>{ShapeKind::cylinder});
+                        EXPECT_FALSE(part);
+                        return answer(of_ring == FitVerdict::refused ? pcm::Shape{} : ring, of_ring);
+                    });
+        message_ = band.primitive.fit.message;
+        if (band.primitive.fit.shape.kind == ShapeKind::cylinder) {
+            EXPECT_EQ(band.primitive.fit.verdict, FitVerdict::doubtful);
+        }
+        return band.primitive.fit.shape.kind;
+    };
+    const FittedPrimitive sphere = answer(ball, FitVerdict::doubtful);
+    EXPECT_EQ(kind_on(0.012, sphere, FitVerdict::good), ShapeKind::cylinder);
+    EXPECT_NE(message_.find("a sphere of radius 0.1 explains"), std::string::npos) << message_;
+    EXPECT_EQ(kind_on(0.08, sphere, FitVerdict::good), ShapeKind::sphere);
+    EXPECT_EQ(kind_on(0.012, sphere, FitVerdict::refused), ShapeKind::sphere);
+    EXPECT_EQ(kind_on(0.012, answer(ball, FitVerdict::good), FitVerdict::good), ShapeKind::sphere);
+    EXPECT_EQ(kind_on(0.012, doubtful(), FitVerdict::good), ShapeKind::plane);
 }
 
 // A knob of 80 mm on its stem, 70 mm before a plate, seen from one side: some 100 points next to as many others.
