@@ -191,6 +191,8 @@ private:
             return answer_again(places_.front(), std::move(options));
         };
         found = or_nearest(std::move(found), places_.front(), near, noise, fit);
+        // A neighbourhood of given size is not compared with the faces around it.
+        if (found.primitive.fit.verdict == FitVerdict::good) return or_part(or_other(std::move(found)));
         if (!local_options().may_choose(ShapeKind::cylinder)) return found;
         return or_band(std::move(found), places_.front(), near, noise, fit_again());
     }
