@@ -192,6 +192,9 @@ struct NearPlaceTuning {
     // 0.72 to 12, and the others of 16 of them 1 and more.
     // Chosen: by those; not swept.
     double max_band_loss = 0.65;  // NearLikelihood
+    // Maximum difference of their radii: the edge between rim and face is a far thinner cylinder.
+    // Chosen: not swept.
+    double max_band_radius = 0.2;  // radii of the sphere
 };
 
 // A pipe that is thin relative to the distance of points (thin_pipe.h).

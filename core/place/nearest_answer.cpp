@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <utility>
 
 namespace pcm {
@@ -84,8 +85,15 @@ FittedPrimitive or_nearest(FittedPrimitive found, const Vec3d& place, const Near
     }
     if (!best) return found;
     FittedPrimitive followed = fit(best_count, true);
+    const std::string note = "the " + grouped(best_count) +
+                             " points next to the place were fitted by themselves: the shape of more of them, which is "
+                             "not good, explains them worse";
     const bool is_followed = of(followed) >= most - tuned.max_loss && has_place(followed);
-    if (is_followed && followed.points.size() >= best->points.size()) return followed;
+    if (is_followed && followed.points.size() >= best->points.size()) {
+        followed.notes.push_back(note);
+        return followed;
+    }
+    best->notes.push_back(note);
     come_back("the shape of all its points explains those next to the place worse", FitIssue::no_consensus, *best);
     return std::move(*best);
 }
@@ -98,11 +106,14 @@ FittedPrimitive or_band(FittedPrimitive found, const Vec3d& place, const NearPoi
     const NearLikelihood likelihood(place, near.points.sources(), noise);
     FittedPrimitive other = fit(place, {ShapeKind::cylinder}, {});
     ShapeFit& cylinder = other.primitive.fit;
-    if (!cylinder.has_shape()) return found;
+    const double radius = sphere.shape.radius;
+    const bool is_band =
+        std::fabs(cylinder.shape.radius - radius) <= place_tuning().near_place.max_band_radius * radius;
+    if (!cylinder.has_shape() || !is_band) return found;
     const double least = likelihood.of(sphere.shape) - place_tuning().near_place.max_band_loss;
     if (!(likelihood.of(cylinder.shape) >= least)) return found;
     doubt(cylinder, FitIssue::thin_arc,
-          "a sphere of radius " + brief(sphere.shape.radius) +
+          "a sphere of radius " + brief(radius) +
               " explains the points next to the place as well: they are a band of either, as the rim of a flange is");
     return other;
 }

@@ -172,6 +172,7 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.near_place.max_loss),
         PCM_TUNED(place.near_place.max_off),
         PCM_TUNED(place.near_place.max_band_loss),
+        PCM_TUNED(place.near_place.max_band_radius),
     }};
 }
 

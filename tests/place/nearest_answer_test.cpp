@@ -120,7 +120,7 @@ protected:
     std::shared_ptr<const Tree> tree_;
     NearPoints near_;
     double error_ = 0.01, share_ = 1;
-    std::map<std::size_t, pcm::Shape> of_count_{{16, plane_at(0.038)}, {40, knob(0.0405)}, {100, plane_at(0.02)}};
+    std::map<std::size_t, pcm::Shape> of_count_{{16, plane_at(0.038)}, {40, knob(0.0405)}, {100, knob(0.0425)}};
     pcm::Shape followed_ = knob();
     Asked asked_;
     std::string message_;
@@ -134,6 +134,8 @@ TEST_F(NearestAnswerTest, TheShapeThatExplainsTheNearestPointsBestIsFollowed)
     EXPECT_EQ(found.primitive.fit.shape.radius, 0.04);
     EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::good);
     EXPECT_GT(found.points.size(), 250u);
+    ASSERT_EQ(found.notes.size(), 1u);
+    EXPECT_EQ(found.notes.front().find("the 40 points next to the place"), 0u);
 }
 
 TEST_F(NearestAnswerTest, AGoodAnswerAndOneWithoutKnownNoiseStay)
@@ -182,6 +184,14 @@ TEST_F(NearestAnswerTest, WhereItCannotBeFollowedItIsAnsweredAsDoubtful)
     found = asked(doubtful());
     EXPECT_EQ(found.primitive.fit.shape.radius, 0.0405);
     EXPECT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(found.notes.size(), 1u);
+    share_ = 1;
+    const std::vector<Vec3d> all = near_.points.sources();
+    near_ = {};
+    near_.points.add(knob_middle + Vec3d{0.0433, 0, 0});
+    for (const Vec3d& p : all) near_.points.add(p);
+    near_.ids.resize(101);
+    EXPECT_EQ(asked(doubtful()).primitive.fit.shape.radius, 0.0405) << "followed, it is 3.3 noises off the point";
 }
 
 // The edge of two faces, seen from outside: a thin pipe along it explains the nearest points better than either face.
@@ -266,6 +276,50 @@ TEST_F(NearestAnswerTest, ABandIsOfACylinder)
     EXPECT_EQ(kind_on(0.012, sphere, FitVerdict::refused), ShapeKind::sphere);
     EXPECT_EQ(kind_on(0.012, answer(ball, FitVerdict::good), FitVerdict::good), ShapeKind::sphere);
     EXPECT_EQ(kind_on(0.012, doubtful(), FitVerdict::good), ShapeKind::plane);
+    pcm::Shape wider = knob(0.13);
+    wider.point[0] -= 0.03;
+    EXPECT_EQ(kind_on(0.012, answer(wider, FitVerdict::doubtful), FitVerdict::good), ShapeKind::sphere)
+        << "that cylinder is another one";
+}
+
+// The rims of a pair of flanges of 200 mm, seen from one side: two bands of some 70 points, on a sphere, too.
+TEST(NearestAnswer, PCM_NOT_UNDER_SANITIZERS(TheRimOfAFlangeIsAnsweredAsACylinder))
+{
+    int cylinders = 0;
+    for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+        Dice dice(seed);
+        std::vector<SurfacePoint> points;
+        const auto put = [&](double radius, double angle, double z, const Vec3d& n) {
+            const Vec3d p = knob_middle + Vec3d{radius * std::cos(angle), radius * std::sin(angle), z};
+            points.push_back({p + 0.0012 * dice.normal() * n, n});
+        };
+        const auto angle = [&] { return dice.between(-1.2, 1.2); };
+        constexpr double density = 1 / (0.007 * 0.007);
+        for (const double from : {0.0, 0.022})
+            for (int i = 0; i < static_cast<int>(2.4 * 0.1 * 0.014 * density); ++i) {
+                const double a = angle();
+                put(0.1, a, from + dice.between(0, 0.014), {std::cos(a), std::sin(a), 0});
+            }
+        for (const double side : {-0.4, 0.036})
+            for (int i = 0; i < static_cast<int>(2.4 * 0.06 * 0.4 * density); ++i) {
+                const double a = angle();
+                put(0.06, a, side + dice.between(0, 0.4), {std::cos(a), std::sin(a), 0});
+            }
+        for (const double z : {0.0, 0.036})
+            for (int i = 0; i < static_cast<int>(0.1 * 1.2 * (0.01 - 0.0036) * density); ++i)
+                put(std::sqrt(dice.between(0.0036, 0.01)), angle(), z, {0, 0, 1});
+        TemporaryFolder folder;
+        build_surface_tree(folder.path(), points);
+        const auto cloud = PointCloud::open(folder / "surface.pct");
+        FitAtOptions options;
+        options.kinds = any_kind().kinds;
+        const double a = 0.2 * static_cast<double>(seed) - 0.7;
+        const FittedPrimitive found =
+            fit_at(*cloud, {knob_middle + Vec3d{0.1 * std::cos(a), 0.1 * std::sin(a), 0.007}}, {}, options);
+        const ShapeFit& fit = found.primitive.fit;
+        cylinders += fit.shape.kind == ShapeKind::cylinder && std::fabs(fit.shape.radius - 0.1) < 0.003;
+    }
+    EXPECT_GE(cylinders, 5) << "three, where the doubtful spheres stay";
 }
 
 // A knob of 80 mm on its stem, 70 mm before a plate, seen from one side: some 100 points next to as many others.
