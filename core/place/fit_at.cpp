@@ -191,6 +191,11 @@ private:
             return answer_again(places_.front(), std::move(options));
         };
         found = or_nearest(std::move(found), places_.front(), near, noise, fit);
+        // Levels of a depth camera and strips of terrain are planes of a few dozen points, too.
+        if (!around_.are_named())
+            doubt(found.primitive.fit, FitIssue::no_consensus,
+                  "it was found by the points next to the place alone, and no other station confirms it: compare it "
+                  "with a section, or pick more places");
         // A neighbourhood of given size is not compared with the faces around it.
         if (found.primitive.fit.verdict == FitVerdict::good) return or_part(or_other(std::move(found)));
         if (!local_options().may_choose(ShapeKind::cylinder)) return found;

@@ -2,11 +2,12 @@
 #include "pcm/place/nearest_answer.h"
 
 #include "pcm/place/fit_at.h"
-#include "tests/place/shape_cloud.h"
+#include "tests/place/station_cloud.h"
 #include "tests/sanitizers.h"
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -38,6 +39,17 @@ pcm::Shape plane_at(double x)
     shape.point = knob_middle + Vec3d{x, 0, 0};
     shape.axis = {1, 0, 0};
     return shape;
+}
+
+std::shared_ptr<PointCloud> station_cloud(const std::vector<StationPoint>& points)
+{
+    static TemporaryFolder folder;
+    write_stations_ply(folder / "stations.ply", points, Says::source_id);
+    BuildOptions options;
+    options.chunk_points = 4000;
+    options.overwrite = true;
+    build_tree({folder / "stations.ply"}, folder / "stations.pct", options);
+    return PointCloud::open(folder / "stations.pct");
 }
 
 // Points on the knob's side of greater x, the nearest to its outermost point first.
@@ -361,6 +373,46 @@ TEST(NearestAnswer, PCM_NOT_UNDER_SANITIZERS(AKnobBetweenOtherPartsIsAnsweredAsI
         within += std::fabs(fit.shape.radius - 0.04) < 3 * fit.errors.radius;
     }
     EXPECT_EQ(within, 6);
+}
+
+// Where three stations see the faces of a post, places on its edge are not good.
+TEST(NearestAnswer, PCM_NOT_UNDER_SANITIZERS(PlacesOnAnEdgeSeenFromSeveralStationsAreDoubted))
+{
+    for (const std::uint64_t seed : {1, 2, 3}) {
+        Dice dice(seed);
+        std::vector<StationPoint> points;
+        constexpr double half = 0.075, noise = 0.0013;
+        for (const int side : {-1, 1})
+            for (int i = 0; i < 6000; ++i) {
+                const Vec3d out{side * half + noise * dice.normal(), dice.between(-half, half),
+                                dice.between(-0.5, 0.5)};
+                points.push_back({knob_middle + (i % 2 ? out : Vec3d{out[1], out[0], out[2]}), i / 2 % 3});
+            }
+        const auto cloud = station_cloud(points);
+        FitAtOptions options;
+        options.kinds = any_kind().kinds;
+        const ShapeFit at_edge = fit_at(*cloud, {knob_middle + Vec3d{0.0747, 0.0746, 0.1}}, {}, options).primitive.fit;
+        EXPECT_NE(at_edge.verdict, FitVerdict::good) << at_edge.message;
+    }
+}
+
+// A level of a depth camera, all of whose points have one depth, and a strip of terrain.
+TEST(NearestAnswer, PCM_NOT_UNDER_SANITIZERS(PiecesOfRealSurfacesThatNoStationConfirmsAreNotGood))
+{
+    const std::vector<std::pair<const char*, Vec3d>> places{
+        {"office1.pcd", {1.12713096, 0.6186972, 3.21600008}},
+        {"samp11-utm-ground.pcd", {512753.5625, 5403588, 314.79999}}};
+    for (const auto& [name, place] : places) {
+        const std::filesystem::path file = sample("pcd") / name;
+        if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
+        TemporaryFolder folder;
+        build_tree({file}, folder / "cloud.pct", {});
+        FitAtOptions options;
+        options.kinds = any_kind().kinds;
+        const ShapeFit fit = fit_at(*PointCloud::open(folder / "cloud.pct"), {place}, {}, options).primitive.fit;
+        EXPECT_EQ(fit.verdict, FitVerdict::doubtful) << name;
+        EXPECT_NE(fit.message.find("found by the points next to the place alone"), std::string::npos) << fit.message;
+    }
 }
 
 }  // namespace
