@@ -195,6 +195,10 @@ struct NearPlaceTuning {
     // Maximum difference of their radii: the edge between rim and face is a far thinner cylinder.
     // Chosen: not swept.
     double max_band_radius = 0.2;  // radii of the sphere
+    // Minimum noise of a good answer: one level of a depth camera has none, 20 answers of four ray-cast scenes 0.8 and
+    // more.
+    // Chosen: by those; not swept.
+    double min_noise = 0.4;  // noise of smooth surfaces around
 };
 
 // A pipe that is thin relative to the distance of points (thin_pipe.h).

@@ -196,6 +196,10 @@ private:
             doubt(found.primitive.fit, FitIssue::no_consensus,
                   "it was found by the points next to the place alone, and no other station confirms it: compare it "
                   "with a section, or pick more places");
+        if (ShapeFit& fitted = found.primitive.fit; fitted.noise < place_tuning().near_place.min_noise * noise)
+            doubt(fitted, FitIssue::no_consensus,
+                  "its points have a noise of " + brief(fitted.noise) + ", those of surfaces around of " +
+                      brief(noise) + ": they may be one level of a depth camera, so compare it with a section");
         // A neighbourhood of given size is not compared with the faces around it.
         if (found.primitive.fit.verdict == FitVerdict::good) return or_part(or_other(std::move(found)));
         if (!local_options().may_choose(ShapeKind::cylinder)) return found;

@@ -173,6 +173,7 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.near_place.max_off),
         PCM_TUNED(place.near_place.max_band_loss),
         PCM_TUNED(place.near_place.max_band_radius),
+        PCM_TUNED(place.near_place.min_noise),
     }};
 }
 
