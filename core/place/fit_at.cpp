@@ -169,12 +169,10 @@ private:
         return or_one_radius(std::move(found), places_.front(), spread, fit_again(), options_.threads);
     }
 
-    bool is_chosen() const { return options_.radius > 0 || options_.count > 0 || options_.fit.threshold > 0; }
-
     // The shape of the points next to the place alone, where this answer is not good.
     FittedPrimitive or_small(FittedPrimitive found)
     {
-        if (is_again_ || !options_.grow || is_chosen() || places_.size() != 1) return found;
+        if (is_again_ || !options_.grow || local_options().is_given() || places_.size() != 1) return found;
         if (found.primitive.fit.verdict == FitVerdict::good) return found;
         NearOptions nearest;
         nearest.places = true;

@@ -78,7 +78,7 @@ public:
 
     std::optional<LocalFit> run_narrowly(const LocalFit& wide)
     {
-        if (options_.radius > 0 || options_.count > 0 || options_.fit.threshold > 0) return {};
+        if (options_.is_given()) return {};
         const EvenNoise even = wide.even;
         const std::size_t among = even.count * places_.size();
         if (even.count == 0 || among >= wide.near.found || !(even.noise > 0)) return {};
@@ -473,12 +473,12 @@ LocalFit fit_locally(const PointCloud& cloud, const std::vector<Vec3d>& places, 
 std::optional<LocalFit> fit_more_numbers(const PointCloud& cloud, const std::vector<Vec3d>& places,
                                          LocalFitOptions options, const LocalFit& local)
 {
-    const bool is_chosen = options.radius > 0 || options.count > 0 || options.fit.threshold > 0;
+    const bool is_given = options.is_given();
     options.count = place_tuning().neighbourhood.widening * local.near.found;
     std::vector<ShapeKind> kinds;
     for (const ShapeKind kind : options.kinds)
         if (model_of(kind).rank > model_of(local.fit.shape.kind).rank) kinds.push_back(kind);
-    if (is_chosen || kinds.empty() || options.count > most_wider) return {};
+    if (is_given || kinds.empty() || options.count > most_wider) return {};
     options.kinds = std::move(kinds);
     LocalFit wider = fit_locally(cloud, places, options);
     if (wider.fit.verdict != FitVerdict::good) return {};

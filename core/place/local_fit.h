@@ -59,12 +59,15 @@ struct LocalFitOptions {
     Selection limit;
     ProgressFunction progress;
 
+    // Whether the neighbourhood or the threshold is given, rather than chosen.
+    bool is_given() const { return radius > 0 || count > 0 || fit.threshold > 0; }
+
     // Whether shapes of that kind are looked for, with a neighbourhood and a threshold that are chosen.
     bool may_choose(ShapeKind kind) const
     {
         const bool is_wanted =
             kinds.empty() ? fit.kind == kind : std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
-        return is_wanted && !(radius > 0) && count == 0 && !(fit.threshold > 0);
+        return is_wanted && !is_given();
     }
 
     // Is given the shape of the nearest points, where it is one of the places, before wider neighbourhoods are looked

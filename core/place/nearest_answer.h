@@ -41,8 +41,8 @@ using FitOfNearest = std::function<FittedPrimitive(std::size_t count, bool grow)
 // Where `found` is not good, the shape of a small neighbourhood (`near_place.smallest` points and more) that explains
 // the points next to the place far better, has the nearest one, and whose sizes are certain: as it is followed, or,
 // where it then explains them worse, as it is, doubtful. `near`: the nearest points; `noise`: one standard deviation of
-// theirs, source units; 0: unknown, `found` stays. A curved shape counts where it explains them better than the corner
-// of two faces does. Throws what the fits throw.
+// theirs, source units; 0: unknown, `found` stays. A curved shape counts where it explains them better than a corner
+// (two faces that meet) explains them. Throws what the fits throw.
 FittedPrimitive or_nearest(FittedPrimitive found, const Vec3d& place, const NearPoints& near, double noise,
                            const FitOfNearest& fit);
 

@@ -23,7 +23,7 @@ struct SweptPart {
 // The part of a torus between the straight tubes that continue it; nothing where these explain the points no better
 // than the torus alone, where less than a tenth of the points would be left, and for other kinds. The ends are those of
 // a bent tube that is fitted to all points around (bent_tube.h), moved inwards by a few of their errors; the shape is
-// that of the points between them. `points`: on the shape, source coordinates, spread evenly;
+// fitted to the points between them. `points`: on the shape, source coordinates, spread evenly;
 // `around`: the points next to the shape as well, such as those of the pipes where they have left it; `before`: the
 // part as it was found with another shape, from whose ends the search begins; `threshold`: as in RefineOptions, source
 // units. One thread; some tens of milliseconds.

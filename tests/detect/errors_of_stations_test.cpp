@@ -74,12 +74,7 @@ protected:
     }
     void build(const std::vector<StationPoint>& points, Says says)
     {
-        write_stations_ply(folder_ / "stations.ply", points, says);
-        BuildOptions options;
-        options.chunk_points = 4000;
-        options.overwrite = true;
-        build_tree({folder_ / "stations.ply"}, folder_ / "stations.pct", options);
-        tree_ = Tree::open(folder_ / "stations.pct");
+        tree_ = build_station_tree(folder_.path(), points, says);
     }
     DetectReport detect(double registration = 0, unsigned threads = 1) const
     {

@@ -102,12 +102,7 @@ protected:
         if (!has_stations_) return build_surface_tree(folder_.path(), points);
         std::vector<StationPoint> seen;
         for (const SurfacePoint& p : points) seen.push_back({p.position, static_cast<int>(seen.size() / 4 % 2)});
-        write_stations_ply(folder_ / "stations.ply", seen, Says::source_id);
-        BuildOptions options;
-        options.chunk_points = 2000;
-        options.overwrite = true;
-        build_tree({folder_ / "stations.ply"}, folder_ / "stations.pct", options);
-        return Tree::open(folder_ / "stations.pct");
+        return build_station_tree(folder_.path(), seen, Says::source_id, 2000);
     }
 
     TemporaryFolder folder_;

@@ -42,17 +42,6 @@ pcm::Shape plane_at(double x)
     return shape;
 }
 
-std::shared_ptr<PointCloud> station_cloud(const std::vector<StationPoint>& points)
-{
-    static TemporaryFolder folder;
-    write_stations_ply(folder / "stations.ply", points, Says::source_id);
-    BuildOptions options;
-    options.chunk_points = 4000;
-    options.overwrite = true;
-    build_tree({folder / "stations.ply"}, folder / "stations.pct", options);
-    return PointCloud::open(folder / "stations.pct");
-}
-
 // Points on the knob's side of greater x, the nearest to its outermost point first.
 std::vector<Vec3d> knob_points(std::size_t count, std::uint64_t seed)
 {
@@ -389,7 +378,9 @@ TEST(NearestAnswer, PCM_NOT_UNDER_SANITIZERS(PlacesOnAnEdgeSeenFromSeveralStatio
                                 dice.between(-0.5, 0.5)};
                 points.push_back({knob_middle + (i % 2 ? out : Vec3d{out[1], out[0], out[2]}), i / 2 % 3});
             }
-        const auto cloud = station_cloud(points);
+        TemporaryFolder folder;
+        build_station_tree(folder.path(), points, Says::source_id);
+        const auto cloud = PointCloud::open(folder / "stations.pct");
         FitAtOptions options;
         options.kinds = any_kind().kinds;
         const ShapeFit at_edge = fit_at(*cloud, {knob_middle + Vec3d{0.0747, 0.0746, 0.1}}, {}, options).primitive.fit;

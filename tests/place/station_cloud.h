@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <vector>
 
 namespace pcm::test {
@@ -50,6 +51,18 @@ inline void write_stations_ply(const std::filesystem::path& path, const std::vec
         if (has_ids) file.write(reinterpret_cast<const char*>(&id), 2);
         if (says == Says::time) file.write(reinterpret_cast<const char*>(&time), 8);
     }
+}
+
+inline std::shared_ptr<const Tree> build_station_tree(const std::filesystem::path& folder,
+                                                      const std::vector<StationPoint>& points, Says says,
+                                                      std::uint32_t chunk_points = 4000)
+{
+    write_stations_ply(folder / "stations.ply", points, says);
+    BuildOptions options;
+    options.chunk_points = chunk_points;
+    options.overwrite = true;
+    build_tree({folder / "stations.ply"}, folder / "stations.pct", options);
+    return Tree::open(folder / "stations.pct");
 }
 
 }  // namespace pcm::test

@@ -45,12 +45,8 @@ protected:
             else
                 put(hall + Vec3d{4, a, 1 + b / 4}, {-1, 0, 0}, station);
         }
-        write_stations_ply(folder_ / "pipe.ply", points, Says::source_id);
-        BuildOptions options;
-        options.chunk_points = 4000;
-        options.overwrite = true;
-        build_tree({folder_ / "pipe.ply"}, folder_ / "pipe.pct", options);
-        return PointCloud::open(folder_ / "pipe.pct");
+        build_station_tree(folder_.path(), points, Says::source_id);
+        return PointCloud::open(folder_ / "stations.pct");
     }
 
     // The pipe's points, relative to the best round one.

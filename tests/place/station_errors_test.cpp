@@ -61,11 +61,7 @@ protected:
             else
                 put(hall + Vec3d{4, a, 1 + b / 4}, {-1, 0, 0}, station);
         }
-        write_stations_ply(folder_ / "stations.ply", points, says);
-        BuildOptions options;
-        options.chunk_points = 4000;
-        options.overwrite = true;
-        build_tree({folder_ / "stations.ply"}, folder_ / "stations.pct", options);
+        build_station_tree(folder_.path(), points, says);
         return PointCloud::open(folder_ / "stations.pct");
     }
     FittedPrimitive fit(const PointCloud& cloud, const pcm::Shape& shape, double registration = 0) const
