@@ -11,7 +11,8 @@
 //    Pieces cut out of surfaces that are rougher than the cloud's noise get wider thresholds (wider_shapes.h).
 // 3. Assignment (assign_points.h): box by box each point of the whole cloud is given to the nearest surface; connected
 //    parts are found in each box and joined across borders. Parts of a plane that something before it divides are one,
-//    the two faces of a thin plate two (whole_parts.h); other surfaces that are one plane, but not connected, are two.
+//    as are pieces of a pipe that have too few points (part_joining.h), the two faces of a thin plate two
+//    (whole_parts.h); other surfaces that are one plane or cylinder, but not connected, are two.
 // 4. Two passes of least squares over all points of each part (fit/shape_sums.h), without those next to something else
 //    where the rest is enough: by their neighbours, or by the outlines of narrow faces (face_interior.h). Labels of
 //    points that are not within the threshold of the final shape are taken back. Where the threshold comes from the

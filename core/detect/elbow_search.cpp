@@ -195,7 +195,9 @@ private:
         return points.on_arc(best);
     }
 
-    // Fits from points of the arc's middle on different sides of the tube, until one joins both pipes.
+    // Fits from points of the arc's middle on different sides of the tube, until a good one joins both pipes. Where
+    // none does, one of too few points may; what points leave together, or lie next to, is something else between two
+    // pipes.
     std::optional<Primitive> elbow_at(const Corner& corner)
     {
         const BendFrame frame = frame_of(end_of(corner.a), end_of(corner.b), corner.meeting);
@@ -205,12 +207,18 @@ private:
             threshold = std::max(threshold, primitives_[pipes_[end / 2].primitive].fit.threshold);
         const std::vector<Vec3d> arc = arc_points(corner, frame, threshold);
         if (arc.size() < static_cast<std::size_t>(detect_tuning().elbows.min_points)) return {};
+        std::optional<Elbow> doubtful;
         for (const Vec3d& side : {-1 * frame.inwards, frame.axis, -1 * frame.axis}) {
             const auto by_side = [&](const Vec3d& p, const Vec3d& q) { return dot(p - q, side) < 0; };
-            Primitive elbow = fitted_at(*std::max_element(arc.begin(), arc.end(), by_side), radius);
-            if (elbow.fit.has_shape() && joins(corner, elbow)) return elbow;
+            Primitive fitted = fitted_at(*std::max_element(arc.begin(), arc.end(), by_side), radius);
+            const bool is_good = fitted.fit.verdict == FitVerdict::good;
+            auto elbow = fitted.fit.has_shape() ? joined(corner, std::move(fitted)) : std::nullopt;
+            if (elbow && is_good) return cut(corner, std::move(*elbow));
+            if (is_good) break;  // the others are the same
+            if (elbow && !doubtful && elbow->primitive.fit.issue == FitIssue::thin_arc) doubtful = std::move(elbow);
         }
-        return {};
+        if (!doubtful) return {};
+        return cut(corner, std::move(*doubtful));
     }
 
     Primitive fitted_at(const Vec3d& place, double radius) const
@@ -229,18 +237,30 @@ private:
 
     Primitive& primitive_of(EndIndex end) { return primitives_[pipes_[end / 2].primitive]; }
 
-    // Whether the three are one run; then none has points of another one.
-    bool joins(const Corner& corner, Primitive& elbow)
+    // An elbow and its part of the centre line.
+    struct Elbow {
+        Primitive primitive;
+        CentrePiece bend;
+    };
+
+    // Nothing where the three are not one run.
+    std::optional<Elbow> joined(const Corner& corner, Primitive elbow)
     {
         const std::vector<Primitive> three{primitive_of(corner.a), primitive_of(corner.b), elbow};
         const std::vector<PipeRun> runs = pipe_runs(three);
-        if (runs.size() != 1 || runs[0].parts.size() != 3) return false;
+        if (runs.size() != 1 || runs[0].parts.size() != 3) return {};
         const auto bend = std::find_if(runs[0].line.begin(), runs[0].line.end(),
                                        [](const CentrePiece& piece) { return piece.is_bend(); });
-        cut_pipe(corner.a, elbow.fit.shape.point, primitive_of(corner.a));
-        cut_pipe(corner.b, elbow.fit.shape.point, primitive_of(corner.b));
-        cut_elbow(*bend, elbow);
-        return true;
+        return Elbow{std::move(elbow), *bend};
+    }
+
+    // So that none of the three has points of another one.
+    Primitive cut(const Corner& corner, Elbow elbow)
+    {
+        cut_pipe(corner.a, elbow.primitive.fit.shape.point, primitive_of(corner.a));
+        cut_pipe(corner.b, elbow.primitive.fit.shape.point, primitive_of(corner.b));
+        cut_elbow(elbow.bend, elbow.primitive);
+        return std::move(elbow.primitive);
     }
 
     // An arc begins where its centre is nearest to the axis.

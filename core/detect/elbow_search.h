@@ -24,8 +24,9 @@ struct ElbowOptions {
 // where the axes of two pipes of one radius meet (place/fit_at.h), named "Elbow 1" and so on, without labels. The
 // bend's radius with which most points lie on an arc that touches both axes says where that fit begins. Each end of a
 // pipe has one at most, the pairs nearest to where their axes meet are tried first. The length of a pipe whose points
-// reach into an accepted elbow is cut where the arc begins. Bends of less than piping.corners.min_turn and of more than
-// max_turn are not looked for. Throws what fit_at() throws for limits, Error(cancelled), and what reading throws.
+// reach into an accepted elbow is cut where the arc begins. Elbows are good, or of too few points to be
+// (FitIssue::thin_arc). Bends of less than piping.corners.min_turn and of more than max_turn are not looked for. Throws
+// what fit_at() throws for limits, Error(cancelled), and what reading throws.
 std::vector<Primitive> find_elbows(const PointCloud& cloud, std::vector<Primitive>& primitives,
                                    const ElbowOptions& options);
 

@@ -1,84 +1,20 @@
 #include "pcm/detect/part_joining.h"
 
 #include "pcm/cloud/growing_box_tree.h"
-#include "pcm/cloud/numbers.h"
 #include "pcm/detect/hypotheses.h"
-#include "pcm/detect/refined_shape.h"
+#include "pcm/detect/surface_of_both.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/detect/unit_parts.h"
-#include "pcm/shapes/flat_hull.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
-#include <optional>
 #include <utility>
 
 namespace pcm {
 namespace {
 
-constexpr std::size_t least_used = 20;  // points that a plane is fitted to
+constexpr std::size_t least_used = 20;  // points that a surface is fitted to
 constexpr std::size_t most_used = 512;
-
-// Every second point, from this one on.
-std::vector<Vec3d> every_second(const std::vector<Vec3d>& points, std::size_t first)
-{
-    std::vector<Vec3d> some;
-    for (std::size_t i = first; i < points.size(); i += 2) some.push_back(points[i]);
-    return some;
-}
-
-std::optional<Shape> refined(const Shape& start, const std::vector<Vec3d>& points, double threshold)
-{
-    if (points.size() < least_used / 2) return std::nullopt;
-    return refined_shape(points, start, threshold);
-}
-
-bool have_most_of_hull(const Shape& plane, const std::vector<Vec3d>& one, const std::vector<Vec3d>& other,
-                       double most_gap)
-{
-    std::vector<Vec3d> both = one;
-    both.insert(both.end(), other.begin(), other.end());
-    const FlatHull first(one, plane), second(other, plane);
-    return std::max(first.gap_to(second), second.gap_to(first)) <= most_gap &&
-           first.area() + second.area() >= detect_tuning().joining.min_filled * FlatHull(both, plane).area();
-}
-
-// Whether points that a plane was not fitted to lie on it as on their own.
-bool is_on(const Shape& plane, const std::vector<Vec3d>& points, double most_rms)
-{
-    return rms_distance(plane, every_second(points, 1)) <= most_rms;
-}
-
-struct PartOfPlane {
-    const Shape& shape;
-    double threshold = 0;  // source units
-    const std::vector<Vec3d>& points;
-};
-
-// The plane of two parts, that of the first one refined; null where they are not on one.
-std::optional<Shape> plane_of_both(const PartOfPlane& one, const PartOfPlane& other, const PartJoinOptions& options)
-{
-    const double threshold = std::max(one.threshold, other.threshold);
-    if (!(rms_distance(one.shape, other.points) <= 4 * threshold)) return std::nullopt;
-    const auto first = refined(one.shape, one.points, 1.5 * threshold),
-               second = refined(other.shape, other.points, 1.5 * threshold);
-    if (!first || !second) return std::nullopt;
-    std::vector<Vec3d> half = every_second(one.points, 0);
-    for (const Vec3d& p : every_second(other.points, 0)) half.push_back(p);
-    const auto both = refined(one.shape, half, 6 * threshold);
-    if (!both) return std::nullopt;
-    const double least = std::cos(std::min(options.normal_angle, pi / 2));
-    if (std::fabs(dot(second->axis, both->axis)) < least) return std::nullopt;
-    const double own = std::max(rms_distance(*first, one.points), rms_distance(*second, other.points));
-    const double share = std::min(detect_tuning().joining.max_rms,
-                                  detect_tuning().contest.min_noise * options.noise / options.threshold);
-    const double most = std::min(detect_tuning().merging.same_rms * own, share * threshold);
-    if (!is_on(*both, one.points, most) || !is_on(*both, other.points, most)) return std::nullopt;
-    if (!have_most_of_hull(*both, one.points, other.points, detect_tuning().joining.max_gap * options.spacing))
-        return std::nullopt;
-    return both;
-}
 
 class Joining {
 public:
@@ -106,10 +42,12 @@ public:
 private:
     bool can_join(const SurfacePart& part) const
     {
-        const Hypothesis& from = hypotheses_[part.hypothesis];
-        return traits_of(from.shape.kind).is_flat() && part.some.size() >= least_used &&
+        return can_be_joined(kind_of(part)) && part.some.size() >= least_used &&
                static_cast<double>(part.mixed) <= tuned_.max_mixed * static_cast<double>(part.sampled);
     }
+
+    ShapeKind kind_of(const SurfacePart& part) const { return hypotheses_[part.hypothesis].shape.kind; }
+    bool is_small(const SurfacePart& part) const { return part.points < options_.least_points; }
 
     // Joins each part to the first of the larger ones that takes it; `order` keeps those that stay.
     bool join_once(std::vector<std::uint32_t>& order)
@@ -117,8 +55,9 @@ private:
         std::vector<std::uint32_t> kept;
         GrowingBoxTree reached;  // places in `kept`
         const auto add = [&](std::uint32_t k) {
-            Box3d box = assigned_.parts[kept[k]].box;
-            const double gap = tuned_.max_gap * options_.spacing;
+            const SurfacePart& part = assigned_.parts[kept[k]];
+            Box3d box = part.box;
+            const double gap = most_gap(kind_of(part), box.diagonal(), options_);
             for (std::size_t a = 0; a < 3; ++a) box.min[a] -= gap, box.max[a] += gap;
             reached.add(box, k);
         };
@@ -138,11 +77,11 @@ private:
     {
         SurfacePart &one = assigned_.parts[to], &other = assigned_.parts[from];
         const Hypothesis &a = hypotheses_[one.hypothesis], &b = hypotheses_[other.hypothesis];
-        const auto plane =
-            plane_of_both({a.shape, a.threshold, one.some}, {b.shape, b.threshold, other.some}, options_);
-        if (!plane) return false;
+        const auto surface = surface_of_both({a.shape, a.threshold, one.some, is_small(one)},
+                                             {b.shape, b.threshold, other.some, is_small(other)}, options_);
+        if (!surface) return false;
         Hypothesis both = a;
-        both.shape = *plane;
+        both.shape = *surface;
         both.threshold = std::max(a.threshold, b.threshold);
         both.whole = a.whole && b.whole;
         both.box.extend(b.box);

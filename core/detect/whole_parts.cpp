@@ -32,7 +32,8 @@ AssignedPoints assign_whole(const ChosenPoints& points, const std::vector<Box3i>
                             const WholePartOptions& options, StationShifts& shifts, PointLabels& labels)
 {
     if (assign.sample.step > 0) return assign_points(points, units, hypotheses, assign, &labels);
-    const PartJoinOptions join{options.spacing, options.noise, options.threshold, assign.normal_angle};
+    const PartJoinOptions join{options.spacing, options.noise, options.threshold, assign.least_points,
+                               assign.normal_angle};
     AssignedPoints assigned = assign_joined(points, units, hypotheses, assign, join, &labels);
     if (options.uses_stations) use_stations(points, hypotheses, assigned, assign, options, join, shifts, labels);
     if (options.is_first)

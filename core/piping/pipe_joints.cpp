@@ -28,6 +28,17 @@ struct Tangent {
     Vec3d point{}, direction{};
 };
 
+// How far along the centre line two tubes may have points of each other. Where a pipe of radius r becomes an elbow of
+// radius R their surfaces have a curve in common, x^2 = 4 R r cos(a), x along the pipe, a about it from the inside of
+// the bend.
+double overlap_of(const Tube& a, const Tube& b)
+{
+    const double radius = (a.radius + b.radius) / 2;
+    if (a.is_straight() && b.is_straight()) return piping_tuning().joints.max_overlap * radius;
+    const double bend = a.is_straight() ? b.bend : b.is_straight() ? a.bend : std::min(a.bend, b.bend);
+    return 2 * std::sqrt(bend * radius);
+}
+
 // What two tubes' deviations from one pipe are held against.
 class Trial {
 public:
@@ -37,9 +48,7 @@ public:
           offset_(limit(tuned_.offset_share * radius_, std::hypot(a.place_error, b.place_error),
                         tuned_.max_offset * radius_)),
           angle_(limit(tuned_.angle, std::hypot(a.angle_error, b.angle_error), tuned_.max_angle)),
-          overlap_(
-              std::min({(a.is_straight() && b.is_straight() ? tuned_.max_overlap : tuned_.max_elbow_overlap) * radius_,
-                        centre_length(a) / 2, centre_length(b) / 2}))
+          overlap_(std::min({overlap_of(a, b), centre_length(a) / 2, centre_length(b) / 2}))
     {
         test(a.radius - b.radius, limit(tuned_.radius_share * radius_, std::hypot(a.radius_error, b.radius_error),
                                         tuned_.max_radius_share * radius_));

@@ -27,7 +27,6 @@ std::vector<TunedValue> piping_tuned_values()
         PCM_TUNED(piping.joints.max_angle),
         PCM_TUNED(piping.joints.max_gap),
         PCM_TUNED(piping.joints.max_overlap),
-        PCM_TUNED(piping.joints.max_elbow_overlap),
         PCM_TUNED(piping.joints.max_open_arc),
         PCM_TUNED(piping.corners.min_turn),
         PCM_TUNED(piping.corners.max_turn),

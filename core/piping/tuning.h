@@ -28,11 +28,6 @@ struct JointTuning {
     // A cylinder has points of the beginning of an elbow until that leaves its threshold, and the reverse.
     // Chosen: an elbow of three radii leaves a threshold of a third of the radius there; not swept.
     double max_overlap = 1.5;  // radii
-    // The same of a pipe and an elbow. Their surfaces have a curve in common, on which points are of both: on a bend of
-    // radius R up to an angle t with tan(t / 2)^2 = radius / R.
-    // Chosen: for R of three radii that is 60 degrees; in a scanned plant pipes reach 1.7 radii into elbows, and elbows
-    // 2.7 radii into pipes; not swept.
-    double max_elbow_overlap = 3;  // radii
     // What the points of an elbow leave open of its arc at one end.
     // Chosen: a third of a quarter turn; not swept.
     double max_open_arc = 0.52;  // radians

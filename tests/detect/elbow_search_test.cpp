@@ -19,6 +19,7 @@ constexpr Vec3d plant{431200, 5412300, 120};
 struct BentPipe {
     Vec3d start{}, axis{0, 0, 1};
     double radius = 0, bend = 0, turn = 0, first = 1.2, last = 0.9;
+    double oval = 0;  // largest difference of the elbow's radius
 
     double length() const { return first + bend * turn + last; }
     Vec3d left() const { return cross(axis, {1, 0, 0}); }
@@ -40,7 +41,8 @@ struct BentPipe {
                                              : centre() - bend * inwards + (way - first - bend * angle) * along;
             const double around = dice.between(0, 2 * pi);
             const Vec3d normal = std::cos(around) * inwards + std::sin(around) * axis;
-            points.push_back({place + (radius + elbow_noise * dice.normal()) * normal, normal});
+            const double away = radius + (angle > 0 && angle < turn ? oval * std::cos(2 * around) : 0);
+            points.push_back({place + (away + elbow_noise * dice.normal()) * normal, normal});
         }
     }
 
@@ -118,6 +120,17 @@ TEST_F(ElbowSearch, FindsTheBendAndCutsThePipes)
     }
 }
 
+// A wide bend leaves the pipe's surface late, so the pipes have points of more than half of it.
+TEST_F(ElbowSearch, PipesMayReachFarIntoWideBends)
+{
+    const BentPipe wide{plant, {0, 0, 1}, 0.05, 0.3, pi / 2};
+    const auto cloud = cloud_of(wide);
+    std::vector<Primitive> list = wide.pipes(4 * wide.radius);
+    ASSERT_EQ(find_elbows(*cloud, list, {}).size(), 1u);
+    EXPECT_NEAR(list[0].bounds.to, wide.first, 0.01);
+    EXPECT_NEAR(list[1].bounds.from, 0, 0.01);
+}
+
 TEST_F(ElbowSearch, WithoutPointsThereIsNone)
 {
     const auto cloud = cloud_of(usual, false);
@@ -148,6 +161,17 @@ TEST_F(ElbowSearch, NoneBetweenPipesThatDoNotBend)
     list = usual.pipes(0);
     list[0].bounds.to += 2;  // passes the corner
     EXPECT_TRUE(find_elbows(*cloud, list, {}).empty());
+}
+
+// A valve, or whatever else is between two pipes.
+TEST_F(ElbowSearch, NoneOfPointsThatLeaveItTogether)
+{
+    BentPipe oval = usual;
+    oval.oval = 0.007;
+    const auto cloud = cloud_of(oval);
+    std::vector<Primitive> list = oval.pipes(0);
+    EXPECT_TRUE(find_elbows(*cloud, list, {}).empty());
+    EXPECT_EQ(list[0].bounds.to, oval.first);
 }
 
 TEST_F(ElbowSearch, CanBeCancelled)

@@ -43,13 +43,29 @@ protected:
         assigned_.numbers.push_back({2 * p + 1, p});
         assigned_.parts.push_back(part);
     }
-    std::size_t joined(double noise = part_noise)
+    // Half of a pipe along x, as a scanner sees it.
+    void add_pipe(double x0, double x1, double radius, std::uint64_t points, double height = 0)
+    {
+        add(x0, x1, 0, 0, normal);
+        SurfacePart& part = assigned_.parts.back();
+        part.points = points;
+        part.box = {};
+        for (Vec3d& p : part.some) {
+            const double angle = dice_.between(0, pi), away = radius + p[2];
+            p = {p[0], away * std::cos(angle), height + away * std::sin(angle)};
+            part.box.extend(p);
+        }
+        hypotheses_.back().shape = {ShapeKind::cylinder, {x0, 0, height}, {1, 0, 0}, radius, 0};
+        hypotheses_.back().box = part.box;
+    }
+    std::size_t joined(double noise = part_noise, std::uint64_t least_points = 500)
     {
         PartJoinOptions options;
         options.spacing = 0.01;
         options.noise = noise;
         options.threshold = part_threshold;
         options.normal_angle = 0.35;
+        options.least_points = least_points;
         join_parts(assigned_, hypotheses_, options);
         return assigned_.parts.size();
     }
@@ -173,19 +189,42 @@ TEST_F(PartJoining, PartsAmongPointsOfNoSurfaceStayTwo)
     EXPECT_EQ(joined(), 1u);
 }
 
-TEST_F(PartJoining, PartsOfAPipeStayTwo)
+// Cylinders are joined where one of them has too few points by itself.
+TEST_F(PartJoining, PiecesOfAPipe)
 {
-    add(0, 4, 0, 0.2, normal);
-    add(4.1, 8, 0, 0.2, normal);
-    for (Hypothesis& one : hypotheses_) {
-        one.shape.kind = ShapeKind::cylinder;
-        one.shape.point = {4, 0, -20};
-        one.shape.axis = {0, 1, 0};
-        one.shape.radius = 20;
-    }
-    for (SurfacePart& part : assigned_.parts)
-        for (Vec3d& p : part.some) p[2] += std::sqrt(400 - (p[0] - 4) * (p[0] - 4)) - 20;
+    add_pipe(0, 1, 0.03, 300);
+    add_pipe(1.3, 2, 0.03, 200);
+    add_pipe(3.5, 5, 0.03, 350);
+    add_pipe(6, 6.3, 0.03, 90);
+    ASSERT_EQ(joined(), 1u);
+    const SurfacePart& part = assigned_.parts[0];
+    EXPECT_EQ(part.points, 940u);
+    const Hypothesis& from = hypotheses_.at(part.hypothesis);
+    EXPECT_EQ(from.shape.kind, ShapeKind::cylinder);
+    EXPECT_NEAR(from.shape.radius, 0.03, 0.0005);
+    EXPECT_GT(from.box.extent(0), 6.2);
+    for (std::uint32_t label = 1; label <= 8; ++label) EXPECT_EQ(assigned_.part_of(label), 0u);
+}
+
+TEST_F(PartJoining, PipesThatNeedNoOtherPieceStayTwo)
+{
+    add_pipe(0, 1, 0.03, 700);
+    add_pipe(1.2, 2, 0.03, 500);
     EXPECT_EQ(joined(), 2u);
+    EXPECT_EQ(joined(part_noise, 501), 1u);
+}
+
+TEST_F(PartJoining, PiecesThatAreNotOnePipeStay)
+{
+    add_pipe(0, 1, 0.03, 400);
+    add_pipe(1.2, 2, 0.0275, 400, 0.001);  // beyond a reducer; 2.5 mm, more than the points' noise
+    EXPECT_EQ(joined(), 2u);
+    add_pipe(20, 21, 0.03, 400, 0.015);  // next to where they would continue
+    add_pipe(21.2, 22, 0.03, 400);
+    EXPECT_EQ(joined(), 4u);
+    add_pipe(40, 40.3, 0.03, 400);  // most of the length in between has no points
+    add_pipe(41.2, 41.5, 0.03, 400);
+    EXPECT_EQ(joined(), 6u);
 }
 
 TEST_F(PartJoining, CurvedPartsAndThoseOfFewPointsStay)

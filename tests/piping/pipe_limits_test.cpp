@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <functional>
 
 namespace pcm {
@@ -52,6 +53,8 @@ TEST(PipeLimits, EachLimitDecides)
         {"overlap", joints.max_overlap, [&](double v) { return along(-v, 20); }},
         {"overlap of a short pipe", 1, [&](double v) { return along(-v, 2); }},
         {"gap before an elbow", joints.max_gap, [&](double v) { return elbow(v, 0, 5); }},
+        {"pipe that reaches into an elbow", 2 * std::sqrt(12.0), [&](double v) { return elbow(-v, 0, 12); }},
+        {"elbow that reaches along a pipe", 2 / std::sqrt(12.0), [&](double v) { return elbow(0, -v, 12); }},
         {"open arc", joints.max_open_arc, [&](double v) { return elbow(0, v, 5); }},
         {"open arc of a wide bend", joints.max_gap / 30, [&](double v) { return elbow(0, v, 30); }},
         {"ends of different distance", corners.max_difference, [&](double v) { return upwards(2, 2 + v); }},
