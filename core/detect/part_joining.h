@@ -17,9 +17,8 @@ struct PartJoinOptions {
 // (surface_of_both.h). Not joined are points that fill the threshold evenly or are some of those around them, as in
 // trees, and planes over several surfaces, which have more noise than the cloud. The hypothesis of a joined part, with
 // its surface, is added to `hypotheses`. `assigned`: with points (SurfacePart::some); parts without, and of other
-// kinds, stay. One thread; O(n
-// log^2 n) for n parts of which each is near few others. The order of parts matters only where some have as many points
-// as others.
+// kinds, stay. One thread; O(n log^2 n) for n parts of which each is near few others. The order of parts matters only
+// where some have as many points as others.
 void join_parts(AssignedPoints& assigned, std::vector<Hypothesis>& hypotheses, const PartJoinOptions& options);
 
 // As assign_points(), with parts joined that alone may have a tenth of the points of one of interest; parts that stay

@@ -11,6 +11,7 @@
 #include "pcm/ops/shared/window_arguments.h"
 #include "pcm/ops/shared/work_arguments.h"
 #include "pcm/ops/table.h"
+#include "pcm/place/depth_levels.h"
 #include "pcm/system/counted.h"
 #include "pcm/system/error.h"
 #include "pcm/system/output_group.h"
@@ -76,6 +77,7 @@ public:
         const LabelOptions label = label_options(context);
         if (!label_.empty()) check_label_attribute(*cloud->tree(), label);
         DetectReport found = detect_primitives(cloud->tree(), options_);
+        for (Primitive& one : found.primitives) doubt_level(*cloud, options_.limit, one);
         add_elbows(*cloud, found);
         Result result;
         result.notes = found.notes;

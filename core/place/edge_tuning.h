@@ -201,6 +201,36 @@ struct NearPlaceTuning {
     double min_noise = 0.4;  // noise of smooth surfaces around
 };
 
+// Planes that are one level of a depth camera (depth_levels.h).
+struct LevelTuning {
+    // Maximum noise of a plane that may be one.
+    // Chosen: two clouds of depth cameras have none; rounding to a tenth of the spacing leaves 0.03; not swept.
+    double max_noise = 0.05;  // spacings
+    // Places along the outline, of which half show levels.
+    // Chosen: of 74 levels of those clouds 95 % show three at 0.7 of the places and more; not swept.
+    std::size_t places = 8;  // number
+    // Chosen: with places; they reach levels that are 15 spacings apart; not swept.
+    std::size_t points = 1000;  // points around a place
+    // Heights without points that divide levels.
+    // Chosen: twelve deviations of rounding; not swept.
+    double gap_noises = 3;  // standard deviations
+    // Chosen: for points without any noise; those levels are 2.4 spacings apart and more; not swept.
+    double gap_spacings = 0.001;  // spacings
+    // Chosen: not swept.
+    std::size_t min_points = 10;  // points of a level
+    // The nearest points of one, of which most lie on its level: of a row on the side of a box two do.
+    // Chosen: not swept.
+    std::size_t neighbours = 8;  // points
+    // Chosen: with neighbours; not swept.
+    double min_together = 0.6;  // share of them
+    // Two are the faces of a plate.
+    // Chosen: not swept.
+    std::size_t min_levels = 3;  // number
+    // Points that lie on levels.
+    // Chosen: those clouds have 0.91 and more at most places; not swept.
+    double min_share = 0.9;  // share of the points
+};
+
 // A pipe that is thin relative to the distance of points (thin_pipe.h).
 struct ThinPipeTuning {
     // Points around the place.

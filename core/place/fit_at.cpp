@@ -7,6 +7,7 @@
 #include "pcm/io/crs/coordinate_system.h"
 #include "pcm/place/best_kind.h"
 #include "pcm/place/cover_points.h"
+#include "pcm/place/depth_levels.h"
 #include "pcm/place/few_points.h"
 #include "pcm/place/fit_again.h"
 #include "pcm/place/fit_at_arguments.h"
@@ -64,6 +65,7 @@ public:
         if (places_.size() == 1 && !(options_.fit.threshold > 0))
             doubt_point_aside(cloud_, places_.front(), limit_, result);
         find_bounds(result, part_of(options_.progress, 0.95, 1));
+        doubt_level(cloud_, options_.limit, result.primitive);
         result.primitive.fit.seconds = seconds_since(start_);
         return result;
     }

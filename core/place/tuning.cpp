@@ -126,7 +126,7 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
 }
 
 using ValuesOfEdges = std::array<TunedValue, values_of<FaceTuning, SideTuning, CornerAtPlaceTuning, PointOffTuning,
-                                                       NarrowFaceTuning, NearPlaceTuning>>;
+                                                       NarrowFaceTuning, NearPlaceTuning, LevelTuning>>;
 ValuesOfEdges values_of_edges(PlaceTuning& place)
 {
     return {{
@@ -174,6 +174,16 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.near_place.max_band_loss),
         PCM_TUNED(place.near_place.max_band_radius),
         PCM_TUNED(place.near_place.min_noise),
+        PCM_TUNED(place.levels.max_noise),
+        PCM_TUNED(place.levels.places),
+        PCM_TUNED(place.levels.points),
+        PCM_TUNED(place.levels.gap_noises),
+        PCM_TUNED(place.levels.gap_spacings),
+        PCM_TUNED(place.levels.min_points),
+        PCM_TUNED(place.levels.neighbours),
+        PCM_TUNED(place.levels.min_together),
+        PCM_TUNED(place.levels.min_levels),
+        PCM_TUNED(place.levels.min_share),
     }};
 }
 

@@ -479,6 +479,7 @@ struct PlaceTuning {
     PointOffTuning point_off;
     NarrowFaceTuning narrow_faces;
     NearPlaceTuning near_place;
+    LevelTuning levels;
     RadiusStepTuning radius_steps;
     ThinPipeTuning thin_pipes;
     StationTuning stations;
