@@ -64,21 +64,6 @@ bool is_patch(const HeightGroups& heights, const HeightGroups::Group& group, con
     return 2 * inside >= group.points.size();
 }
 
-double gap_of(const NearPoints& near, double noise)
-{
-    const LevelTuning& tuned = place_tuning().levels;
-    return std::max(tuned.gap_noises * noise, tuned.gap_spacings * near.spacing);
-}
-
-// Whether a plane has enough points there for a level.
-bool has_points(const NearPoints& near, const Shape& plane, double noise)
-{
-    const double gap = gap_of(near, noise);
-    std::size_t own = 0;
-    for (const Vec3d& p : near.points.sources()) own += distance_to(plane, p) <= gap;
-    return own >= place_tuning().levels.min_points;
-}
-
 // Number of groups of values that are farther apart.
 std::size_t count_apart(std::vector<double> values, double gap)
 {
@@ -108,7 +93,7 @@ std::vector<double> level_heights(const NearPoints& near, const Shape& plane, do
 {
     const LevelTuning& tuned = place_tuning().levels;
     const std::vector<Vec3d> points = near.points.sources();
-    const double gap = gap_of(near, noise);
+    const double gap = std::max(tuned.gap_noises * noise, tuned.gap_spacings * near.spacing);
     const HeightGroups heights(points, plane, gap);
     std::vector<double> x, y, z;
     for (const Vec3d& p : points) x.push_back(p[0]), y.push_back(p[1]), z.push_back(p[2]);
@@ -117,8 +102,7 @@ std::vector<double> level_heights(const NearPoints& near, const Shape& plane, do
     bool has_own = false;
     std::vector<double> levels;
     for (const HeightGroups::Group& group : heights.groups()) {
-        if (group.points.size() < tuned.min_points || group.width() > 2 * gap) continue;
-        if (!is_patch(heights, group, tree, points)) continue;
+        if (group.width() > 2 * gap || !is_patch(heights, group, tree, points)) continue;
         on_levels += group.points.size();
         levels.push_back(group.middle());
         has_own = has_own || std::fabs(group.middle()) <= gap;
@@ -141,8 +125,8 @@ void doubt_level(const PointCloud& cloud, const Selection& limit, Primitive& pri
         options.places = true;
         options.limit = limit;
         const NearPoints near = points_near(cloud, place, options);
-        if (fit.noise > tuned.max_noise * near.spacing) return;
-        looked_at += has_points(near, fit.shape, fit.noise);
+        if (fit.noise > tuned.max_noise * near.spacing) return;  // none, and no more to read
+        ++looked_at;
         const std::vector<double> here = level_heights(near, fit.shape, fit.noise);
         if (!here.empty()) ++with_levels;
         for (std::size_t i = 0; i < here.size(); ++i) {

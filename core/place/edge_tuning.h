@@ -216,8 +216,6 @@ struct LevelTuning {
     double gap_noises = 3;  // standard deviations
     // Chosen: for points without any noise; those levels are 2.4 spacings apart and more; not swept.
     double gap_spacings = 0.001;  // spacings
-    // Chosen: not swept.
-    std::size_t min_points = 10;  // points of a level
     // The nearest points of one, of which most lie on its level: of a row on the side of a box two do.
     // Chosen: not swept.
     std::size_t neighbours = 8;  // points

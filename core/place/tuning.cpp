@@ -179,7 +179,6 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.levels.points),
         PCM_TUNED(place.levels.gap_noises),
         PCM_TUNED(place.levels.gap_spacings),
-        PCM_TUNED(place.levels.min_points),
         PCM_TUNED(place.levels.neighbours),
         PCM_TUNED(place.levels.min_together),
         PCM_TUNED(place.levels.min_levels),

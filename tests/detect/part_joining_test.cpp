@@ -222,8 +222,8 @@ TEST_F(PartJoining, PiecesThatAreNotOnePipeStay)
     add_pipe(20, 21, 0.03, 400, 0.015);  // next to where they would continue
     add_pipe(21.2, 22, 0.03, 400);
     EXPECT_EQ(joined(), 4u);
-    add_pipe(40, 40.3, 0.03, 400);  // most of the length in between has no points
-    add_pipe(41.2, 41.5, 0.03, 400);
+    add_pipe(40, 41, 0.03, 400);  // most of the length has no points
+    add_pipe(42.5, 42.7, 0.03, 400);
     EXPECT_EQ(joined(), 6u);
 }
 

@@ -135,6 +135,41 @@ TEST_F(DepthLevels, NotTheTwoFacesOfAPlate)
     EXPECT_EQ(clicked(three, {0.3, 0.3, 0}).primitive.fit.verdict, FitVerdict::doubtful);
 }
 
+// A floor with some steps in one corner of it, whose risers are not seen.
+TEST_F(DepthLevels, NotAFloorWithStepsInOneCorner)
+{
+    const auto cloud = cloud_of(seen([](double x, double y) {
+        const double corner = std::max(x, y);
+        return corner < 0.1 ? 0.1 : corner < 0.2 ? 0.05 : 0.0;
+    }));
+    EXPECT_EQ(levels_at(cloud, {0.2, 0.05, 0}).size(), 3u);
+    EXPECT_EQ(clicked(cloud, {0.8, 0.8, 0}).primitive.fit.verdict, FitVerdict::good);
+}
+
+TEST_F(DepthLevels, NotARoughSurfaceNextToAPlane)
+{
+    Dice dice(5);
+    const auto cloud = cloud_of(seen([&](double x, double) { return x < 0.81 ? 0.0 : 0.2 + 0.03 * dice.unit(); }));
+    EXPECT_TRUE(levels_at(cloud, {0.8, 0.8, 0}, 0.002).empty());
+}
+
+// One that all others are left out around says nothing of them.
+TEST_F(DepthLevels, OnlyAmongChosenPoints)
+{
+    const auto cloud = cloud_of(seen(slope));
+    const double height = slope(0.8, 0.7);
+    const FittedPrimitive found = clicked(cloud, {0.8, 0.7, height});
+    ASSERT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
+    Primitive again = found.primitive;
+    again.fit.verdict = FitVerdict::good;
+    Selection limit;
+    limit.box = Box3d{{-1, -1, height - 0.01}, {3, 3, height + 0.01}};
+    doubt_level(*cloud, limit, again);
+    EXPECT_EQ(again.fit.verdict, FitVerdict::good);
+    doubt_level(*cloud, {}, again);
+    EXPECT_EQ(again.fit.verdict, FitVerdict::doubtful);
+}
+
 // Stairs, whose risers are seen.
 TEST_F(DepthLevels, NotStairsNorNoise)
 {
