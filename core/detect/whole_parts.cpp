@@ -39,6 +39,7 @@ AssignedPoints assign_whole(const ChosenPoints& points, const std::vector<Box3i>
     if (options.is_first)
         take_outline_points(points, hypotheses, assigned, labels,
                             {options.spacing, assign.least_points, options.check});
+    for (SurfacePart& part : assigned.parts) part.some = {};  // nothing looks at them any more
     return assigned;
 }
 

@@ -61,6 +61,11 @@ protected:
             else
                 put(hall + Vec3d{4, a, 1 + b / 4}, {-1, 0, 0}, station);
         }
+        // A board as rough as the pipe.
+        for (int i = 0; pipe_noise > scan_noise && i < 9000; ++i) {
+            const double off = std::sqrt(pipe_noise * pipe_noise - scan_noise * scan_noise) * dice.normal();
+            put(board_ + Vec3d{dice.between(-0.6, 0.6), dice.between(-0.6, 0.6), off}, {0, 0, 1}, i % 3);
+        }
         build_station_tree(folder_.path(), points, says);
         return PointCloud::open(folder_ / "stations.pct");
     }
@@ -72,6 +77,7 @@ protected:
         return fit_at(cloud, {shape.point + Vec3d{-shape.radius, 0, 0}}, {}, options);
     }
     pcm::Shape pipe_, ball_;
+    Vec3d board_ = hall + Vec3d{-1, -2.5, 2};
     TemporaryFolder folder_;
 };
 
@@ -90,6 +96,13 @@ TEST_F(StationErrors, PCM_NOT_UNDER_SANITIZERS(PointsOfOneStationThatLeaveAPipeA
     EXPECT_EQ(rough.verdict, FitVerdict::doubtful);
     EXPECT_NE(rough.message.find("points of one station leave it by 0.004"), std::string::npos) << rough.message;
     EXPECT_EQ(judged(2.8 * scan_noise, 0.015).verdict, FitVerdict::good) << "a given threshold says what lies on it";
+    // Walls may be rough.
+    FitAtOptions options;
+    options.fit.kind = ShapeKind::plane;
+    const auto there = cloud(0.003, 31, Says::source_id, true, 2.8 * scan_noise);
+    const FittedPrimitive board = fit_at(*there, {board_}, {}, options);
+    EXPECT_EQ(board.primitive.fit.verdict, FitVerdict::good) << board.primitive.fit.message;
+    EXPECT_GT(board.primitive.fit.noise, 2.5 * scan_noise);
 }
 
 // Minutes there; the code is that of the next tests.
