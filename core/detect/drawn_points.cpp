@@ -25,6 +25,7 @@ void DrawnPoints::add(const Drawn& one)
         std::pop_heap(heap_.begin(), heap_.end(), by_draw);
         heap_.pop_back();
     }
+    if (heap_.size() == heap_.capacity()) heap_.reserve(std::min(most_, 2 * heap_.size() + 8));  // no more than `most`
     heap_.push_back(one);
     std::push_heap(heap_.begin(), heap_.end(), by_draw);
 }
