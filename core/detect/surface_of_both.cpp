@@ -99,7 +99,7 @@ bool have_most_of_length(const Vec3d& axis, const Pair& pair)
     return first.length() + second.length() >= detect_tuning().joining.min_filled * whole;
 }
 
-std::optional<Shape> cylinder_of_both(const Pair& pair)
+std::optional<Shape> cylinder_of_both(const Pair& pair, const PartJoinOptions& options)
 {
     if (!pair.one.is_small && !pair.other.is_small) return std::nullopt;
     const auto fits = fits_of(pair);
@@ -107,7 +107,9 @@ std::optional<Shape> cylinder_of_both(const Pair& pair)
     const double apart = std::fabs(fits->first.shape.radius - fits->second.shape.radius);
     const double error = std::hypot(fits->first.errors.radius, fits->second.errors.radius);
     if (!(apart <= detect_tuning().joining.max_errors * error)) return std::nullopt;
-    if (!are_on(fits->both, pair, detect_tuning().merging.same_rms * fits->own_rms(pair))) return std::nullopt;
+    const double most = std::min(detect_tuning().merging.same_rms * fits->own_rms(pair),
+                                 detect_tuning().contest.min_noise * options.noise);
+    if (!are_on(fits->both, pair, most)) return std::nullopt;
     return fits->both;
 }
 
@@ -126,7 +128,7 @@ std::optional<Shape> surface_of_both(const PartSurface& one, const PartSurface& 
 {
     if (one.shape.kind != other.shape.kind) return std::nullopt;
     if (traits_of(one.shape.kind).is_flat()) return plane_of_both({one, other}, options);
-    return one.shape.kind == ShapeKind::cylinder ? cylinder_of_both({one, other}) : std::nullopt;
+    return one.shape.kind == ShapeKind::cylinder ? cylinder_of_both({one, other}, options) : std::nullopt;
 }
 
 }  // namespace pcm

@@ -17,9 +17,9 @@ namespace {
 using namespace pcm;
 using namespace pcm::test;
 
-constexpr double raster = 0.01, level = 0.03;
+constexpr double pixel = 0.01, depth_step = 0.03;
 
-pcm::Shape plane_of(const Vec3d& point, const Vec3d& normal)
+pcm::Shape level_plane(const Vec3d& point, const Vec3d& normal)
 {
     pcm::Shape plane;
     plane.kind = ShapeKind::plane;
@@ -28,18 +28,18 @@ pcm::Shape plane_of(const Vec3d& point, const Vec3d& normal)
     return plane;
 }
 
-// A raster across z of what is seen from above: heights in metres.
-std::vector<SurfacePoint> seen(const std::function<double(double, double)>& height, int size = 160)
+// What is seen from above, a point for each pixel across z: heights in metres.
+std::vector<SurfacePoint> depth_image(const std::function<double(double, double)>& height, int size = 160)
 {
     std::vector<SurfacePoint> points;
     for (int i = 0; i < size; ++i)
-        for (int k = 0; k < size; ++k) points.push_back({{raster * i, raster * k, height(raster * i, raster * k)}, {}});
+        for (int k = 0; k < size; ++k) points.push_back({{pixel * i, pixel * k, height(pixel * i, pixel * k)}, {}});
     return points;
 }
 
-double slope(double x, double y) { return level * std::floor((0.09 * x + 0.05 * y) / level); }
+double sloped(double x, double y) { return depth_step * std::floor((0.09 * x + 0.05 * y) / depth_step); }
 
-FittedPrimitive clicked(const std::shared_ptr<PointCloud>& cloud, const Vec3d& place, double threshold = 0)
+FittedPrimitive level_clicked(const std::shared_ptr<PointCloud>& cloud, const Vec3d& place, double threshold = 0)
 {
     FitAtOptions options;
     options.kinds = any_kind().kinds;
@@ -59,7 +59,7 @@ protected:
         NearOptions near;
         near.count = 1000;
         near.places = true;
-        return level_heights(points_near(*cloud, place, near), plane_of(place, {0, 0, 1}), noise);
+        return level_heights(points_near(*cloud, place, near), level_plane(place, {0, 0, 1}), noise);
     }
 
     TemporaryFolder folder_;
@@ -67,20 +67,20 @@ protected:
 
 TEST_F(DepthLevels, AreDoubtedAndWithinTheErrors)
 {
-    const auto cloud = cloud_of(seen(slope));
+    const auto cloud = cloud_of(depth_image(sloped));
     for (const double x : {0.5, 0.8, 1.1}) {
-        const Vec3d place{x, 0.7, slope(x, 0.7)};
-        const ShapeFit fit = clicked(cloud, place).primitive.fit;
+        const Vec3d place{x, 0.7, sloped(x, 0.7)};
+        const ShapeFit fit = level_clicked(cloud, place).primitive.fit;
         ASSERT_LT(fit.noise, 1e-6);
         EXPECT_EQ(fit.verdict, FitVerdict::doubtful);
         EXPECT_NE(fit.message.find("parallel levels 0.03 apart"), std::string::npos) << fit.message;
-        EXPECT_NEAR(fit.errors.position, level / std::sqrt(12.0), 1e-6);
+        EXPECT_NEAR(fit.errors.position, depth_step / std::sqrt(12.0), 1e-6);
         // The surface has a slope of 0.1 to the level.
         EXPECT_GT(fit.errors.angle, 0.1 / 3);
         EXPECT_LT(fit.errors.angle, 0.1);
     }
     // Several levels are the surface.
-    const ShapeFit whole = clicked(cloud, {0.8, 0.7, slope(0.8, 0.7)}, 0.06).primitive.fit;
+    const ShapeFit whole = level_clicked(cloud, {0.8, 0.7, sloped(0.8, 0.7)}, 0.06).primitive.fit;
     EXPECT_EQ(whole.message.find("levels"), std::string::npos) << whole.message;
     EXPECT_LT(length(cross(whole.shape.axis, normalised(Vec3d{-0.09, -0.05, 1}))), 0.01);
 }
@@ -88,7 +88,7 @@ TEST_F(DepthLevels, AreDoubtedAndWithinTheErrors)
 // Turned with its cloud, and rounded to a tenth of a millimetre.
 TEST_F(DepthLevels, OfATurnedCloud)
 {
-    std::vector<SurfacePoint> points = seen(slope);
+    std::vector<SurfacePoint> points = depth_image(sloped);
     const Vec3d u = normalised(Vec3d{1, 0.3, -0.2}), w = normalised(cross(u, {0.1, 1, 0.4})), v = cross(w, u);
     const auto turned = [&](const Vec3d& p) { return p[0] * u + p[1] * v + p[2] * w; };
     for (SurfacePoint& p : points) {
@@ -96,10 +96,10 @@ TEST_F(DepthLevels, OfATurnedCloud)
         for (double& c : p.position) c = 1e-4 * std::round(1e4 * c);
     }
     const auto cloud = cloud_of(points);
-    const ShapeFit fit = clicked(cloud, turned({0.8, 0.7, slope(0.8, 0.7)})).primitive.fit;
+    const ShapeFit fit = level_clicked(cloud, turned({0.8, 0.7, sloped(0.8, 0.7)})).primitive.fit;
     ASSERT_LT(fit.noise, 1e-4);
     EXPECT_EQ(fit.verdict, FitVerdict::doubtful);
-    EXPECT_GT(fit.errors.position, 0.95 * level / std::sqrt(12.0));
+    EXPECT_GT(fit.errors.position, 0.95 * depth_step / std::sqrt(12.0));
 }
 
 // A box whose sides are rows of points, one above the other.
@@ -109,56 +109,57 @@ TEST_F(DepthLevels, NotABoxWithoutNoise)
     for (int i = 0; i <= 40; ++i)
         for (int k = 0; k <= 40; ++k)
             for (const int height : {0, 40}) {
-                points.push_back({{raster * i, raster * k, raster * height}, {}});
-                if (i % 40 != 0) points.push_back({{raster * i, raster * height, raster * k}, {}});
-                points.push_back({{raster * height, raster * i, raster * k}, {}});
+                points.push_back({{pixel * i, pixel * k, pixel * height}, {}});
+                if (i % 40 != 0) points.push_back({{pixel * i, pixel * height, pixel * k}, {}});
+                points.push_back({{pixel * height, pixel * i, pixel * k}, {}});
             }
     const auto cloud = cloud_of(points);
     EXPECT_TRUE(levels_at(cloud, {0.02, 0.2, 0.4}).empty());
-    EXPECT_EQ(clicked(cloud, {0.2, 0.2, 0.4}).primitive.fit.verdict, FitVerdict::good);
+    EXPECT_EQ(level_clicked(cloud, {0.2, 0.2, 0.4}).primitive.fit.verdict, FitVerdict::good);
 }
 
 TEST_F(DepthLevels, NotTheTwoFacesOfAPlate)
 {
-    std::vector<SurfacePoint> points = seen([](double, double) { return 0.0; }, 60);
-    for (const SurfacePoint& p : seen([](double, double) { return 0.05; }, 60)) points.push_back(p);
+    std::vector<SurfacePoint> points = depth_image([](double, double) { return 0.0; }, 60);
+    for (const SurfacePoint& p : depth_image([](double, double) { return 0.05; }, 60)) points.push_back(p);
     const auto cloud = cloud_of(points);
     EXPECT_EQ(levels_at(cloud, {0.3, 0.3, 0}).size(), 2u);
-    EXPECT_EQ(clicked(cloud, {0.3, 0.3, 0}).primitive.fit.verdict, FitVerdict::good);
+    EXPECT_EQ(level_clicked(cloud, {0.3, 0.3, 0}).primitive.fit.verdict, FitVerdict::good);
     // A third one makes them levels.
-    for (const SurfacePoint& p : seen([](double, double) { return 0.11; }, 60)) points.push_back(p);
+    for (const SurfacePoint& p : depth_image([](double, double) { return 0.11; }, 60)) points.push_back(p);
     const auto three = cloud_of(points);
     const std::vector<double> levels = levels_at(three, {0.3, 0.3, 0});
     ASSERT_EQ(levels.size(), 3u);
     EXPECT_NEAR(levels[1], 0.05, 1e-6);
     EXPECT_NEAR(levels[2], 0.11, 1e-6);
-    EXPECT_EQ(clicked(three, {0.3, 0.3, 0}).primitive.fit.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(level_clicked(three, {0.3, 0.3, 0}).primitive.fit.verdict, FitVerdict::doubtful);
 }
 
 // A floor with some steps in one corner of it, whose risers are not seen.
 TEST_F(DepthLevels, NotAFloorWithStepsInOneCorner)
 {
-    const auto cloud = cloud_of(seen([](double x, double y) {
+    const auto cloud = cloud_of(depth_image([](double x, double y) {
         const double corner = std::max(x, y);
         return corner < 0.1 ? 0.1 : corner < 0.2 ? 0.05 : 0.0;
     }));
     EXPECT_EQ(levels_at(cloud, {0.2, 0.05, 0}).size(), 3u);
-    EXPECT_EQ(clicked(cloud, {0.8, 0.8, 0}).primitive.fit.verdict, FitVerdict::good);
+    EXPECT_EQ(level_clicked(cloud, {0.8, 0.8, 0}).primitive.fit.verdict, FitVerdict::good);
 }
 
 TEST_F(DepthLevels, NotARoughSurfaceNextToAPlane)
 {
     Dice dice(5);
-    const auto cloud = cloud_of(seen([&](double x, double) { return x < 0.81 ? 0.0 : 0.2 + 0.03 * dice.unit(); }));
+    const auto cloud =
+        cloud_of(depth_image([&](double x, double) { return x < 0.81 ? 0.0 : 0.2 + 0.03 * dice.unit(); }));
     EXPECT_TRUE(levels_at(cloud, {0.8, 0.8, 0}, 0.002).empty());
 }
 
 // One that all others are left out around says nothing of them.
 TEST_F(DepthLevels, OnlyAmongChosenPoints)
 {
-    const auto cloud = cloud_of(seen(slope));
-    const double height = slope(0.8, 0.7);
-    const FittedPrimitive found = clicked(cloud, {0.8, 0.7, height});
+    const auto cloud = cloud_of(depth_image(sloped));
+    const double height = sloped(0.8, 0.7);
+    const FittedPrimitive found = level_clicked(cloud, {0.8, 0.7, height});
     ASSERT_EQ(found.primitive.fit.verdict, FitVerdict::doubtful);
     Primitive again = found.primitive;
     again.fit.verdict = FitVerdict::good;
@@ -183,8 +184,8 @@ TEST_F(DepthLevels, NotStairsNorNoise)
     const auto cloud = cloud_of(points);
     EXPECT_TRUE(levels_at(cloud, {0.66, 0.6, 0.3}).empty());
     // Nor has the plane of a place between two levels any of them.
-    const auto levels = cloud_of(seen(slope));
-    const Vec3d place{0.8, 0.7, slope(0.8, 0.7)};
+    const auto levels = cloud_of(depth_image(sloped));
+    const Vec3d place{0.8, 0.7, sloped(0.8, 0.7)};
     EXPECT_FALSE(levels_at(levels, place).empty());
     EXPECT_TRUE(levels_at(levels, place + Vec3d{0, 0, 0.01}).empty());
     EXPECT_TRUE(levels_at(levels, place, 0.02).empty());
@@ -200,7 +201,7 @@ TEST_F(DepthLevels, OfRealDepthCameras)
         if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
         TemporaryFolder folder;
         build_tree({file}, folder / "cloud.pct", {});
-        const ShapeFit fit = clicked(PointCloud::open(folder / "cloud.pct"), place).primitive.fit;
+        const ShapeFit fit = level_clicked(PointCloud::open(folder / "cloud.pct"), place).primitive.fit;
         ASSERT_EQ(fit.noise, 0) << name;
         EXPECT_EQ(fit.verdict, FitVerdict::doubtful) << name;
         EXPECT_NE(fit.message.find("as a depth camera records"), std::string::npos) << name << ": " << fit.message;
