@@ -4,6 +4,7 @@
 #include "pcm/detect/hypotheses.h"
 #include "pcm/detect/refined_shape.h"
 #include "pcm/detect/tuning.h"
+#include "pcm/fit/pipe_start.h"
 #include "pcm/shapes/flat_hull.h"
 
 #include <algorithm>
@@ -23,6 +24,12 @@ std::vector<Vec3d> every_second(const std::vector<Vec3d>& points, std::size_t fi
 struct Pair {
     const PartSurface &one, &other;
     double threshold() const { return std::max(one.threshold, other.threshold); }
+    std::vector<Vec3d> all_points() const
+    {
+        std::vector<Vec3d> all = one.points;
+        all.insert(all.end(), other.points.begin(), other.points.end());
+        return all;
+    }
 };
 
 // Those of both parts, each fitted by itself, and of half of the points of both.
@@ -61,11 +68,10 @@ bool are_on(const Shape& surface, const Pair& pair, double most_rms)
 
 bool have_most_of_hull(const Shape& plane, const Pair& pair, double most_gap)
 {
-    std::vector<Vec3d> both = pair.one.points;
-    both.insert(both.end(), pair.other.points.begin(), pair.other.points.end());
     const FlatHull first(pair.one.points, plane), second(pair.other.points, plane);
     return std::max(first.gap_to(second), second.gap_to(first)) <= most_gap &&
-           first.area() + second.area() >= detect_tuning().joining.min_filled * FlatHull(both, plane).area();
+           first.area() + second.area() >=
+               detect_tuning().joining.min_filled * FlatHull(pair.all_points(), plane).area();
 }
 
 std::optional<Shape> plane_of_both(const Pair& pair, const PartJoinOptions& options)
@@ -82,21 +88,10 @@ std::optional<Shape> plane_of_both(const Pair& pair, const PartJoinOptions& opti
     return fits->both;
 }
 
-// The stretch of an axis that points lie along.
-struct Stretch {
-    Stretch(const Vec3d& axis, const std::vector<Vec3d>& points)
-    {
-        for (const Vec3d& p : points) begin = std::min(begin, dot(p, axis)), end = std::max(end, dot(p, axis));
-    }
-    double begin = infinity, end = -infinity;
-    double length() const { return end - begin; }
-};
-
 bool have_most_of_length(const Vec3d& axis, const Pair& pair)
 {
-    const Stretch first(axis, pair.one.points), second(axis, pair.other.points);
-    const double whole = std::max(first.end, second.end) - std::min(first.begin, second.begin);
-    return first.length() + second.length() >= detect_tuning().joining.min_filled * whole;
+    const double own = extent_along(axis, pair.one.points) + extent_along(axis, pair.other.points);
+    return own >= detect_tuning().joining.min_filled * extent_along(axis, pair.all_points());
 }
 
 std::optional<Shape> cylinder_of_both(const Pair& pair, const PartJoinOptions& options)

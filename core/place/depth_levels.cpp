@@ -18,10 +18,10 @@ namespace {
 // Points along a plane's normal, divided where there is none for a while.
 class HeightGroups {
 public:
-    HeightGroups(const std::vector<Vec3d>& points, const Shape& plane, double gap) : group_(points.size(), 0)
+    HeightGroups(const FitPoints& points, const Shape& plane, double gap) : group_(points.size(), 0)
     {
         std::vector<double> heights;
-        for (const Vec3d& p : points) heights.push_back(signed_distance(plane, p));
+        for (std::size_t i = 0; i < points.size(); ++i) heights.push_back(signed_distance(plane, points.source(i)));
         std::vector<std::size_t> order(points.size());
         std::iota(order.begin(), order.end(), std::size_t(0));
         std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return heights[a] < heights[b]; });
@@ -50,13 +50,13 @@ private:
 
 // Whether most points of a group have their nearest ones in it.
 bool is_patch(const HeightGroups& heights, const HeightGroups::Group& group, const NearTree& tree,
-              const std::vector<Vec3d>& points)
+              const FitPoints& points)
 {
     const LevelTuning& tuned = place_tuning().levels;
     std::vector<NearTree::Near> near;
     std::size_t inside = 0;
     for (const std::size_t i : group.points) {
-        tree.nearest(points[i], tuned.neighbours + 1, near);
+        tree.nearest(points.at(i), tuned.neighbours + 1, near);
         std::size_t together = 0;
         for (const NearTree::Near& other : near) together += other.index != i && heights.are_together(i, other.index);
         inside += static_cast<double>(together) >= tuned.min_together * static_cast<double>(tuned.neighbours);
@@ -92,12 +92,10 @@ std::vector<Vec3d> places_along(const std::vector<Vec3d>& outline)
 std::vector<double> level_heights(const NearPoints& near, const Shape& plane, double noise)
 {
     const LevelTuning& tuned = place_tuning().levels;
-    const std::vector<Vec3d> points = near.points.sources();
+    const FitPoints& points = near.points;
     const double gap = std::max(tuned.gap_noises * noise, tuned.gap_spacings * near.spacing);
     const HeightGroups heights(points, plane, gap);
-    std::vector<double> x, y, z;
-    for (const Vec3d& p : points) x.push_back(p[0]), y.push_back(p[1]), z.push_back(p[2]);
-    const NearTree tree(x, y, z);
+    const NearTree tree(points.x, points.y, points.z);
     std::size_t on_levels = 0;
     bool has_own = false;
     std::vector<double> levels;

@@ -197,10 +197,9 @@ TEST_F(DepthLevels, OfRealDepthCameras)
         {"pcd/office1.pcd", {-1.0048800706863403, -0.35075992345809937, 4.9770002365112305}},
         {"derived/kinect_2block_rgb.ptx", {-1.34666, -0.48095, 5.05}}};
     for (const auto& [name, place] : places) {
-        const std::filesystem::path file = sample(name);
-        if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
+        PCM_REQUIRE_SAMPLE(name);
         TemporaryFolder folder;
-        build_tree({file}, folder / "cloud.pct", {});
+        build_tree({sample(name)}, folder / "cloud.pct", {});
         const ShapeFit fit = level_clicked(PointCloud::open(folder / "cloud.pct"), place).primitive.fit;
         ASSERT_EQ(fit.noise, 0) << name;
         EXPECT_EQ(fit.verdict, FitVerdict::doubtful) << name;

@@ -397,10 +397,9 @@ TEST(NearestAnswer, PCM_NOT_UNDER_SANITIZERS(PiecesOfRealSurfacesAreNotGood))
         {"pcd/samp11-utm-ground.pcd", {512753.5625, 5403588, 314.79999}, "found by the points next to the place alone"},
         {"derived/kinect_2block_rgb.ptx", {1.098118, 0.9008, 2.252}, "one level of a depth camera"}};
     for (const auto& [name, place, why] : places) {
-        const std::filesystem::path file = sample(name);
-        if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
+        PCM_REQUIRE_SAMPLE(name);
         TemporaryFolder folder;
-        build_tree({file}, folder / "cloud.pct", {});
+        build_tree({sample(name)}, folder / "cloud.pct", {});
         FitAtOptions options;
         options.kinds = any_kind().kinds;
         const ShapeFit fit = fit_at(*PointCloud::open(folder / "cloud.pct"), {place}, {}, options).primitive.fit;

@@ -132,16 +132,23 @@ inline std::vector<PlacedPoint> all_points(const Tree& tree)
     return points;
 }
 
+// The tree NAME.pct of NAME.ply in a folder.
+inline std::shared_ptr<const Tree> build_tree_of_ply(const std::filesystem::path& folder, const std::string& name,
+                                                     std::uint32_t chunk_points)
+{
+    BuildOptions options;
+    options.chunk_points = chunk_points;
+    options.overwrite = true;
+    build_tree({folder / (name + ".ply")}, folder / (name + ".pct"), options);
+    return Tree::open(folder / (name + ".pct"));
+}
+
 inline std::shared_ptr<const Tree> build_surface_tree(const std::filesystem::path& folder,
                                                       const std::vector<SurfacePoint>& points, bool normals = false,
                                                       std::uint32_t chunk_points = 2000)
 {
     write_surface_ply(folder / "surface.ply", points, normals);
-    BuildOptions options;
-    options.chunk_points = chunk_points;
-    options.overwrite = true;
-    build_tree({folder / "surface.ply"}, folder / "surface.pct", options);
-    return Tree::open(folder / "surface.pct");
+    return build_tree_of_ply(folder, "surface", chunk_points);
 }
 
 inline PointSet set_where(const std::shared_ptr<const Tree>& tree, const std::function<bool(const Vec3d&)>& wanted)

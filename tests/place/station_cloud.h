@@ -58,11 +58,7 @@ inline std::shared_ptr<const Tree> build_station_tree(const std::filesystem::pat
                                                       std::uint32_t chunk_points = 4000)
 {
     write_stations_ply(folder / "stations.ply", points, says);
-    BuildOptions options;
-    options.chunk_points = chunk_points;
-    options.overwrite = true;
-    build_tree({folder / "stations.ply"}, folder / "stations.pct", options);
-    return Tree::open(folder / "stations.pct");
+    return build_tree_of_ply(folder, "stations", chunk_points);
 }
 
 }  // namespace pcm::test
