@@ -82,6 +82,18 @@ TEST(PipeLimits, ArcsOfOneCircleContinueEachOther)
     EXPECT_TRUE(pipe_runs({one, beside}).empty());
 }
 
+// Two elbows have a curve in common as far as a pipe and the narrower one do.
+TEST(PipeLimits, ElbowsOfDifferentBendsReachIntoEachOther)
+{
+    const Primitive narrow = shaped("torus 0 0 5 0 -1 0 5 1", -0.8, pi / 2, {0, 0, -1});
+    const auto wide = [](double into) { return shaped("torus 25 0 5 0 1 0 20 1", -into / 20, pi / 2, {-1, 0, 0}); };
+    const double limit = 2 * std::sqrt(5.0);
+    for (const double share : {0.5, 0.98}) EXPECT_EQ(pipe_runs({narrow, wide(share * limit)}).size(), 1u) << share;
+    EXPECT_EQ(pipe_runs({wide(0.98 * limit), narrow}).size(), 1u);
+    EXPECT_TRUE(pipe_runs({narrow, wide(1.02 * limit)}).empty());
+    EXPECT_TRUE(pipe_runs({wide(1.02 * limit), narrow}).empty());
+}
+
 TEST(PipeLimits, ATurnOfMoreThanHalfACircle)
 {
     pipes::Random random(2);
