@@ -119,14 +119,15 @@ private:
     void survey()
     {
         is_known_ = stations_.source() != StationSource::none;
-        const std::size_t places = std::min(primitives_.size(), most_surveyed);
-        for (std::size_t i = 0; i < places && is_known_; ++i) {
-            const Shape& shape = primitives_[i * primitives_.size() / places].fit.shape;
-            const StationSurvey around = station_survey(tree_, stations_, shape.point);
-            is_known_ = around.names_stations;
-            reach_ = around.reach;
-            for (StationPart& part : around.parts()) surfaces_.push_back(std::move(part));
+        const std::size_t count = is_known_ ? std::min(primitives_.size(), most_surveyed) : 0;
+        std::vector<StationSurvey> places;
+        for (std::size_t i = 0; i < count; ++i) {
+            const Shape& shape = primitives_[i * primitives_.size() / count].fit.shape;
+            places.push_back(station_survey(tree_, stations_, shape.point));
+            reach_ = places.back().reach;
+            for (StationPart& part : places.back().parts()) surfaces_.push_back(std::move(part));
         }
+        is_known_ = is_known_ && name_stations(places);
         if (!(reach_ > 0) && registration_ > 0)
             reach_ = station_survey(tree_, stations_, primitives_.front().fit.shape.point).reach;
         for (Primitive& primitive : primitives_) {

@@ -43,19 +43,6 @@ bool may_be_other_kind(const FollowedPoints& followed, const Departure& departur
 // together: a mixture of two normal distributions has the kurtosis 3 - 2 share^2, and b is its inverse.
 double share_between(double b) { return std::sqrt(std::clamp((3 - 1 / b) / 2, 0.0, 1.0)); }
 
-// A point far along the bend, where it is no longer within the noise of the pipe: a tenth of the points are farther.
-std::optional<Vec3d> place_along(const NearBend& bend, const Vec3d& place, const std::vector<Vec3d>& points)
-{
-    const auto way = [&](const Vec3d& p) { return dot(p - place, bend.direction); };
-    std::vector<Vec3d> bent;
-    for (const Vec3d& p : points)
-        if (way(p) > std::max(bend.start, 0.0)) bent.push_back(p);
-    if (bent.empty()) return {};
-    const auto far = bent.begin() + static_cast<std::ptrdiff_t>(bent.size() * 9 / 10);
-    std::nth_element(bent.begin(), far, bent.end(), [&](const Vec3d& a, const Vec3d& b) { return way(a) < way(b); });
-    return *far;
-}
-
 }  // namespace
 
 void come_back(const std::string& why, FitIssue issue, FittedPrimitive& result)
@@ -153,15 +140,34 @@ void FollowedVerdict::doubt_sides(double noise, FittedPrimitive& result)
     if (!traits_of(fit.shape.kind).is_flat() || !around_.are_named()) return;
     const double smooth = around_.survey().noise();
     if (!(noise > place_tuning().sides.min_noise * smooth)) return;
-    const StationSides sides =
-        station_sides(fit.shape, station_sample(result.points, around_.points(), most_departing, options_.threads,
-                                                part_of(progress_, 0.94, 0.94)));
-    if (!sides.are_two(smooth, stations().most_spread)) return;
-    stations_at_place_ = signed_distance(fit.shape, places_.front()) > sides.middle ? sides.above : sides.below;
+    const std::vector<PointOfStation> some = station_sample(result.points, around_.points(), most_departing,
+                                                            options_.threads, part_of(progress_, 0.94, 0.94));
+    const StationSides sides = station_sides(fit.shape, some);
+    if (sides.are_two(smooth, stations().most_spread)) {
+        stations_at_place_ = signed_distance(fit.shape, places_.front()) > sides.middle ? sides.above : sides.below;
+        return doubt(fit, FitIssue::other_surface,
+                     "some stations see it " + brief(sides.apart) +
+                         " from where the others do, so it may lie between the two faces of a plate: pick a place "
+                         "where one face has more points, or give a threshold");
+    }
+    doubt_rough(sides.within > 0 ? sides.within : noise, smooth, some, result);
+}
+
+// Stations that are apart do not explain what the points of each leave the plane by.
+void FollowedVerdict::doubt_rough(double within, double smooth, const std::vector<PointOfStation>& some,
+                                  FittedPrimitive& result) const
+{
+    ShapeFit& fit = result.primitive.fit;
+    if (!(within > place_tuning().sides.max_within * smooth)) return;
+    std::vector<Vec3d> places;
+    for (const PointOfStation& p : some) places.push_back(p.place);
+    for (const std::vector<Vec3d>& points : {places, result.near.points.sources()})
+        if (surface_evidence(fit.shape, spread_of(fit), resolution(), points).has_shared_errors()) return;
     doubt(fit, FitIssue::other_surface,
-          "some stations see it " + brief(sides.apart) +
-              " from where the others do, so it may lie between the two faces of a plate: pick a place where one face "
-              "has more points, or give a threshold");
+          "the points of each station leave it by " + brief(within) + ", those of smooth surfaces around by " +
+              brief(smooth) +
+              ": it may hold several surfaces, as pipes side by side, so take a smaller neighbourhood, or give a "
+              "threshold");
 }
 
 void FollowedVerdict::judge_kind(const FollowedPoints& followed, const std::vector<Vec3d>& around,
@@ -218,7 +224,8 @@ void FollowedVerdict::doubt_others(const FollowedPoints& followed, const CutOutE
                                    const Departure& departure, double noise, ShapeFit& fit)
 {
     const FollowingTuning& tuned = place_tuning().following;
-    if (followed.inner_share < tuned.min_inner_share && fit.inliers < tuned.min_small_points && cut_out.is_crossed())
+    const double least_inner = cut_out.is_crossed() ? tuned.min_inner_share : tuned.min_inner_along;
+    if (followed.inner_share < least_inner && fit.inliers < tuned.max_few_points)
         return doubt(fit, FitIssue::other_surface,
                      "nearly all of its few points lie next to points that leave it, so they may be a strip of another "
                      "surface: take a smaller neighbourhood, or give a threshold");
@@ -271,7 +278,7 @@ void FollowedVerdict::doubt_bent(const FollowedPoints& followed, double noise, F
             random_points(near, most_bent, options_.threads, part_of(progress_, 0.94, 0.94));
         const auto bend = bend_near(pipe, points);
         if (!bend || bend->least_start > 0) continue;
-        place_on_bend_ = place_along(*bend, place, points);
+        place_on_bend_ = place_on(*bend, place, points);
         return doubt(fit, FitIssue::other_surface,
                      "the pipe bends at the place that was picked, or next to it, with a radius of " +
                          brief(bend->radius) + ": pick a place farther along the pipe, or fit a torus");
@@ -357,7 +364,7 @@ const FollowedVerdict::Stations& FollowedVerdict::stations()
     if (stations_) return *stations_;
     stations_ = {known_.registration, known_.registration};
     if (!around_.are_named()) return *stations_;
-    const StationSpread found = around_.survey().evidence().spread();
+    const StationSpread found = around_.spread_with({});
     const double most = found.spread > 0 ? found.spread * student_factor(found.freedom) : 0;
     stations_ = {std::max(found.spread, known_.registration), std::max(most, known_.registration)};
     return *stations_;

@@ -2,6 +2,7 @@
 // noise that the points at the place have.
 #pragma once
 
+#include "pcm/fit/ray_errors.h"
 #include "pcm/place/cut_out_evidence.h"
 #include "pcm/place/departure.h"
 #include "pcm/place/fit_at.h"
@@ -85,6 +86,10 @@ private:
     void doubt_unsettled(const FollowedPoints& followed, FittedPrimitive& result) const;
     // Stations see the plane from two sides.
     void doubt_sides(double noise, FittedPrimitive& result);
+    // Points of single stations, `some` of the plane's, leave it by far more than smooth surfaces around, and
+    // neighbours do not share that, as on a rough surface: pipes side by side.
+    void doubt_rough(double within, double smooth, const std::vector<PointOfStation>& some,
+                     FittedPrimitive& result) const;
     bool is_far_above_close_noise(const ShapeFit& fit, double noise, double bend, const NearPoints& near);
     bool passes_places(const ShapeFit& fit, const NearPoints& near) const;
     std::optional<ShapeKind> far_better_kind(const FittedPrimitive& result, double noise,

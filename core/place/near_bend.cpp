@@ -205,4 +205,16 @@ std::optional<NearBend> bend_near(const PipeAtPlace& pipe, const std::vector<Vec
     return found;
 }
 
+std::optional<Vec3d> place_on(const NearBend& bend, const Vec3d& place, const std::vector<Vec3d>& points)
+{
+    const auto way = [&](const Vec3d& p) { return dot(p - place, bend.direction); };
+    std::vector<Vec3d> bent;
+    for (const Vec3d& p : points)
+        if (way(p) > std::max(bend.start, 0.0)) bent.push_back(p);
+    if (bent.empty()) return {};
+    const auto far = bent.begin() + static_cast<std::ptrdiff_t>(bent.size() * 9 / 10);
+    std::nth_element(bent.begin(), far, bent.end(), [&](const Vec3d& a, const Vec3d& b) { return way(a) < way(b); });
+    return *far;
+}
+
 }  // namespace pcm

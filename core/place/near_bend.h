@@ -40,4 +40,8 @@ double reach_of_bends(const PipeAtPlace& pipe);
 // thread; some tens of milliseconds for 1000 points.
 std::optional<NearBend> bend_near(const PipeAtPlace& pipe, const std::vector<Vec3d>& points);
 
+// A point far along the bend near `place`, where it is no longer within the noise of the pipe: a tenth of the points
+// are farther. Nothing where none of the points is on it.
+std::optional<Vec3d> place_on(const NearBend& bend, const Vec3d& place, const std::vector<Vec3d>& points);
+
 }  // namespace pcm

@@ -160,7 +160,7 @@ void add_spread_of_stations(const PointSet& points, StationsAround& around, cons
         if (agreement > 1) within = std::min(agreement, agreement_within(scan, sums, spread, noise, box));
         own = sums.evidence(noise * within);
     }
-    add_known_spread(sums, around.survey().evidence(own).spread(), reach, within, agreement, primitive);
+    add_known_spread(sums, around.spread_with(own), reach, within, agreement, primitive);
 }
 
 }  // namespace

@@ -174,8 +174,8 @@ public:
         const PatchTuning& tuned = place_tuning().patches;
         const bool mix =
             seen_by_chance_ >= tuned.min_seen * mixed_by_chance_ && mixed_ >= tuned.min_mixed * seen_by_chance_;
-        return {smooth_patches(), stations_.are_stated() || mixed_by_chance_ < tuned.enough_by_chance || mix,
-                reach_.reach()};
+        const bool is_shown = stations_.are_stated() || mixed_by_chance_ >= tuned.enough_by_chance;
+        return {smooth_patches(), stations_.are_stated() || !is_shown || mix, is_shown, reach_.reach()};
     }
 
 private:
@@ -390,6 +390,41 @@ StationEvidence StationSurvey::evidence(const StationEvidence& known) const
 StationSurvey station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place)
 {
     return Survey(tree, stations).run(place);
+}
+
+bool name_stations(const std::vector<StationSurvey>& places)
+{
+    int votes = 0;
+    for (const StationSurvey& one : places)
+        if (one.is_shown) votes += one.names_stations ? 1 : -1;
+    return votes >= 0;
+}
+
+StationsElsewhere stations_elsewhere(const Tree& tree, const PointStations& stations)
+{
+    std::vector<NodeId> leaves;
+    for (NodeId node = 0; node < tree.nodes().size(); ++node) {
+        const auto& children = tree.node(node).children;
+        const bool is_leaf =
+            std::all_of(children.begin(), children.end(), [](NodeId child) { return child == no_node; });
+        if (is_leaf && tree.node(node).points > 0) leaves.push_back(node);
+    }
+    const std::size_t count = place_tuning().patches.places_elsewhere;
+    StationsElsewhere found;
+    if (leaves.size() <= count) return found;  // they would be the same again
+    std::vector<StationSurvey> places;
+    for (std::size_t i = 0; i < count; ++i)
+        places.push_back(
+            station_survey(tree, stations, tree.box(leaves[(2 * i + 1) * leaves.size() / (2 * count)]).centre()));
+    found.names_stations = name_stations(places);
+    double squares = 0;
+    for (const StationSurvey& one : places) {
+        const StationSpread spread = one.evidence().spread();
+        squares += spread.freedom * spread.spread * spread.spread;
+        found.freedom += spread.freedom;
+    }
+    if (found.freedom > 0) found.spread = std::sqrt(squares / found.freedom);
+    return found;
 }
 
 }  // namespace pcm

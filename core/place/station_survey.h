@@ -37,7 +37,8 @@ struct StationSurvey {
     // False where points of different numbers do not mix on the surfaces: points of stations do, those of tiles,
     // objects or classes do not, so the attribute names something else.
     bool names_stations = true;
-    double reach = 0;  // StationReach of the coarsest points of all parts, source units
+    bool is_shown = false;  // whether the points there show that, and it is not merely what is assumed
+    double reach = 0;       // StationReach of the coarsest points of all parts, source units
 
     // What patches show that agree with each other and with what is known of the stations from elsewhere, that
     // included: the two faces of a plate, each seen by another station, contradict others by as much as the plate is
@@ -53,5 +54,18 @@ struct StationSurvey {
 // contradicts the others by more than four of their deviations is left out of evidence(). Reads the chunks from the
 // root to the place, once. The result does not depend on the order of points. Throws what reading throws.
 StationSurvey station_survey(const Tree& tree, const PointStations& stations, const Vec3d& place);
+
+// Whether points of different numbers mix at more of the places that show it than they do not: at a single one stations
+// may see parts of the surfaces only.
+bool name_stations(const std::vector<StationSurvey>& places);
+
+// The same, and how far stations are apart, by some places all over the cloud; nothing of a cloud of few nodes, which a
+// survey looks at as a whole.
+struct StationsElsewhere {
+    bool names_stations = false;
+    double spread = 0;          // root of the mean square of the places' spreads, source units
+    std::uint32_t freedom = 0;  // number of differences that it is from, of all places together
+};
+StationsElsewhere stations_elsewhere(const Tree& tree, const PointStations& stations);
 
 }  // namespace pcm

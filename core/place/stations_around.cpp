@@ -19,7 +19,16 @@ const StationSurvey& StationsAround::survey()
     return *survey_;
 }
 
-bool StationsAround::are_named() { return points().source() != StationSource::none && survey().names_stations; }
+const StationsElsewhere& StationsAround::elsewhere()
+{
+    if (!elsewhere_) elsewhere_ = stations_elsewhere(tree_, points());
+    return *elsewhere_;
+}
+
+bool StationsAround::are_named()
+{
+    return points().source() != StationSource::none && (survey().names_stations || elsewhere().names_stations);
+}
 
 double StationsAround::most_noise()
 {
@@ -29,6 +38,18 @@ double StationsAround::most_noise()
 
 double StationsAround::surface_noise() { return std::hypot(most_noise(), spread(0)); }
 
-double StationsAround::spread(double unknown) { return are_named() ? survey().evidence().spread().spread : unknown; }
+double StationsAround::spread(double unknown) { return are_named() ? spread_with({}).spread : unknown; }
+
+StationSpread StationsAround::spread_with(const StationEvidence& own)
+{
+    StationSpread found = survey().evidence(own).spread();
+    if (found.freedom >= place_tuning().patches.enough_freedom) return found;
+    const double both = found.freedom + elsewhere().freedom;
+    if (both > 0)
+        found.spread =
+            std::sqrt((found.freedom * square(found.spread) + elsewhere().freedom * square(elsewhere().spread)) / both);
+    found.freedom += elsewhere().freedom;
+    return found;
+}
 
 }  // namespace pcm

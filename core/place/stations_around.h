@@ -16,19 +16,25 @@ public:
 
     const PointStations& points();  // reads a chunk of each part when it is first asked for
     const StationSurvey& survey();  // reads the chunks from the root to the place then
-    bool are_named();               // whether points say from which station they are
+    // Whether points say from which station they are: where those around the place do not show it, by other places.
+    bool are_named();
     // Standard deviation that points of one surface have at most, by that of smooth surfaces around
     // (place.following.max_smooth_noise), source units; infinity where the survey has none.
     double most_noise();
     double surface_noise();  // the same, with the spread of the stations
     // Spread of the stations by the surfaces around, source units; `unknown` where points do not name them.
     double spread(double unknown);
+    // The same with `own` evidence, and where both are few differences, with those of other places.
+    StationSpread spread_with(const StationEvidence& own);
 
 private:
+    const StationsElsewhere& elsewhere();  // reads the chunks of some places then
+
     const Tree& tree_;
     const Vec3d place_;
     std::optional<PointStations> points_;
     std::optional<StationSurvey> survey_;
+    std::optional<StationsElsewhere> elsewhere_;
 };
 
 }  // namespace pcm

@@ -114,6 +114,8 @@ ValuesOfGrowth values_of_growth(PlaceTuning& place)
         PCM_TUNED(place.following.max_noise_within),
         PCM_TUNED(place.following.max_strip_turn),
         PCM_TUNED(place.following.min_inner_share),
+        PCM_TUNED(place.following.min_inner_along),
+        PCM_TUNED(place.following.max_few_points),
         PCM_TUNED(place.following.max_noise_share),
         PCM_TUNED(place.following.min_agreement),
         PCM_TUNED(place.following.max_other_noise),
@@ -139,6 +141,7 @@ ValuesOfEdges values_of_edges(PlaceTuning& place)
         PCM_TUNED(place.sides.min_gap),
         PCM_TUNED(place.sides.min_share),
         PCM_TUNED(place.sides.min_noise),
+        PCM_TUNED(place.sides.max_within),
         PCM_TUNED(place.corners.plane_noises),
         PCM_TUNED(place.corners.reach_noises),
         PCM_TUNED(place.corners.min_share),
@@ -232,6 +235,8 @@ ValuesOfStations values_of_stations(PlaceTuning& place)
         PCM_TUNED(place.patches.min_seen),
         PCM_TUNED(place.patches.min_mixed),
         PCM_TUNED(place.patches.enough_by_chance),
+        PCM_TUNED(place.patches.enough_freedom),
+        PCM_TUNED(place.patches.places_elsewhere),
     }};
 }
 

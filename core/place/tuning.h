@@ -5,6 +5,7 @@
 #pragma once
 
 #include "pcm/place/edge_tuning.h"
+#include "pcm/place/station_tuning.h"
 
 #include <cstddef>
 
@@ -361,11 +362,16 @@ struct FollowingTuning {
     // next to it have 0.058 to 0.13, strips of pipes 0.037.
     // Chosen: by those; not swept.
     double max_strip_turn = 0.035;  // radians
-    // Minimum share of the points next to which the cloud does not leave the shape. Of 76 right planes of a ray-cast
-    // plant three have less, two of them on edges of plates 8 mm wide; strips of pipes as planes have 0 to 0.03, of 131
-    // to 244 points. Faces of posts of 1,700 points have less, too, so it counts below min_small_points.
-    // Chosen: by those; not swept.
-    double min_inner_share = 0.1;  // share of the points
+    // Minimum share of the points next to which the cloud does not leave the shape, where they are few and others cross
+    // it. On two ray-cast plants right planes and cones of fewer points have 0.19 and more, strips over pipes and
+    // through faces 0 to 0.13, of 19 to 590 points; faces of posts and plates with a share of 0 have 1,345 and more.
+    // Chosen: by those, of 266 good answers; not swept.
+    double min_inner_share = 0.16;  // share of the points
+    // The same where they lie along it, as the other face of a plate does.
+    // Chosen: with min_inner_share: four of those have 0, faces of plates 0.3.
+    double min_inner_along = 0.01;  // share of the points
+    // Chosen: with min_inner_share.
+    std::size_t max_few_points = 1000;  // points
     // Agreement of errors above which another kind is looked for.
     // Chosen: true shapes among 250 clicks have 1 to 1.34, most of them 1; not swept.
     double min_agreement = 1.05;  // factor on the errors
@@ -380,87 +386,6 @@ struct FollowingTuning {
     double max_other_agreement = 1.35;  // factor on the errors
     // Chosen: with max_other_agreement; not swept.
     double less_agreement = 0.5;  // factor on the agreement of the first kind
-};
-
-// Which points are of which station of a scanner, where no attribute says it (point_stations.h).
-struct StationTuning {
-    // Parts of a tree whose coarsest points are looked at.
-    // Chosen: not swept.
-    std::size_t max_parts = 64;  // parts
-    // Minimum gap between the times of two stations: moving a tripod takes longer.
-    // Chosen: not swept.
-    double min_gap = 30;  // seconds
-    // Minimum gap where the times of points are far apart.
-    // Chosen: with min_gap; not swept.
-    double mean_gaps = 50;  // mean gaps between points
-    // Mean number of the coarsest points of a station: numbers of fewer points name something else.
-    // Chosen: not swept.
-    std::size_t min_points = 8;  // points
-};
-
-// Patches of surface by which stations are compared (station_survey.h).
-struct PatchTuning {
-    // With these no larger box around the place is looked at.
-    // Chosen: not swept.
-    std::size_t enough = 150;  // patches
-    // Chosen: with enough; not swept.
-    std::size_t enough_stations = 4;  // stations
-    // Maximum number of points of a box: of more, every second or third is taken.
-    // Chosen: not swept.
-    std::size_t box_points = 60000;  // points
-    // Points of a cube that holds a surface, approximately.
-    // Chosen: not swept.
-    std::size_t cube_points = 100;  // points
-    // Points of a patch.
-    // Chosen: not swept.
-    std::size_t min_points = 24;  // points
-    // Chosen: with cube_points; not swept.
-    std::size_t max_points = 400;  // points
-    // Minimum number of points of a station in a patch.
-    // Chosen: not swept.
-    std::size_t min_station_points = 5;  // points
-    // Maximum variance across a patch.
-    // Chosen: not swept.
-    double max_thickness = 0.05;  // middle variances
-    // Minimum variance across its longest direction.
-    // Chosen: not swept.
-    double min_width = 0.1;  // largest variances
-    // What differences show, relative to stations that see all of a patch.
-    // Chosen: not swept.
-    double min_overlap = 0.6;  // share
-    // Maximum noise of a patch, relative to the quarter with the least noise.
-    // Chosen: not swept.
-    double max_noise = 2;  // noises of that quarter
-    // Maximum deviation of a patch from what is known of the shifts before, which is nothing at most places.
-    // Chosen: as max_deviation; patches of walls deviate by the whole shift of a station, those of floors by little.
-    double max_first_deviation = 3;  // medians of the deviations
-    // Maximum deviation of a patch from the shifts that the others give.
-    // Chosen: at 49 places of three ray-cast plants, one without registration error: with 4, and without a first step,
-    // eight of 20 spreads there were 2.4 to 7.3 mm, as plates are thick.
-    double max_deviation = 2.5;  // medians of the deviations
-    // Maximum median of the deviations of patches with similar normals.
-    // Chosen: levels keep heights better than places; not swept.
-    double max_unlike = 2.5;  // medians of all deviations
-    // Minimum share of the neighbours by chance that patches have which stations see all of: tiles and objects meet at
-    // their borders alone.
-    // Chosen: five ray-cast plants have 0.69 to 1, objects of generated sites of 40,000 to 1,000,000 points 0.02 to
-    // 0.37.
-    double min_seen = 0.5;  // share
-    // Minimum number of nearest neighbours of another station in those patches. Ones whose borders stations see have
-    // fewer.
-    // Chosen: with min_seen; those plants have 0.86 to 2, squares whose points are mixed a little 0.7.
-    double min_mixed = 0.78;  // shares of their number by chance
-    // Below this number by chance, stations are taken to mix.
-    // Chosen: with min_mixed; 500 took the objects of sparse sites for stations, half a metre apart.
-    double enough_by_chance = 50;  // neighbours
-};
-
-// Points of curved shapes that are turned away from their stations (turned_points.h).
-struct FacingTuning {
-    // Cosine between the surface's normal and the direction to the station, below which points are not used.
-    // Chosen: thin pipes of two plants, one without registration error: the rms error of positions is 0.38 mm with all
-    // points, 0.37, 0.31 and 0.30 with 0, 0.2 and 0.3; not swept.
-    double min_cosine = 0.2;  // cosine
 };
 
 struct PlaceTuning {

@@ -175,6 +175,16 @@ TEST_F(FollowedVerdictTest, WhatLiesNextToOthersNearlyEverywhereIsDoubted)
     EXPECT_NE(strip.primitive.fit.message.find("strip"), std::string::npos) << strip.primitive.fit.message;
     inner_share_ = 0.3;
     EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::good);
+    inner_share_ = 0.12;
+    EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::doubtful);
+    count_ = 900;
+    EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::doubtful);
+    count_ = 1100;
+    EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::good) << "many points have a wide face";
+    count_ = 400;
+    crosses_ = false;
+    inner_share_ = 0;
+    EXPECT_EQ(judged(false, 0.012).primitive.fit.verdict, FitVerdict::doubtful) << "all of them";
 }
 
 // A face 12 mm wide with points of the faces next to it. Where these are, and where only one side of it was looked at.
@@ -261,6 +271,38 @@ TEST_F(FollowedVerdictTest, WhatPointsLeaveTogetherBeyondStationsIsDoubted)
     EXPECT_EQ(bent.verdict, FitVerdict::doubtful);
     EXPECT_EQ(bent.issue, FitIssue::other_surface);
     EXPECT_NE(bent.message.find("which shifts of the stations do not explain"), std::string::npos) << bent.message;
+}
+
+// Crowns of a rack of thin pipes, and an uneven wall, as planes; next to them is a smooth wall of 1 mm noise.
+TEST_F(FollowedVerdictTest, APlaneThatEachStationLeavesIsDoubted)
+{
+    const auto leaving = [&](double alone, double together) {
+        Dice dice(15);
+        std::vector<SurfacePoint> points;
+        for (int i = 0; i < 6000; ++i) {
+            const double x = dice.between(-0.5, 0.5), z = dice.between(0, 1);
+            const double away = alone * dice.normal() + 2 * together * std::sin(12 * x) * std::sin(12 * z);
+            points.push_back({{x, away, z}, {}});
+        }
+        for (int i = 0; i < 60000; ++i)
+            points.push_back({{dice.between(-2, 2), 0.001 * dice.normal(), dice.between(-4, -0.1)}, {}});
+        ShapeFit fit;
+        fit.shape.kind = ShapeKind::plane;
+        fit.shape.axis = {0, 1, 0};
+        fit.noise = std::hypot(alone, together);
+        fit.threshold = 3 * fit.noise;
+        return judged(points, fit, fit.noise, 1, true).primitive.fit;
+    };
+    EXPECT_EQ(leaving(0.0045, 0).verdict, FitVerdict::good) << "no station is known";
+    has_stations_ = true;
+    const ShapeFit crowns = leaving(0.0045, 0);
+    EXPECT_EQ(crowns.verdict, FitVerdict::doubtful);
+    EXPECT_EQ(crowns.issue, FitIssue::other_surface);
+    EXPECT_NE(crowns.message.find("the points of each station leave it by 0.0044"), std::string::npos)
+        << crowns.message;
+    EXPECT_EQ(leaving(0.0022, 0).verdict, FitVerdict::good) << leaving(0.0022, 0).message;
+    const ShapeFit uneven = leaving(0.001, 0.0045);
+    EXPECT_EQ(uneven.message.find("the points of each station"), std::string::npos) << uneven.message;
 }
 
 // The rim of a flange, 15 mm wide, is a band of a cylinder or of a sphere; a pipe is not a sphere.

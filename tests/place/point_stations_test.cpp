@@ -362,6 +362,63 @@ TEST_F(StationSurveyTest, StationsThatSeePartsOfASurfaceAreStations)
     EXPECT_TRUE(station_survey(*made, PointStations(*made), {}).names_stations);
 }
 
+// A floor of 12 m that two stations 8 mm apart in height see, but for a dense corner: its squares are one station's
+// each, or all of it is. A place there shows other places what it cannot show itself.
+TEST_F(StationSurveyTest, OtherPlacesShowWhatOneDoesNot)
+{
+    enum class Corner { squares, one };
+    const auto floor = [&](Corner corner, bool is_mixed_elsewhere) {
+        return tree(
+            "p", 90000,
+            [&](int i) {
+                const double side = i % 3 == 0 ? 3 : 12;
+                Vec3d place{dice_.between(0, side), dice_.between(0, side), noise * dice_.normal()};
+                const int square = static_cast<int>(place[0]) + static_cast<int>(place[1]);
+                const bool is_corner = place[0] < 3 && place[1] < 3;
+                const int number = is_corner && corner == Corner::one ? 0
+                                   : is_corner || !is_mixed_elsewhere ? square % 2
+                                                                      : dice_.unit() < 0.5;
+                place[2] += 0.008 * number;
+                return Numbers{0, static_cast<std::uint16_t>(number), 0, place};
+            },
+            2000);
+    };
+    const Vec3d place{0.5, 0.5, 0};
+    const auto squares = floor(Corner::squares, true);
+    const StationSurvey there = station_survey(*squares, PointStations(*squares), place);
+    EXPECT_TRUE(there.is_shown);
+    EXPECT_FALSE(there.names_stations);
+    StationsAround around(*squares, place);
+    EXPECT_TRUE(around.are_named());
+    // Two stations 8 mm apart are 5.7 mm each in the root of the mean square.
+    const double of_two = around.spread(0);
+    EXPECT_NEAR(of_two, 0.0057, 0.0025);
+
+    const auto alone = floor(Corner::one, true);
+    StationsAround of_one(*alone, place);
+    EXPECT_TRUE(of_one.are_named());
+    EXPECT_LT(of_one.survey().evidence().spread().freedom, 9u);
+    EXPECT_NEAR(of_one.spread(0), of_two, 0.0025);
+    EXPECT_GT(of_one.spread_with({}).freedom, of_one.survey().evidence().spread().freedom);
+
+    const auto tiles = floor(Corner::squares, false);
+    EXPECT_FALSE(StationsAround(*tiles, place).are_named());
+    EXPECT_EQ(StationsAround(*tiles, place).spread(0.5), 0.5);
+}
+
+TEST_F(StationSurveyTest, MostOfThePlacesDecide)
+{
+    StationSurvey yes, no, silent;
+    yes.is_shown = no.is_shown = true;
+    no.names_stations = silent.names_stations = false;
+    EXPECT_TRUE(name_stations({}));
+    EXPECT_TRUE(name_stations({silent}));
+    EXPECT_FALSE(name_stations({no, silent, silent}));
+    EXPECT_TRUE(name_stations({no, yes, yes, silent}));
+    EXPECT_TRUE(name_stations({no, yes, yes, no, yes}));
+    EXPECT_FALSE(name_stations({no, yes, no}));
+}
+
 // The walls are eight times as rough as the floor, which alone is looked at: it shows differences of heights.
 // The same squares as scans of a file that says from where they were made: stations, however little their points mix.
 TEST_F(StationSurveyTest, ScansOfSeveralPlacesAreStations)
