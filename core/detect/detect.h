@@ -68,10 +68,11 @@ struct DetectReport {
 // threshold, for pipes down to four spacings across and narrow planes. Where the threshold is found, shapes that others
 // explain are doubtful (shared_points.h). The errors contain how far stations are apart, where points say from which
 // they are or options.registration does, and what errors along their rays may have left of their bias
-// (errors_of_stations.h); points that are turned away from their stations are not used (turned_points.h). The result
-// depends on the seed, neither on threads nor on memory. Throws Error(invalid_argument) for options out of range, steps
-// that reach too many points, and kinds that are not searched for, Error(unsupported) for more than 2^31 parts of
-// surfaces, what Selector throws, Error(cancelled), and what reading and the scratch file throw.
+// (errors_of_stations.h); points that are turned away from their stations are not used (turned_points.h). Elbows of the
+// pipes are added by add_elbows(), levels of depth cameras are doubted by doubt_level() (place/depth_levels.h). The
+// result depends on the seed, neither on threads nor on memory. Throws Error(invalid_argument) for options out of
+// range, steps that reach too many points, and kinds that are not searched for, Error(unsupported) for more than 2^31
+// parts of surfaces, what Selector throws, Error(cancelled), and what reading and the scratch file throw.
 DetectReport detect_primitives(const std::shared_ptr<const Tree>& tree, const DetectOptions& options);
 
 struct LabelOptions {

@@ -1,11 +1,15 @@
 #include "pcm/detect/elbow_search.h"
 
 #include "pcm/cloud/numbers.h"
+#include "pcm/detect/bend_points.h"
+#include "pcm/detect/elbow_pieces.h"
 #include "pcm/detect/tuning.h"
 #include "pcm/piping/pipe_joints.h"
 #include "pcm/piping/pipe_run.h"
 #include "pcm/piping/tuning.h"
 #include "pcm/place/fit_at.h"
+#include "pcm/place/grow_shape.h"
+#include "pcm/place/near_bend.h"
 #include "pcm/place/near_points.h"
 #include "pcm/threads/watch.h"
 
@@ -34,78 +38,16 @@ struct Corner {
     AxesMeeting meeting;
 };
 
-// Arc of a tube that touches two lines from `at`.
-struct BendFrame {
-    Vec3d at{}, inwards{}, axis{};
-    double turn = 0;
-};
-
-BendFrame frame_of(const TubeEnd& a, const TubeEnd& b, const AxesMeeting& meeting)
-{
-    BendFrame frame;
-    frame.at = 0.5 * ((a.place + meeting.to_a * a.out) + (b.place + meeting.to_b * b.out));
-    frame.inwards = normalised(-1 * (a.out + b.out));
-    frame.axis = normalised(cross(a.out, -1 * b.out));
-    frame.turn = meeting.turn;
-    return frame;
-}
-
-// Points near a corner, and which of them are on the middle half of an arc that touches both lines `tangent` away from
-// it. All such arcs have one plane and one line of symmetry.
-class BendPoints {
-public:
-    BendPoints(const BendFrame& frame, const std::vector<Vec3d>& points, double tube, double threshold)
-        : half_(std::tan(frame.turn / 2)),
-          secant_(1 / std::cos(frame.turn / 2)),
-          least_cosine_(std::cos(frame.turn / 4)),
-          tube_(tube),
-          threshold_(threshold)
-    {
-        const Vec3d across = cross(frame.axis, frame.inwards);
-        for (const Vec3d& p : points) {
-            const Vec3d d = p - frame.at;
-            const double height = dot(d, frame.axis);
-            if (std::fabs(height) <= tube + threshold)
-                points_.push_back({p, -dot(d, frame.inwards), dot(d, across), height});
-        }
-    }
-
-    std::size_t count(double tangent) const
-    {
-        const auto is_there = [&](const Placed& p) { return is_on(p, tangent / half_); };
-        return static_cast<std::size_t>(std::count_if(points_.begin(), points_.end(), is_there));
-    }
-    std::vector<Vec3d> on_arc(double tangent) const
-    {
-        std::vector<Vec3d> found;
-        for (const Placed& p : points_)
-            if (is_on(p, tangent / half_)) found.push_back(p.position);
-        return found;
-    }
-
-private:
-    struct Placed {
-        Vec3d position{};
-        double outwards = 0, across = 0, height = 0;  // from the corner
-    };
-    bool is_on(const Placed& p, double bend) const
-    {
-        const double out = p.outwards + bend * secant_;  // from the arc's centre
-        const double away = std::sqrt(out * out + p.across * p.across);
-        if (!(out > least_cosine_ * away)) return false;
-        const double from_circle = away - bend;
-        return std::fabs(std::sqrt(from_circle * from_circle + p.height * p.height) - tube_) <= threshold_;
-    }
-
-    double half_, secant_, least_cosine_, tube_, threshold_;
-    std::vector<Placed> points_;
-};
-
 class ElbowSearch {
 public:
     ElbowSearch(const PointCloud& cloud, std::vector<Primitive>& primitives, const ElbowOptions& options)
-        : cloud_(cloud), primitives_(primitives), options_(options), tuned_(piping_tuning())
+        : cloud_(cloud),
+          primitives_(primitives),
+          options_(options),
+          tuned_(piping_tuning()),
+          pieces_(cloud, primitives, options.limit)
     {
+        found_.is_piece.assign(primitives.size(), false);
         for (std::size_t i = 0; i < primitives.size(); ++i) {
             const Primitive& p = primitives[i];
             const auto tube = traits_of(p.fit.shape.kind).tube(p.fit.shape, p.bounds, p.fit.errors);
@@ -113,29 +55,54 @@ public:
         }
     }
 
-    std::vector<Primitive> run()
+    // Pipes that may be pieces of elbows are joined after the others.
+    ElbowReport run()
     {
         Watch watch(options_.progress);
-        const std::vector<Corner> corners = corners_by_distance();
-        std::vector<bool> taken(2 * pipes_.size(), false);
+        std::vector<Corner> corners = corners_by_distance();
+        std::stable_partition(corners.begin(), corners.end(),
+                              [&](const Corner& c) { return is_sure(c.a) && is_sure(c.b); });
+        taken_.assign(2 * pipes_.size(), false);
         for (std::size_t i = 0; i < corners.size(); ++i) {
-            watch.report("Fitting elbows", static_cast<double>(i) / static_cast<double>(corners.size()));
+            watch.report("Fitting elbows", 0.7 * static_cast<double>(i) / static_cast<double>(corners.size()));
             const Corner& corner = corners[i];
-            if (taken[corner.a] || taken[corner.b]) continue;
-            if (auto elbow = elbow_at(corner)) {
-                taken[corner.a] = taken[corner.b] = true;
-                elbow->name = "Elbow " + std::to_string(elbows_.size() + 1);
-                elbow->cloud = primitives_[pipes_[corner.a / 2].primitive].cloud;
-                elbow->colour = primitives_[pipes_[corner.a / 2].primitive].colour;
-                elbows_.push_back(std::move(*elbow));
-            }
+            if (is_done(corner.a) || is_done(corner.b)) continue;
+            if (auto elbow = elbow_at(corner)) add(std::move(*elbow));
         }
-        return std::move(elbows_);
+        for (EndIndex end = 0; end < taken_.size(); ++end) {
+            watch.report("Fitting elbows", 0.7 + 0.3 * static_cast<double>(end) / static_cast<double>(taken_.size()));
+            if (is_done(end) || !is_sure(end)) continue;
+            if (auto elbow = elbow_behind(end)) add(std::move(*elbow));
+        }
+        return std::move(found_);
     }
 
 private:
+    struct Elbow {
+        Primitive primitive;
+        double agreement = 1;
+        std::vector<EndIndex> ends;       // ends of the pipes that it joins
+        std::optional<CentrePiece> bend;  // its part of the centre line; nothing where it joins no pipe
+    };
+
+    void add(Elbow elbow)
+    {
+        for (const EndIndex end : elbow.ends) taken_[end] = true;
+        elbow.primitive.name = "Elbow " + std::to_string(found_.elbows.size() + 1);
+        elbow.primitive.cloud = primitives_.front().cloud;
+        found_.elbows.push_back(std::move(elbow.primitive));
+        found_.agreement.push_back(elbow.agreement);
+    }
+
     const Tube& tube_of(EndIndex end) const { return pipes_[end / 2].tube; }
     const TubeEnd& end_of(EndIndex end) const { return tube_of(end).ends[end % 2]; }
+    // Whether it is joined, or no pipe's.
+    bool is_done(EndIndex end) const { return taken_[end] || found_.is_piece[pipes_[end / 2].primitive]; }
+    bool is_sure(EndIndex end) const
+    {
+        const std::size_t index = pipes_[end / 2].primitive;
+        return primitives_[index].fit.verdict == FitVerdict::good || !pieces_.may_be(index);
+    }
     double radius_of(const Corner& corner) const { return (tube_of(corner.a).radius + tube_of(corner.b).radius) / 2; }
 
     std::optional<Corner> corner_of(EndIndex i, EndIndex j) const
@@ -167,13 +134,13 @@ private:
         return corners;
     }
 
-    std::vector<Vec3d> points_around(const BendFrame& frame, double radius) const
+    std::vector<Vec3d> points_around(const Vec3d& place, double radius) const
     {
         NearOptions near;
         near.radius = radius;
         near.most = most_points;
         near.limit = options_.limit;
-        return points_near(cloud_, frame.at, near).points.sources();
+        return points_near(cloud_, place, near).points.sources();
     }
 
     // The tangent, between what both ends leave open and what cylinders can have of a bend, with most points.
@@ -183,7 +150,7 @@ private:
         const double nearest = std::min(corner.meeting.to_a, corner.meeting.to_b);
         const double least = std::max(nearest - radius, tuned_.corners.min_bend * radius * half);
         const double most = std::max(nearest + detect_tuning().elbows.max_reach * radius, least);
-        const BendPoints points(frame, points_around(frame, most + 2 * radius), radius, threshold);
+        const BendPoints points(frame, points_around(frame.at, most + 2 * radius), radius, threshold);
         double best = least;
         std::size_t most_on = 0;
         for (std::size_t i = 0; i <= tangent_steps; ++i) {
@@ -198,7 +165,7 @@ private:
     // Fits from points of the arc's middle on different sides of the tube, until a good one joins both pipes. Where
     // none does, one of too few points may; what points leave together, or lie next to, is something else between two
     // pipes.
-    std::optional<Primitive> elbow_at(const Corner& corner)
+    std::optional<Elbow> elbow_at(const Corner& corner)
     {
         const BendFrame frame = frame_of(end_of(corner.a), end_of(corner.b), corner.meeting);
         const double radius = radius_of(corner);
@@ -210,18 +177,44 @@ private:
         std::optional<Elbow> doubtful;
         for (const Vec3d& side : {-1 * frame.inwards, frame.axis, -1 * frame.axis}) {
             const auto by_side = [&](const Vec3d& p, const Vec3d& q) { return dot(p - q, side) < 0; };
-            Primitive fitted = fitted_at(*std::max_element(arc.begin(), arc.end(), by_side), radius);
-            const bool is_good = fitted.fit.verdict == FitVerdict::good;
-            auto elbow = fitted.fit.has_shape() ? joined(corner, std::move(fitted)) : std::nullopt;
-            if (elbow && is_good) return cut(corner, std::move(*elbow));
+            FittedPrimitive fitted = fitted_at(*std::max_element(arc.begin(), arc.end(), by_side), radius);
+            const bool is_good = fitted.primitive.fit.verdict == FitVerdict::good;
+            if (!fitted.primitive.fit.has_shape()) continue;
+            auto elbow = is_good ? between_pipes(corner, std::move(fitted)) : between(corner, std::move(fitted));
+            if (elbow && is_good) return accepted(std::move(*elbow));
             if (is_good) break;  // the others are the same
             if (elbow && !doubtful && elbow->primitive.fit.issue == FitIssue::thin_arc) doubtful = std::move(elbow);
         }
         if (!doubtful) return {};
-        return cut(corner, std::move(*doubtful));
+        return accepted(std::move(*doubtful));
     }
 
-    Primitive fitted_at(const Vec3d& place, double radius) const
+    // The pipe behind it may have too few points, or be hidden.
+    std::optional<Elbow> elbow_behind(EndIndex end)
+    {
+        const ShapeFit& pipe = primitive_of(end).fit;
+        if (!(pipe.noise > 0)) return {};
+        const PipeAtPlace at{pipe.shape, pipe.threshold, pipe.noise, end_of(end).place};
+        const double reach = around_thresholds * pipe.threshold;
+        std::vector<Vec3d> around;
+        for (const Vec3d& p : points_around(at.place, reach_of_bends(at) + pipe.shape.radius))
+            if (distance_to(pipe.shape, p) <= reach) around.push_back(p);
+        const auto bend = bend_near(at, around);
+        if (!bend || dot(bend->direction, end_of(end).out) < 0) return {};
+        const double radii = bend->radius / pipe.shape.radius;
+        if (!(radii >= detect_tuning().elbows.min_bend && radii <= detect_tuning().elbows.max_bend)) return {};
+        const auto place = place_on(*bend, at.place, around);
+        if (!place) return {};
+        FittedPrimitive fitted = fitted_at(*place, pipe.shape.radius);
+        if (fitted.primitive.fit.verdict != FitVerdict::good) return {};
+        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {}, {}};
+        add_end(end, elbow);
+        if (elbow.ends.empty()) return {};
+        add_other_ends(elbow);
+        return accepted(std::move(elbow));
+    }
+
+    FittedPrimitive fitted_at(const Vec3d& place, double radius) const
     {
         FitAtOptions fit;
         fit.fit.kind = ShapeKind::torus;
@@ -232,35 +225,78 @@ private:
         fit.threads = options_.threads;
         fit.memory_bytes = options_.memory_bytes;
         fit.progress = options_.progress;
-        return fit_at(cloud_, {place}, {}, fit).primitive;
+        return fit_at(cloud_, {place}, {}, fit);
     }
 
     Primitive& primitive_of(EndIndex end) { return primitives_[pipes_[end / 2].primitive]; }
 
-    // An elbow and its part of the centre line.
-    struct Elbow {
-        Primitive primitive;
-        CentrePiece bend;
-    };
-
-    // Nothing where the three are not one run.
-    std::optional<Elbow> joined(const Corner& corner, Primitive elbow)
+    // The elbow's part of the centre line; nothing where the pipes and the elbow are not one run.
+    std::optional<CentrePiece> bend_of(const std::vector<EndIndex>& ends, const Primitive& elbow)
     {
-        const std::vector<Primitive> three{primitive_of(corner.a), primitive_of(corner.b), elbow};
-        const std::vector<PipeRun> runs = pipe_runs(three);
-        if (runs.size() != 1 || runs[0].parts.size() != 3) return {};
-        const auto bend = std::find_if(runs[0].line.begin(), runs[0].line.end(),
-                                       [](const CentrePiece& piece) { return piece.is_bend(); });
-        return Elbow{std::move(elbow), *bend};
+        std::vector<Primitive> parts{elbow};
+        for (const EndIndex end : ends) parts.push_back(primitive_of(end));
+        const std::vector<PipeRun> runs = pipe_runs(parts);
+        if (runs.size() != 1 || runs[0].parts.size() != parts.size()) return {};
+        return *std::find_if(runs[0].line.begin(), runs[0].line.end(),
+                             [](const CentrePiece& piece) { return piece.is_bend(); });
     }
 
-    // So that none of the three has points of another one.
-    Primitive cut(const Corner& corner, Elbow elbow)
+    std::optional<Elbow> between(const Corner& corner, FittedPrimitive fitted)
     {
-        cut_pipe(corner.a, elbow.primitive.fit.shape.point, primitive_of(corner.a));
-        cut_pipe(corner.b, elbow.primitive.fit.shape.point, primitive_of(corner.b));
-        cut_elbow(elbow.bend, elbow.primitive);
-        return std::move(elbow.primitive);
+        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {corner.a, corner.b}, {}};
+        elbow.bend = bend_of(elbow.ends, elbow.primitive);
+        if (!elbow.bend) return {};
+        return elbow;
+    }
+
+    // In place of pieces of the elbow other pipes, where there are some.
+    std::optional<Elbow> between_pipes(const Corner& corner, FittedPrimitive fitted)
+    {
+        if (!is_piece_of(corner.a, fitted.primitive) && !is_piece_of(corner.b, fitted.primitive))
+            return between(corner, std::move(fitted));
+        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {}, {}};
+        for (const EndIndex end : {corner.a, corner.b})
+            if (!is_piece_of(end, elbow.primitive)) elbow.ends.push_back(end);
+        if (!elbow.ends.empty() && !(elbow.bend = bend_of(elbow.ends, elbow.primitive))) return {};
+        add_other_ends(elbow);
+        return elbow;
+    }
+
+    void add_other_ends(Elbow& elbow)
+    {
+        for (EndIndex end = 0; end < taken_.size() && elbow.ends.size() < 2; ++end)
+            if (may_join(end, elbow)) add_end(end, elbow);
+    }
+
+    bool is_piece_of(EndIndex end, const Primitive& elbow) { return pieces_.is_of(pipes_[end / 2].primitive, elbow); }
+
+    bool may_join(EndIndex end, const Elbow& elbow)
+    {
+        const Shape& torus = elbow.primitive.fit.shape;
+        const auto is_same_pipe = [&](EndIndex other) { return other / 2 == end / 2; };
+        return !is_done(end) && std::none_of(elbow.ends.begin(), elbow.ends.end(), is_same_pipe) &&
+               length(end_of(end).place - torus.point) <= torus.radius + tuned_.joints.max_gap * torus.second &&
+               !is_piece_of(end, elbow.primitive);
+    }
+
+    void add_end(EndIndex end, Elbow& elbow)
+    {
+        std::vector<EndIndex> ends = elbow.ends;
+        ends.push_back(end);
+        const auto bend = bend_of(ends, elbow.primitive);
+        if (!bend) return;
+        elbow.ends = std::move(ends);
+        elbow.bend = bend;
+    }
+
+    // Cut so that neither it nor the pipes have points of another one.
+    Elbow accepted(Elbow elbow)
+    {
+        for (std::size_t i = 0; i < primitives_.size(); ++i)
+            if (!found_.is_piece[i]) found_.is_piece[i] = pieces_.is_of(i, elbow.primitive);
+        for (const EndIndex end : elbow.ends) cut_pipe(end, elbow.primitive.fit.shape.point, primitive_of(end));
+        if (elbow.bend) cut_elbow(*elbow.bend, elbow.primitive);
+        return elbow;
     }
 
     // An arc begins where its centre is nearest to the axis.
@@ -295,13 +331,14 @@ private:
     const ElbowOptions& options_;
     const PipingTuning& tuned_;
     std::vector<Pipe> pipes_;
-    std::vector<Primitive> elbows_;
+    std::vector<bool> taken_;  // keyed by end
+    ElbowPieces pieces_;
+    ElbowReport found_;
 };
 
 }  // namespace
 
-std::vector<Primitive> find_elbows(const PointCloud& cloud, std::vector<Primitive>& primitives,
-                                   const ElbowOptions& options)
+ElbowReport find_elbows(const PointCloud& cloud, std::vector<Primitive>& primitives, const ElbowOptions& options)
 {
     return ElbowSearch(cloud, primitives, options).run();
 }

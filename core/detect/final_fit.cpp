@@ -319,7 +319,9 @@ private:
     // Whether a doubtful shape is a piece of a cone or the like. Floors and walls that bend are kept.
     bool is_of_other_kind(const ShapeFit& fit, const FitCandidate& candidate, const CandidateFacts& facts) const
     {
-        if (fit.verdict == FitVerdict::good || is_wide(assigned_.parts[candidate.part], candidate.threshold))
+        const bool is_flat = traits_of(fit.shape.kind).is_flat();
+        if (fit.verdict == FitVerdict::good ||
+            (is_flat && is_wide(assigned_.parts[candidate.part], candidate.threshold)))
             return false;
         const std::vector<Vec3d> moved = facts.moved.points();
         if (moved.empty()) return other_kind(fit, facts.some.points()).has_value();

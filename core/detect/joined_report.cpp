@@ -86,7 +86,8 @@ private:
     std::vector<bool> is_kept_;  // keyed by the first search's label - 1
 };
 
-// Labels, colours and names in the order of the list, as each detection gives them.
+}  // namespace
+
 void number_again(std::vector<Primitive>& primitives)
 {
     std::map<ShapeKind, int> numbers;
@@ -98,8 +99,6 @@ void number_again(std::vector<Primitive>& primitives)
             std::string(traits_of(one.fit.shape.kind).label) + " " + std::to_string(++numbers[one.fit.shape.kind]);
     }
 }
-
-}  // namespace
 
 DetectReport joined(const Tree& tree, DetectReport rest, DetectReport others, std::uint64_t least_points)
 {

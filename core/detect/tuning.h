@@ -322,6 +322,18 @@ struct ElbowTuning {
     // Points on the middle half of the arc.
     // Chosen: fits of a torus to fewer have errors of the radius' size; not swept.
     double min_points = 30;  // number
+    // Radius of a bend behind a pipe, as the first points off the pipe show it.
+    // Chosen: of 89 such bends on four plants and an indoor scan, 43 are elbows, of 2.2 to 7; not swept.
+    double min_bend = 1.7;  // radii
+    // Chosen: with min_bend.
+    double max_bend = 8;  // radii
+    // Length of a cylinder up to which it may be a piece of an elbow.
+    // Chosen: 46 pieces of elbows of three halls have up to 4.3; not swept.
+    double max_piece = 6;  // radii
+    // Distance of its points from the elbow, from which on it is none.
+    // Chosen: those pieces have 0.27 to 0.54, with a point of something else among them 0.8, pipes next to elbows 1
+    // and more; not swept.
+    double max_piece_rms = 0.75;  // rms distances from the cylinder
 };
 
 // Shapes whose points lie on others, too (shared_points.h).

@@ -1,6 +1,6 @@
 // All planes, cylinders and spheres of a cloud.
 #include "pcm/detect/detect.h"
-#include "pcm/detect/elbow_search.h"
+#include "pcm/detect/add_elbows.h"
 
 #include "pcm/cloud/numbers.h"
 #include "pcm/ops/shared/drawing_arguments.h"
@@ -237,7 +237,6 @@ private:
         return label;
     }
 
-    // Behind the others, whose labels are their places in the list.
     void add_elbows(const PointCloud& cloud, DetectReport& found) const
     {
         ElbowOptions elbows;
@@ -246,11 +245,13 @@ private:
         elbows.memory_bytes = options_.memory_bytes;
         elbows.threads = options_.threads;
         elbows.progress = options_.progress;
-        std::vector<Primitive> all = find_elbows(cloud, found.primitives, elbows);
-        if (!all.empty())
-            found.notes.push_back(counted(all.size(), "elbow") +
-                                  " between pipes were fitted to the points there, which have no label of theirs");
-        for (Primitive& elbow : all) found.primitives.push_back(std::move(elbow));
+        const std::size_t before = found.primitives.size();
+        const std::size_t count = pcm::add_elbows(cloud, elbows, found);
+        if (count == 0) return;
+        std::string note = counted(count, "elbow") + " between pipes: fitted to the points there";
+        if (const std::size_t pieces = before + count - found.primitives.size(); pieces > 0)
+            note += ", in place of " + counted(pieces, "cylinder") + " along them";
+        found.notes.push_back(note);
     }
 
     void write_list(const DetectReport& found, const std::string& unit, Result& result) const

@@ -106,24 +106,26 @@ TEST(OtherKind, BandsOfCylindersAndKnucklesAreNotSpheres)
     })) << "a part of a ball";
 }
 
-// A floor, and a cone of which cylinders are cut out.
+// A floor, and a cone of which cylinders are cut out: narrow ones, and some as wide as walls.
 TEST(OtherKind, PiecesOfConesAreLeftOutWithANote)
 {
-    Dice dice(12);
-    std::vector<SurfacePoint> points;
-    for (int i = 0; i < 30000; ++i)
-        points.push_back({{dice.between(-3, 3), dice.between(-3, 3), 0.0015 * dice.normal()}, {}});
-    for (int i = 0; i < 12000; ++i) {
-        const double a = dice.between(0, 2 * pi), h = dice.between(0.2, 1.2),
-                     r = 0.12 + 0.35 * h + 0.0015 * dice.normal();
-        points.push_back({{r * std::cos(a), r * std::sin(a), h}, {}});
+    for (const double size : {1.0, 3.0}) {
+        Dice dice(12);
+        std::vector<SurfacePoint> points;
+        for (int i = 0; i < 30000; ++i)
+            points.push_back({{size * dice.between(-3, 3), size * dice.between(-3, 3), 0.0015 * dice.normal()}, {}});
+        for (int i = 0; i < 12000; ++i) {
+            const double a = dice.between(0, 2 * pi), h = dice.between(0.2, 1.2),
+                         r = size * (0.12 + 0.35 * h) + 0.0015 * dice.normal();
+            points.push_back({{r * std::cos(a), r * std::sin(a), size * h}, {}});
+        }
+        const TemporaryFolder folder;
+        const DetectReport report = detect_primitives(build_surface_tree(folder.path(), points), {});
+        const auto is_round = [](const Primitive& one) { return !traits_of(one.fit.shape.kind).is_flat(); };
+        EXPECT_EQ(std::count_if(report.primitives.begin(), report.primitives.end(), is_round), 0) << size;
+        const auto is_of_cones = [](const std::string& note) { return note.find("cones") != std::string::npos; };
+        EXPECT_EQ(std::count_if(report.notes.begin(), report.notes.end(), is_of_cones), 1) << size;
     }
-    const TemporaryFolder folder;
-    const DetectReport report = detect_primitives(build_surface_tree(folder.path(), points), {});
-    const auto is_round = [](const Primitive& one) { return !traits_of(one.fit.shape.kind).is_flat(); };
-    EXPECT_EQ(std::count_if(report.primitives.begin(), report.primitives.end(), is_round), 0);
-    const auto is_of_cones = [](const std::string& note) { return note.find("cones") != std::string::npos; };
-    EXPECT_EQ(std::count_if(report.notes.begin(), report.notes.end(), is_of_cones), 1);
 }
 
 }  // namespace
