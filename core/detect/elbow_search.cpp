@@ -204,7 +204,7 @@ private:
         const double radii = bend->radius / pipe.shape.radius;
         if (!(radii >= detect_tuning().elbows.min_bend && radii <= detect_tuning().elbows.max_bend)) return {};
         const auto place = place_on(*bend, at.place, around);
-        if (!place) return {};
+        if (!place || is_found(*place)) return {};
         FittedPrimitive fitted = fitted_at(*place, pipe.shape.radius);
         if (fitted.primitive.fit.verdict != FitVerdict::good) return {};
         Elbow elbow{std::move(fitted.primitive), fitted.agreement, {}, {}};
@@ -212,6 +212,14 @@ private:
         if (elbow.ends.empty()) return {};
         add_other_ends(elbow);
         return accepted(std::move(elbow));
+    }
+
+    // Whether it lies on an elbow already, that of another part of the same pipe.
+    bool is_found(const Vec3d& place) const
+    {
+        return std::any_of(found_.elbows.begin(), found_.elbows.end(), [&](const Primitive& elbow) {
+            return distance_to(elbow.fit.shape, place) <= elbow.fit.threshold;
+        });
     }
 
     FittedPrimitive fitted_at(const Vec3d& place, double radius) const

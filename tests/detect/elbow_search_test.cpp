@@ -221,7 +221,15 @@ TEST_F(ElbowSearch, OnePipeSuffices)
     }
 }
 
-// A pipe that ends, one behind a gap, and one that an end cap closes.
+TEST_F(ElbowSearch, TwoSidesOfAPipeHaveOneElbow)
+{
+    const auto cloud = cloud_of(usual);
+    const Primitive pipe = usual.pipes(0)[0];
+    std::vector<Primitive> list{pipe, pipe};
+    EXPECT_EQ(find_elbows(*cloud, list, {}).elbows.size(), 1u);
+}
+
+// A pipe that continues, and one that an end cap closes.
 TEST_F(ElbowSearch, NoneBehindAPipeThatEnds)
 {
     BentPipe straight = usual;
