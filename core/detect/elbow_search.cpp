@@ -7,6 +7,7 @@
 #include "pcm/piping/pipe_joints.h"
 #include "pcm/piping/pipe_run.h"
 #include "pcm/piping/tuning.h"
+#include "pcm/place/bent_tube.h"
 #include "pcm/place/fit_at.h"
 #include "pcm/place/grow_shape.h"
 #include "pcm/place/near_bend.h"
@@ -83,6 +84,7 @@ private:
         double agreement = 1;
         std::vector<EndIndex> ends;       // ends of the pipes that it joins
         std::optional<CentrePiece> bend;  // its part of the centre line; nothing where it joins no pipe
+        std::optional<SweptPart> part;    // as FittedPrimitive::part
     };
 
     void add(Elbow elbow)
@@ -207,7 +209,7 @@ private:
         if (!place || is_found(*place)) return {};
         FittedPrimitive fitted = fitted_at(*place, pipe.shape.radius);
         if (fitted.primitive.fit.verdict != FitVerdict::good) return {};
-        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {}, {}};
+        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {}, {}, fitted.part};
         add_end(end, elbow);
         if (elbow.ends.empty()) return {};
         add_other_ends(elbow);
@@ -251,7 +253,7 @@ private:
 
     std::optional<Elbow> between(const Corner& corner, FittedPrimitive fitted)
     {
-        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {corner.a, corner.b}, {}};
+        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {corner.a, corner.b}, {}, {}};
         elbow.bend = bend_of(elbow.ends, elbow.primitive);
         if (!elbow.bend) return {};
         return elbow;
@@ -262,7 +264,7 @@ private:
     {
         if (!is_piece_of(corner.a, fitted.primitive) && !is_piece_of(corner.b, fitted.primitive))
             return between(corner, std::move(fitted));
-        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {}, {}};
+        Elbow elbow{std::move(fitted.primitive), fitted.agreement, {}, {}, fitted.part};
         for (const EndIndex end : {corner.a, corner.b})
             if (!is_piece_of(end, elbow.primitive)) elbow.ends.push_back(end);
         if (!elbow.ends.empty() && !(elbow.bend = bend_of(elbow.ends, elbow.primitive))) return {};
@@ -304,6 +306,7 @@ private:
             if (!found_.is_piece[i]) found_.is_piece[i] = pieces_.is_of(i, elbow.primitive);
         for (const EndIndex end : elbow.ends) cut_pipe(end, elbow.primitive.fit.shape.point, primitive_of(end));
         if (elbow.bend) cut_elbow(*elbow.bend, elbow.primitive);
+        if (elbow.part && elbow.ends.size() < 2) cut_free_ends(elbow);
         return elbow;
     }
 
@@ -332,6 +335,29 @@ private:
         bounds.zero = first;
         bounds.begin = begin;
         bounds.end = end;
+    }
+
+    // Where no pipe of the list continues it, to what is bent of the points: those of the pipe there lie on the torus,
+    // too, for a while.
+    void cut_free_ends(Elbow& elbow)
+    {
+        const Shape& shape = elbow.primitive.fit.shape;
+        ShapeBounds& bounds = elbow.primitive.bounds;
+        const double middle = (bounds.begin + bounds.end) / 2, half = (bounds.end - bounds.begin) / 2;
+        const auto from_middle = [&](const Vec3d& p) {
+            return std::remainder(angle_about(shape, bounds.zero, p) - middle, 2 * pi);
+        };
+        const Vec3d u = normalised(elbow.part->start - dot(elbow.part->start, shape.axis) * shape.axis);
+        const auto place = [&](double angle) {
+            return shape.point + std::cos(angle) * u + std::sin(angle) * cross(shape.axis, u);
+        };
+        const double pipe = elbow.ends.empty() ? 0 : from_middle(end_of(elbow.ends.front()).place);
+        const double last = pipe > 0 ? half : std::min(half, from_middle(place(elbow.part->to)));
+        const double first = pipe < 0 ? -half : std::max(-half, from_middle(place(elbow.part->from)));
+        if (!(last > first)) return;
+        bounds.begin = std::max(0.0, middle + first);
+        bounds.end = middle + last;
+        if (bounds.begin >= 2 * pi) bounds.begin -= 2 * pi, bounds.end -= 2 * pi;
     }
 
     const PointCloud& cloud_;
