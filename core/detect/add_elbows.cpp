@@ -24,22 +24,28 @@ public:
         : points_(cloud.tree(), options.limit),
           elbows_(std::move(elbows)),
           report_(report),
+          before_(report.primitives.size()),
           labels_(std::make_shared<PointLabels>(*cloud.tree()))
     {
     }
 
     void run()
     {
-        leave_out_pieces();
-        for (std::size_t i = 0; i < elbows_.elbows.size(); ++i) {
-            Primitive& elbow = elbows_.elbows[i];
-            elbow.label = static_cast<std::uint32_t>(report_.primitives.size() + 1);
-            elbow.points = take_points(elbow);
-            report_.primitives.push_back(std::move(elbow));
-            report_.agreement.push_back(elbows_.agreement[i]);
+        std::vector<std::size_t> number;  // place of each in the list as it was, with all elbows behind it
+        std::vector<Primitive> all;
+        for (std::size_t i = 0; i < before_; ++i) {
+            if (elbows_.is_piece[i]) continue;
+            all.push_back(std::move(report_.primitives[i]));
+            number.push_back(i);
         }
-        sort();
-        report_.labels = labels_;
+        number_again(all);
+        for (std::size_t k = 0; k < elbows_.elbows.size(); ++k) {
+            Primitive& elbow = elbows_.elbows[k];
+            elbow.points = take_points(elbow, static_cast<std::uint32_t>(k + 1));
+            all.push_back(std::move(elbow));
+            number.push_back(before_ + k);
+        }
+        put_in_order(std::move(all), number);
         report_.outcome.points_out = 0;
         for (const Primitive& one : report_.primitives) report_.outcome.points_out += one.points;
     }
@@ -47,58 +53,46 @@ public:
 private:
     const Tree& tree() const { return points_.tree(); }
 
-    void leave_out_pieces()
+    // Most points first. `number`: as in run().
+    void put_in_order(std::vector<Primitive> all, const std::vector<std::size_t>& number)
     {
-        std::vector<std::uint32_t> label_of(report_.primitives.size() + 1, 0);
-        std::vector<Primitive> kept;
-        std::vector<double> agreement;
-        for (std::size_t i = 0; i < report_.primitives.size(); ++i) {
-            if (elbows_.is_piece[i]) continue;
-            kept.push_back(std::move(report_.primitives[i]));
-            agreement.push_back(report_.agreement[i]);
-            label_of[i + 1] = static_cast<std::uint32_t>(kept.size());
-        }
-        report_.primitives = std::move(kept);
-        report_.agreement = std::move(agreement);
-        number_again(report_.primitives);
-        label_again(*report_.labels, label_of);
-    }
-
-    // Most points first.
-    void sort()
-    {
-        std::vector<std::size_t> order(report_.primitives.size());
+        std::vector<double> agreement = std::move(report_.agreement);
+        agreement.insert(agreement.end(), elbows_.agreement.begin(), elbows_.agreement.end());
+        std::vector<std::size_t> order(all.size());
         std::iota(order.begin(), order.end(), std::size_t(0));
-        std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-            return report_.primitives[a].points > report_.primitives[b].points;
-        });
-        std::vector<std::uint32_t> label_of(order.size() + 1, 0);
-        std::vector<Primitive> sorted;
-        std::vector<double> agreement;
+        std::stable_sort(order.begin(), order.end(),
+                         [&](std::size_t a, std::size_t b) { return all[a].points > all[b].points; });
+        std::vector<std::uint32_t> label_of(agreement.size() + 1, 0);  // keyed by number + 1
+        report_.primitives.clear();
+        report_.agreement.clear();
         for (const std::size_t i : order) {
-            sorted.push_back(std::move(report_.primitives[i]));
-            sorted.back().colour = colour_in_turn(sorted.size() - 1);
-            agreement.push_back(report_.agreement[i]);
-            label_of[i + 1] = sorted.back().label = static_cast<std::uint32_t>(sorted.size());
+            report_.primitives.push_back(std::move(all[i]));
+            Primitive& one = report_.primitives.back();
+            one.colour = colour_in_turn(report_.primitives.size() - 1);
+            label_of[number[i] + 1] = one.label = static_cast<std::uint32_t>(report_.primitives.size());
+            report_.agreement.push_back(agreement[number[i]]);
         }
-        report_.primitives = std::move(sorted);
-        report_.agreement = std::move(agreement);
-        label_again(*labels_, label_of);
+        label_points(label_of);
     }
 
-    // `label_of`: keyed by label.
-    void label_again(const PointLabels& from, const std::vector<std::uint32_t>& label_of)
+    void label_points(const std::vector<std::uint32_t>& label_of)
     {
         for (NodeId node = 0; node < tree().nodes().size(); ++node) {
             if (tree().node(node).points == 0) continue;
-            std::vector<std::uint32_t> labels = from.get(node);
-            for (std::uint32_t& label : labels) label = label_of[label];
+            const std::vector<std::uint32_t> old = report_.labels->get(node);
+            std::vector<std::uint32_t> labels = labels_->get(node);
+            for (std::size_t i = 0; i < labels.size(); ++i)
+                labels[i] = label_of[labels[i] > 0 ? before_ + labels[i] : old[i]];
             labels_->set_all(node, labels);
         }
+        report_.labels = labels_;
     }
 
+    // Whether a point with this label belongs to something that is kept.
+    bool is_taken(std::uint32_t old) const { return old > 0 && !elbows_.is_piece[old - 1]; }
+
     // Number of points that now are the elbow's.
-    std::uint64_t take_points(const Primitive& elbow)
+    std::uint64_t take_points(const Primitive& elbow, std::uint32_t label)
     {
         const ShapeFit& fit = elbow.fit;
         const double reach = fit.shape.radius + fit.shape.second + fit.threshold;
@@ -108,16 +102,17 @@ private:
         std::uint64_t count = 0;
         points_.visit(
             grid_box(tree(), around), std::numeric_limits<std::uint16_t>::max(), [&](const ChosenPoints::Some& some) {
-                const std::vector<std::uint32_t> before = labels_->get(some.node);
+                const std::vector<std::uint32_t> old = report_.labels->get(some.node), own = labels_->get(some.node);
                 std::vector<std::uint32_t> numbers;
                 for (std::size_t k = 0; k < some.number.size(); ++k) {
-                    if (before[some.number[k]] > 0 || distance_to(fit.shape, some.at[k]) > fit.threshold) continue;
+                    const std::uint32_t i = some.number[k];
+                    if (is_taken(old[i]) || own[i] > 0 || distance_to(fit.shape, some.at[k]) > fit.threshold) continue;
                     const double angle = angle_about(fit.shape, elbow.bounds.zero, some.at[k]);
                     const bool is_on_arc = angle >= elbow.bounds.begin ? angle <= elbow.bounds.begin + arc
                                                                        : angle + 2 * pi <= elbow.bounds.begin + arc;
-                    if (is_on_arc) numbers.push_back(some.number[k]);
+                    if (is_on_arc) numbers.push_back(i);
                 }
-                labels_->set(some.node, numbers, std::vector<std::uint32_t>(numbers.size(), elbow.label).data());
+                labels_->set(some.node, numbers, std::vector<std::uint32_t>(numbers.size(), label).data());
                 count += numbers.size();
             });
         return count;
@@ -126,7 +121,8 @@ private:
     const ChosenPoints points_;
     ElbowReport elbows_;
     DetectReport& report_;
-    const std::shared_ptr<PointLabels> labels_;
+    const std::size_t before_;                   // number of primitives before
+    const std::shared_ptr<PointLabels> labels_;  // those of elbows by their place + 1, at last all of them
 };
 
 }  // namespace

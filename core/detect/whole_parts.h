@@ -18,9 +18,8 @@ struct WholePartOptions {
 
 // As assign_points(), with parts of planes joined (part_joining.h), thin plates divided into their faces
 // (plate_faces.h), parts joined again by points that are where their stations most probably were, and points given to
-// planes that lie within their outlines (outline_points.h). Parts keep no points (SurfacePart::some). `shifts`: those
-// of the stations, which are found where they are unknown. Where assign.sample.step is given, above 0, the same as
-// assign_points().
+// planes that lie within their outlines (outline_points.h). Parts keep no points (SurfacePart::some). `shifts` of the
+// stations are found where none are known. With a step in assign.sample nothing is joined: assign_points() alone.
 AssignedPoints assign_whole(const ChosenPoints& points, const std::vector<Box3i>& units,
                             std::vector<Hypothesis>& hypotheses, const AssignOptions& assign,
                             const WholePartOptions& options, StationShifts& shifts, PointLabels& labels);
