@@ -56,13 +56,6 @@ MeanDifferences differences_on(const Shape& shape, double threshold, const std::
 
 }  // namespace
 
-std::vector<Vec3d> places_of(const std::vector<PointOfStation>& points)
-{
-    std::vector<Vec3d> places;
-    for (const PointOfStation& p : points) places.push_back(p.place);
-    return places;
-}
-
 std::vector<PointOfStation> StationShifts::corrected(std::vector<PointOfStation> points) const
 {
     for (PointOfStation& p : points) p.place = p.place - of(p.station);

@@ -5,6 +5,7 @@
 #include "pcm/fit/ray_errors.h"
 #include "pcm/fit/station_sums.h"
 #include "pcm/place/point_stations.h"
+#include "pcm/place/station_sample.h"
 
 #include <cstdint>
 #include <functional>
@@ -75,7 +76,5 @@ private:
     std::vector<SeenPlane> planes_;
     std::vector<std::size_t> references_;  // places of the largest quiet ones
 };
-
-std::vector<Vec3d> places_of(const std::vector<PointOfStation>& points);
 
 }  // namespace pcm

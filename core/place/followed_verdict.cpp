@@ -159,9 +159,7 @@ void FollowedVerdict::doubt_rough(double within, double smooth, const std::vecto
 {
     ShapeFit& fit = result.primitive.fit;
     if (!(within > place_tuning().sides.max_within * smooth)) return;
-    std::vector<Vec3d> places;
-    for (const PointOfStation& p : some) places.push_back(p.place);
-    for (const std::vector<Vec3d>& points : {places, result.near.points.sources()})
+    for (const std::vector<Vec3d>& points : {places_of(some), result.near.points.sources()})
         if (surface_evidence(fit.shape, spread_of(fit), resolution(), points).has_shared_errors()) return;
     doubt(fit, FitIssue::other_surface,
           "the points of each station leave it by " + brief(within) + ", those of smooth surfaces around by " +

@@ -29,4 +29,11 @@ std::vector<PointOfStation> station_sample(const PointSet& points, const PointSt
         .points;
 }
 
+std::vector<Vec3d> places_of(const std::vector<PointOfStation>& points)
+{
+    std::vector<Vec3d> places;
+    for (const PointOfStation& p : points) places.push_back(p.place);
+    return places;
+}
+
 }  // namespace pcm

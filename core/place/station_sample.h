@@ -17,4 +17,6 @@ namespace pcm {
 std::vector<PointOfStation> station_sample(const PointSet& points, const PointStations& stations, std::size_t most,
                                            unsigned threads, const ProgressFunction& progress = {});
 
+std::vector<Vec3d> places_of(const std::vector<PointOfStation>& points);
+
 }  // namespace pcm
